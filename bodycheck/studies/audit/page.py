@@ -20,10 +20,10 @@ OVERVIEW = "properties"
 #: The name of the part with the methods that are the same algorithm.
 CLASSES = "classes"
 
-#: What stands in a cell for a row that is no finding.
+#: The signs in cells of rows that are no findings.
 SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
 
-#: The statuses, those first that are told of an engine if any of its methods has them.
+#: The statuses. An engine has the first of them that any of its methods has.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
 
 #: Explanations for readers.

@@ -90,7 +90,7 @@ def method_classes(classes: Classes) -> list[MethodClass]:
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
     """Return the findings among the rows of one engine, what deviates first, each property once for each status.
 
-    Those of the representation are told apart by whether their difference vanishes with the time step.
+    Findings about the representation are grouped by whether their difference vanishes with the time step.
     """
     given = list(rows)
     every = {row.integrator for row in given}
@@ -143,7 +143,7 @@ def ranges(rows: Iterable[Row]) -> str:
 
 
 def _sized(rows: Sequence[Row]) -> str:
-    """Return the size of what was found, and of what it should be."""
+    """Return the size of a property that was found, and the expected size."""
     sizes = ranges(rows)
     expected = [text for text in dict.fromkeys(row.expected for row in rows) if text]
     wanted = f" ({'; '.join(expected)} expected)" if expected and sizes else ""

@@ -28,7 +28,7 @@ class Motion:
     efforts: Array
 
     def at(self, states: Sequence[int]) -> "Motion":
-        """Return some of the states, by their places."""
+        """Return some of the states, by their indices."""
         indices = list(states)
         some = tuple(self.states[index] for index in indices)
         return Motion(some, self.velocities[indices], self.accelerations[indices], self.efforts[indices])
@@ -97,7 +97,7 @@ def selected(engine: Stack, columns: Sequence[int]) -> Stack:
 
 
 def places(match: Match) -> dict[str, list[int]]:
-    """Return the places of the velocities of each joint that has several."""
+    """Return the indices of the velocities of each joint that has several."""
     by_joint: dict[str, list[int]] = {}
     for index, (name, _) in enumerate(match.labels):
         by_joint.setdefault(name, []).append(index)

@@ -131,7 +131,7 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
 
 
 def at(comparison: Comparison, states: Sequence[int]) -> Comparison:
-    """Return a comparison of some of the states, by their places, whose rows are still those of all states."""
+    """Return a comparison of some of the states, by their indices, whose rows are still those of all states."""
     return replace(
         comparison,
         motion=comparison.motion.at(states),
@@ -159,8 +159,8 @@ def _with_constraints(comparison: Comparison) -> Comparison:
     if passive is None or comparison.truth.passive_force is None or comparison.match.reduced or not np.any(most > 0):
         return comparison
     without = comparison.truth.passive_force + most * np.sign(velocities)
-    frictions = np.clip(passive - without, -most, most)
-    friction = np.where(_is_constraint(frictions, most), frictions, -most * np.sign(velocities))
+    friction_of_engine = np.clip(passive - without, -most, most)
+    friction = np.where(_is_constraint(friction_of_engine, most), friction_of_engine, -most * np.sign(velocities))
     truth = replace(comparison.truth, passive_force=without + friction)
     return replace(comparison, truth=replace(truth, forward_dynamics=accelerations(truth, comparison.motion.efforts)))
 

@@ -242,7 +242,7 @@ def find(
     model
         The model of the file with the bodies of the engine.
     places
-        The places of the velocities of each joint that has several, among those that are compared.
+        The indices of the velocities of each joint that has several, among those that are compared.
     states
         The probe states.
     engine, truth

@@ -38,7 +38,7 @@ class Match:
         The n velocities that are compared, in the order of the file. A joint that follows another, and has no velocity of
         its own in the engine, has none here.
     columns
-        The places (n,) of these velocities among those of the engine.
+        The indices (n,) of these velocities among those of the engine.
     expansion
         The matrix that makes all velocities of `model` of those that are compared.
     """

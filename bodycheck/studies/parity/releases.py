@@ -23,7 +23,7 @@ Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
 
 @dataclass(frozen=True)
 class Meaning:
-    """A change of what a file means from one release to the next.
+    """A change in the meaning of a file from one release to the next.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ class Sizes:
     columns: Array
 
     def at(self, states: Sequence[int]) -> "Sizes":
-        """Return the sizes at some of the states, by their places. Sizes of all states stay what they are."""
+        """Return the sizes at some of the states, by their indices. Sizes of all states stay what they are."""
         return replace(self, roots=self.roots[list(states)])
 
 

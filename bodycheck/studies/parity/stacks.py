@@ -31,7 +31,7 @@ class Stack:
     inverse_dynamics: Array | None = None
 
     def at(self, states: Sequence[int]) -> "Stack":
-        """Return the terms at some of the states, by their places."""
+        """Return the terms at some of the states, by their indices."""
         indices = list(states)
         poses, jacobians = ({name: array[indices] for name, array in part.items()} for part in (self.poses, self.jacobians))
         return Stack(poses, jacobians, *(_at(getattr(self, one.name), indices) for one in fields(self)[2:]))

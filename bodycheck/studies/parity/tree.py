@@ -87,7 +87,7 @@ def same_limits(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> b
 def order(match: Match, model: RobotModel, reading: RobotReading) -> Iterator[Compared]:
     """Yield the rows of the number of velocities, and of the order of joints.
 
-    A file of a robot does not say in which order its joints come, so that every order agrees; it is told for users who pass
+    A file of a robot does not say in which order its joints come, so that every order agrees. The row is for users who pass
     vectors from one engine to another.
     """
     names = {id(joint): name for name, joint in match.joints.items()}

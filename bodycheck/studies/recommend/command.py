@@ -73,7 +73,7 @@ def recommend(
 
 
 def _tell(recommendation: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:
-    """Print the answers. Without tables, where the command is to be quiet, it is told that no method keeps the error."""
+    """Print the answers; if the command is quiet, only that no method keeps the error."""
     from dataclasses import asdict
 
     from bodycheck.console.output import tell

@@ -61,7 +61,7 @@ ENOUGH_S = 1.0
 #: Most time (s) of stepping of one batch; one that would take longer is not run to its end.
 MOST_S = 100.0
 
-#: Why there are no copies of bodies that touch otherwise than one that lies flat on a level plane.
+#: Why bodies that touch have no copies, except one that lies flat on a level plane.
 NOT_TURNED = "the scenes of a batch are turned about the vertical, and bodies that touch are not turned"
 
 #: The seed of the angles.

@@ -47,7 +47,7 @@ def limits(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def spin_limit(pilot: Pilot) -> tuple[float, str] | NotFlown | None:
-    """Return the largest spin (rad/s) and of what it is the limit; None if there is none up to `LARGEST`."""
+    """Return the largest spin (rad/s) and a description of the limit; None if there is none up to `LARGEST`."""
     return _limit(pilot, slice(10, 13))
 
 

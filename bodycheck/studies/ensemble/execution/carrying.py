@@ -49,7 +49,7 @@ from bodycheck.studies.ensemble.execution.calls import (
 
 
 @dataclass
-class _Made:
+class _Output:
     """The files written for a chunk, and the contents of its receipt.
 
     Attributes
@@ -57,9 +57,9 @@ class _Made:
     tables
         The tables of each block, by kind.
     kept
-        The trajectories that are kept, by the place of the method and the member.
+        The trajectories that are kept, by the index of the method and the member.
     worst
-        The worst member so far, with the distance from the ideal value, by the place of the method and the figure.
+        The worst member so far, with the distance from the ideal value, by the index of the method and the figure.
     always
         Those of `kept` that are kept whether they are the worst or not.
     failed, engine_seconds, truth_seconds
@@ -75,7 +75,7 @@ class _Made:
     truth_seconds: float = 0.0
 
     def keep(self, index: int, rows: Judged) -> None:
-        """Keep the trajectories of a block with the method at a place, and forget those that are the worst no more."""
+        """Keep the trajectories of a block with a method, given by its index, and forget those that are the worst no more."""
         self.kept |= {(index, member): motion for member, motion in rows.trajectories.items()}
         self.always |= {(index, member) for member in rows.sampled}
         for name, extreme in rows.worst.items():
@@ -101,25 +101,25 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
     """
     start = time.perf_counter()
     _check_versions(chunk)
-    work = _Made()
+    output = _Output()
     for block in chunk.blocks:
-        _add_block(work, chunk, block)
-    work.tables[TRAJECTORIES] = [_trajectories(chunk, work)]
+        _add_block(output, chunk, block)
+    output.tables[TRAJECTORIES] = [_trajectories(chunk, output)]
     chunk_workers.check()
     for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
-        if work.tables[kind]:
-            chunk_files.write(folder, chunk, kind, work.tables[kind])
+        if output.tables[kind]:
+            chunk_files.write(folder, chunk, kind, output.tables[kind])
     return Receipt(
         chunk.name,
         chunk.share.engine,
         chunk.first,
         chunk.count,
         chunk.rows,
-        work.failed,
+        output.failed,
         time.perf_counter() - start,
-        work.engine_seconds,
-        work.truth_seconds,
-        chunk_files.digest(work.tables[RUNS]),
+        output.engine_seconds,
+        output.truth_seconds,
+        chunk_files.digest(output.tables[RUNS]),
     )
 
 
@@ -133,7 +133,7 @@ def _check_versions(chunk: Chunk) -> None:
     versions.check({name: chunk.share.version}, {name: records[name].version}, "a worker")
 
 
-def _add_block(chunk_work: _Made, chunk: Chunk, block: range) -> None:
+def _add_block(output: _Output, chunk: Chunk, block: range) -> None:
     """Fly and judge a block with all methods, and add what is written of it."""
     work, share = chunk.work, chunk.share
     drawn: Drawn = _ask(chunk, Drawing(work, block))
@@ -141,23 +141,23 @@ def _add_block(chunk_work: _Made, chunk: Chunk, block: range) -> None:
     for index, method in enumerate(share.methods):
         flown = _flown(chunk, block, drawn, method)
         rows: Judged = _ask(chunk, Judging(work, block, flown))
-        chunk_work.keep(index, rows)
-        chunk_work.engine_seconds += flown.wall_time
-        chunk_work.truth_seconds += rows.seconds
-        chunk_work.failed += rows.failures
+        output.keep(index, rows)
+        output.engine_seconds += flown.wall_time
+        output.truth_seconds += rows.seconds
+        output.failed += rows.failures
         judged.append(rows)
     constant = {"engine": share.engine, "version": share.version}
     spellings: list[dict[str, str | float]] = [
         {"integrator": method.name, "timestep": method.timestep} for method in share.methods
     ]
     columns = [rows.columns for rows in judged]
-    chunk_work.tables[RUNS].append(_table(chunk, block, columns, spellings, constant, RUN_SCHEMA))
+    output.tables[RUNS].append(_table(chunk, block, columns, spellings, constant, RUN_SCHEMA))
     if share.truths_of:
         columns = [_ask(chunk, TruthTable(work, block, timestep)) for timestep in share.truths_of]
         steps: list[dict[str, str | float]] = [{"timestep": timestep} for timestep in share.truths_of]
-        chunk_work.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
+        output.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
         schema = chunk_files.member_schema(work.source.names)
-        chunk_work.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
+        output.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
 
 
 def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
@@ -225,13 +225,13 @@ def _table(
     return chunk_files.table(together, schema)
 
 
-def _trajectories(chunk: Chunk, work: _Made) -> Any:
+def _trajectories(chunk: Chunk, output: _Output) -> Any:
     """Return the table of the trajectories that are kept, in the order of members and methods."""
     parts: dict[str, list[Any]] = {field.name: [] for field in TRAJECTORY_SCHEMA}
     case = case_of(chunk.work.case)
     names = [body.name for body in case.scene.bodies] if isinstance(case.scene, Mechanism) else [""]
-    for index, member in sorted(work.kept, key=lambda key: (key[1], key[0])):
-        motion, method = work.kept[index, member], chunk.share.methods[index]
+    for index, member in sorted(output.kept, key=lambda key: (key[1], key[0])):
+        motion, method = output.kept[index, member], chunk.share.methods[index]
         labels: dict[str, Any] = {"case": case.name, "engine": chunk.share.engine, "integrator": method.name}
         labels |= {"timestep": method.timestep, "member": member, "kept": ""}
         for body, name in enumerate(names):

@@ -57,10 +57,10 @@ class Remarkable:
     Attributes
     ----------
     worst
-        The largest distance from the ideal value and the first member that has it, by the engine, the place of the method, and
+        The largest distance from the ideal value and the first member that has it, by the engine, the index of the method, and
         the name of the figure.
     failed
-        The first members that failed, by the engine and the place of the method.
+        The first members that failed, by the engine and the index of the method.
     """
 
     worst: dict[tuple[str, int, str], tuple[float, int]] = field(default_factory=dict)

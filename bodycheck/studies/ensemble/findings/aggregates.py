@@ -86,7 +86,7 @@ class Distribution:
     Attributes
     ----------
     method
-        The place of the method.
+        The index of the method.
     figure
         The name of the figure.
     count
@@ -129,9 +129,9 @@ class Figure:
     edges
         The ends of the bins of the histograms (b + 1,); empty if no method has a value other than zero.
     distributions
-        The distributions by the places of the methods.
+        The distributions by the indices of the methods.
     best
-        By the places of the methods, the share of the members in which the method has the smallest value of all methods; equal
+        By the indices of the methods, the share of the members in which the method has the smallest value of all methods; equal
         ones share it. Empty if there is one method.
     truth
         The median and the largest bound of the truth's own error in the figure; None where it is not known.
@@ -170,7 +170,7 @@ class Aggregates:
 
     @property
     def ranked(self) -> list[int]:
-        """The places of the methods that were run, the best first: fewest failures, then the smallest 99 % quantile."""
+        """The indices of the methods that were run, the best first: fewest failures, then the smallest 99 % quantile."""
         figure = self.figures.get(self.ranking)
 
         def badness(index: int) -> tuple[float, float]:

@@ -30,9 +30,9 @@ class Map:
     figure
         `FAILURE`, or the name of a figure.
     members
-        By the place of the method, the number of members in each cell (b, a) that were run, or have the figure.
+        By the index of the method, the number of members in each cell (b, a) that were run, or have the figure.
     values
-        By the place of the method, the share of the members in each cell (b, a) that failed, or the geometric mean of the
+        By the index of the method, the share of the members in each cell (b, a) that failed, or the geometric mean of the
         figure; NaN in cells without members.
     """
 
@@ -57,7 +57,7 @@ def made(ensemble: Ensemble, figure: str, over: tuple[str, str], places: Sequenc
     over
         The names of two drawn numbers, or of lengths of drawn vectors.
     places
-        The places of the methods.
+        The indices of the methods.
     """
     drawn = numbers(ensemble, len(ensemble.members), over)
     x, y = (drawn[name] for name in over)

@@ -44,7 +44,7 @@ class Dependence:
     Attributes
     ----------
     method
-        The place of the method.
+        The index of the method.
     figure
         The name of the figure, or `FAILURE`.
     number

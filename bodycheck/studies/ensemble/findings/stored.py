@@ -212,7 +212,7 @@ def _table(path: Path, members: NDArray[np.int64], known: dict[EngineMethod, int
 
 
 def _codes(path: Path, batch: Any, known: dict[EngineMethod, int]) -> Codes:
-    """Return the place of the method of each row among those that are known. Raises `BadFolder` for too many."""
+    """Return the index of the method of each row among those that are known. Raises `BadFolder` for too many."""
     columns = [_encoded(batch.column(1 + index)) for index in range(len(METHOD))]
     rows = np.zeros(len(batch), np.int64)
     for indices, values in columns:

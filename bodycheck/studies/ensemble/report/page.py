@@ -34,7 +34,7 @@ from bodycheck.studies.ensemble.report.page_tables import (
 #: The names of the parts.
 METHODS, ERRORS, CAUSES, WORST = "methods", "distributions", "causes", "worst"
 
-#: A largest value this many times the 99 % quantile is told as one that stands out.
+#: A largest value stands out if it is this many times the 99 % quantile.
 OUTLYING = 10.0
 
 #: Explanations for readers.

@@ -23,7 +23,7 @@ MOST_CHARACTERS = 200_000
 
 
 def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
-    """Return the members that are shown, each with the places of the methods that are run with it.
+    """Return the members that are shown, each with the indices of the methods that are run with it.
 
     They are the members with the largest value of the figure that methods are ranked by, those of the worst methods first. The
     methods are the one that it is the worst member of, and the best others with the same time step.

@@ -86,7 +86,7 @@ def diagnosed(comparison: Comparison) -> Diagnosis:
 
 
 def _places(comparison: Comparison) -> list[int]:
-    """Return the places of a few states: those with the largest difference of each quantity, and the first ones."""
+    """Return the indices of a few states: those with the largest difference of each quantity, and the first ones."""
     gaps = [apart(quantity, comparison.engine, comparison.truth, comparison.sizes) for quantity in TERMS]
     worst = dict.fromkeys(gap.state for gap in gaps if gap is not None and gap.relative > comparison.tolerance)
     return list(dict.fromkeys([*worst, *range(len(comparison.motion.states))]))[: max(STATES, len(worst))]
