@@ -41,12 +41,12 @@ def gather(
     from bodycheck.console.arguments import processes
     from bodycheck.console.output import say_where
     from bodycheck.studies.ensemble import header, printing
-    from bodycheck.studies.ensemble.execution import gathering
     from bodycheck.studies.ensemble.execution.result_tables import case_of
+    from bodycheck.studies.ensemble.execution.result_tables import gather as gather_chunks
     from bodycheck.studies.ensemble.report import publishing, reporting
 
     tables.check(view, printing.ROWS, printing.DEPENDENCES)
-    folder = gathering.gather(folders, out, processes(jobs))
+    folder = gather_chunks(folders, out, processes(jobs))
     head = header.read(folder)
     case = case_of(head)
     made = reporting.read(folder, case, head)

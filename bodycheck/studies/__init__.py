@@ -9,5 +9,6 @@
 - `ensemble`: how often does a method fail over many members of a case, and which are the worst?
 - `parity`: what do engines make of the file of a robot?
 
-Several studies use `cost`, which measures the time per step, and `orders`, the rows on orders of convergence.
+Several studies use `cost`, which measures the time per step, `timesteps`, which has the time steps that suit a case, and
+`orders`, the rows on orders of convergence.
 """

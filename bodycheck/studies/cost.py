@@ -101,26 +101,26 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
     times, processor_times = np.empty((2, len(stretches), rounds))
     with pool.caller(_apply, limit, group=lambda call: call[1].engine, home=home) as call:
 
-        def asked(place: int, function: Callable[..., Any], *arguments: object) -> Any:
+        def measured(index: int, function: Callable[..., Any], *arguments: object) -> Any:
             """Make a call for a stretch that has not failed; None if it has, or does so now."""
-            if place in failed:
+            if index in failed:
                 return None
-            answer = call((function, stretches[place], *arguments))
+            answer = call((function, stretches[index], *arguments))
             if isinstance(answer, Crashed | TimedOut):
-                failed[place] = answer
+                failed[index] = answer
                 return None
             return answer
 
-        sizes: list[_Size | None] = [asked(place, _size) for place in range(len(stretches))]
+        sizes: list[_Size | None] = [measured(index, _size) for index in range(len(stretches))]
         for turn in range(rounds):
             # Every other round is in reverse order, so that no stretch always follows the same other one.
-            for place in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
-                if (found := asked(place, _sample, sizes[place])) is not None:
-                    times[place, turn], processor_times[place, turn] = found
-        shares = [asked(place, _engine_share, sizes[place]) for place in range(len(stretches))]
+            for index in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
+                if (sample := measured(index, _sample, sizes[index])) is not None:
+                    times[index, turn], processor_times[index, turn] = sample
+        shares = [measured(index, _engine_share, sizes[index]) for index in range(len(stretches))]
     return [
-        failed.get(place) or Measured(times[place], processor_times[place], size.setup if size else 0.0, shares[place])
-        for place, size in enumerate(sizes)
+        failed.get(index) or Measured(times[index], processor_times[index], size.setup if size else 0.0, shares[index])
+        for index, size in enumerate(sizes)
     ]
 
 

@@ -40,13 +40,13 @@ def share(adapter: Adapter, seconds: Callable[[], float]) -> float | None:
     if not isinstance(adapter, Calls):
         return None
     unwatched = _time_of_watching()
-    found = []
+    shares = []
     for _ in range(ROUNDS):
         whole = seconds()
         with watched(adapter.calls) as watch:
             seconds()
-        found.append((watch.seconds - unwatched * watch.calls) / whole)
-    return min(1.0, max(0.0, median(found)))
+        shares.append((watch.seconds - unwatched * watch.calls) / whole)
+    return min(1.0, max(0.0, median(shares)))
 
 
 @contextmanager

@@ -42,9 +42,9 @@ def finished_runs(folder: Path) -> Results:
     return results
 
 
-def check_runs(results: Results, table: str, told: set[Any], made: set[Any]) -> None:
+def check_runs(results: Results, table: str, tabled: set[Any], recorded: set[Any]) -> None:
     """Raise `BadFolder` if a table does not list the same runs as the records in its folder."""
-    if not told or told != made:
+    if not tabled or tabled != recorded:
         raise BadFolder(
             f"{results.folder}: {table} does not list the same runs as {store.RECORDS}: it is damaged, or it belongs to other "
             "results and must be removed"
@@ -72,4 +72,5 @@ def row(table: Table[Row], record: Mapping[str, Any]) -> Row:
 
 
 def runs(results: Results) -> Iterator[dict[str, Any]]:
+    """Return the records of the runs among those of some results."""
     return (record for record in results.records if record["record"] == "run")

@@ -55,9 +55,9 @@ def ablate(
 
     check_has_folder(figures, out)
     tables.check(view, printing.MODELS)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
-        results = made.results
-        rows = study.evaluate(results, made.engines, integrator, timestep)
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as runs:
+        results = runs.results
+        rows = study.evaluate(results, runs.engines, integrator, timestep)
         report = present(results.header, results.cases, rows)
         Output(out, figures).write(report, ((MODELS, records(rows)),), [origin.stored(results.header)])
     if json:
@@ -65,7 +65,7 @@ def ablate(
     elif not quiet:
         printing.print_ablation(rows, view)
     say_where(out, quiet)
-    return FAILED if made.engine_failed else OK
+    return FAILED if runs.engine_failed else OK
 
 
 #: The commands of the study.

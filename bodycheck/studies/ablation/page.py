@@ -57,8 +57,8 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
     """
     compared = groups(rows)
     by_case: dict[str, list[list[ModelRow]]] = defaultdict(list)
-    for own in compared:
-        by_case[own[0].case].append(own)
+    for group in compared:
+        by_case[group[0].case].append(group)
     failures = Counter((row.status, row.reason) for row in rows if row.reason)
     failed = (f"{count(amount, 'model')} ended as {status}: {reason}." for (status, reason), amount in failures.items())
     return StudyReport(
@@ -66,7 +66,7 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
         headline=f"{count(len(rows), 'model')} in {count(len(compared), 'comparison')}",
         header=header,
         notices=(*missing_engines(header), *failed),
-        findings=tuple(finding for own in compared for finding in findings(own)),
+        findings=tuple(finding for group in compared for finding in findings(group)),
         parts=tuple(part(case, by_case[name]) for name, case in cases.items() if name in by_case),
         reading=READING,
     )
@@ -74,7 +74,7 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
 
 def groups(rows: Sequence[ModelRow]) -> list[list[ModelRow]]:
     """Return the models of each case, engine, integrator and time step, the smallest first."""
-    return [list(own) for _, own in groupby(rows, key=lambda row: (row.case, row.engine, row.integrator, row.timestep))]
+    return [list(models) for _, models in groupby(rows, key=lambda row: (row.case, row.engine, row.integrator, row.timestep))]
 
 
 def findings(rows: Sequence[ModelRow]) -> list[Finding]:
@@ -82,13 +82,13 @@ def findings(rows: Sequence[ModelRow]) -> list[Finding]:
     smallest, *larger = rows
     before = f"With {named(smallest)} on "
     ran = [row for row in larger if row.relative_cost is not None and row.changes]
-    found = []
+    sentences = []
     if ran:
         low, most, high = (
             number(value, 3) for value in (ran[-1].relative_cost_low, ran[-1].relative_cost, ran[-1].relative_cost_high)
         )
         costs = f"the model {ran[-1].model} costs {most} times as much ({low} to {high}) as {smallest.model}"
-        found.append(Finding("Larger model", before, smallest.case, f", {costs} and {effect(ran[-1].changes)}."))
+        sentences.append(Finding("Larger model", before, smallest.case, f", {costs} and {effect(ran[-1].changes)}."))
     for row in ran:
         apart = [name for name, change in row.changes.items() if not change.agrees]
         if apart:
@@ -96,9 +96,9 @@ def findings(rows: Sequence[ModelRow]) -> list[Finding]:
             limit = listing([with_unit(row.changes[name].time_step, name) for name in apart])
             differs = f"the model {row.model} differs from {smallest.model} by {sizes}"
             after = f", {differs}, which is more than the time-step errors of both ({limit})."
-            found.append(Finding("Different physics", before, row.case, after))
+            sentences.append(Finding("Different physics", before, row.case, after))
             break
-    return found
+    return sentences
 
 
 def named(row: ModelRow) -> str:
@@ -138,12 +138,12 @@ def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
     )
 
 
-def required(found: Requirements | MechanismRequirements) -> str:
+def required(requirements: Requirements | MechanismRequirements) -> str:
     """Return what a scene requires, as a sentence."""
-    names = list(found.names())
-    if isinstance(found, Requirements):
-        names = [f"{found.rotation} rotation" if name == "rotation" else name for name in names]
-    coordinates = count(found.degrees_of_freedom, "degree") + " of freedom"
+    names = list(requirements.names())
+    if isinstance(requirements, Requirements):
+        names = [f"{requirements.rotation} rotation" if name == "rotation" else name for name in names]
+    coordinates = count(requirements.degrees_of_freedom, "degree") + " of freedom"
     if not names:
         return "The scene requires nothing, as the body is at rest."
     return f"The scene requires {listing(names)}: {coordinates}."

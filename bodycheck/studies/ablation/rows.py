@@ -23,12 +23,12 @@ class Change:
 
     @property
     def is_rounding(self) -> bool:
-        """Whether rounding alone explains the difference."""
+        """True if rounding alone explains the difference."""
         return self.size <= self.rounding
 
     @property
     def agrees(self) -> bool:
-        """Whether the two models may converge to the same motion as the time step vanishes."""
+        """True if the two models may converge to the same motion as the time step vanishes."""
         return self.size <= self.rounding + self.time_step
 
 

@@ -17,12 +17,12 @@ def read(folder: Path) -> StudyReport:
     """Return the report of an ablation, in a folder. Raises `BadFolder` and errors of damaged files."""
     results = reading.finished_runs(folder)
     rows = reading.rows(folder, MODELS)
-    made = {RunKey.of_row(run) for run in reading.runs(results)}
-    told = {RunKey.of_row({**row, "integrator": _spelled(row["integrator"], row["model"])}) for row in rows}
-    reading.check_runs(results, MODELS.file, told, told & made)
-    found = list(map(row_of, rows))
-    report = ablation.present(results.header, results.cases, found)
-    return reading.dated(report, results.header, {name for row in found for name in row.errors})
+    recorded = {RunKey.of_row(run) for run in reading.runs(results)}
+    tabled = {RunKey.of_row({**row, "integrator": _spelled(row["integrator"], row["model"])}) for row in rows}
+    reading.check_runs(results, MODELS.file, tabled, tabled & recorded)
+    models = list(map(row_of, rows))
+    report = ablation.present(results.header, results.cases, models)
+    return reading.dated(report, results.header, {name for row in models for name in row.errors})
 
 
 def _spelled(integrator: str, model: str) -> str:

@@ -81,27 +81,27 @@ def models_of(
     The engines are asked in processes of their own. If `integrators`, the spellings of the selected methods, is empty, each
     engine's first method with models is used.
     """
-    asked = [(case, engine, tuple(integrators)) for case in cases for engine in engines]
-    found: dict[tuple[str, str], ModelsByMethod] = {}
-    calls = pool.call_all(with_models, asked, 1, campaign.TIME_LIMIT_S, group=lambda one: one[1], home=home)
+    questions = [(case, engine, tuple(integrators)) for case in cases for engine in engines]
+    models_by_case: dict[tuple[str, str], ModelsByMethod] = {}
+    calls = pool.call_all(with_models, questions, 1, campaign.TIME_LIMIT_S, group=lambda question: question[1], home=home)
     with closing(calls) as answers:
         for (case, engine, _), answer in answers:
             if isinstance(answer, Crashed | TimedOut):
                 raise BadInput(f"{engine} does not say which models it has of {case.name}: {answer.reason}")
-            found[case.name, engine] = answer
-    return found
+            models_by_case[case.name, engine] = answer
+    return models_by_case
 
 
-def with_models(asked: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
+def with_models(question: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
     """Return the models of a case's scene in an engine for the selected methods, by the spelling of the method."""
-    case, engine, integrators = asked
+    case, engine, integrators = question
     adapter = registry.load(engine)
     names = offered(adapter.engine, case.scene)
     wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
     if not isinstance(adapter, Models):
         return {}
-    found = {name: dict(adapter.models(case.scene, name)) for name in names}
-    growing = {name: models for name, models in found.items() if models and (not wanted or name in wanted)}
+    offered_models = {name: dict(adapter.models(case.scene, name)) for name in names}
+    growing = {name: models for name, models in offered_models.items() if models and (not wanted or name in wanted)}
     return growing if wanted else dict(list(growing.items())[:1])
 
 
@@ -154,23 +154,23 @@ def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Ma
 
     step = group.method.timestep
     pairs = {name: (verdict(model, step), verdict(model, step / 2)) for name, model in models.items()}
-    completed = {model: own for model, (own, _) in pairs.items() if own.discrepancy is not None}
+    completed = {model: coarse for model, (coarse, _) in pairs.items() if coarse.discrepancy is not None}
     times, untimed = measured(case, completed)
     smallest = next(iter(pairs))
     rows = []
-    for model, (own, finer) in pairs.items():
+    for model, (coarse, finer) in pairs.items():
         seconds, relative = times.get(model, (None, None))
         rows.append(
             ModelRow(
-                *(group.case, group.engine, own.run.version, group.method.name, step, model, models[model].adds),
-                status=own.outcome.status,
-                reason=own.outcome.reason or untimed,
+                *(group.case, group.engine, coarse.run.version, group.method.name, step, model, models[model].adds),
+                status=coarse.outcome.status,
+                reason=coarse.outcome.reason or untimed,
                 time_per_step=seconds.median if seconds else None,
                 relative_cost=relative.median if relative and smallest in times else None,
                 relative_cost_low=relative.low if relative and smallest in times else None,
                 relative_cost_high=relative.high if relative and smallest in times else None,
-                changes=changes(own, finer, *pairs[smallest]),
-                errors=own.discrepancy.maxima() if own.discrepancy is not None else {},
+                changes=changes(coarse, finer, *pairs[smallest]),
+                errors=coarse.discrepancy.maxima() if coarse.discrepancy is not None else {},
             )
         )
     return rows
@@ -185,33 +185,35 @@ def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tu
     ]
     if not stretches:
         return {}, ""
-    found = cost.measure(stretches, campaign.TIME_LIMIT_S)
-    if failed := [own for own in found if isinstance(own, Crashed | TimedOut)]:
+    costs = cost.measure(stretches, campaign.TIME_LIMIT_S)
+    if failed := [measurement for measurement in costs if isinstance(measurement, Crashed | TimedOut)]:
         return {}, f"its cost could not be measured: {failed[0].reason}"
-    return dict(zip(completed, compared([own.times for own in found if isinstance(own, Measured)]), strict=True)), ""
+    return dict(
+        zip(completed, compared([measurement.times for measurement in costs if isinstance(measurement, Measured)]), strict=True)
+    ), ""
 
 
 def compared(times: Sequence[Array]) -> list[tuple[Cost, Cost]]:
     """Return the cost that the times (rounds,) of each model tell, and its ratio to that of the first in the same rounds."""
-    return [(cost.summarise(own), cost.summarise(own / times[0])) for own in times]
+    return [(cost.summarise(model_times), cost.summarise(model_times / times[0])) for model_times in times]
 
 
-def changes(own: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:
+def changes(coarse: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:
     """Return the differences of a model's motion from that of the smallest model; empty if a run has not completed.
 
     Parameters
     ----------
-    own, finer
+    coarse, finer
         The verdicts on the model's runs with the time step and with half of it.
     smallest, finer_smallest
         The same for the smallest model.
     """
-    outcomes = [verdict.outcome for verdict in (own, finer, smallest, finer_smallest)]
+    outcomes = [verdict.outcome for verdict in (coarse, finer, smallest, finer_smallest)]
     runs = [outcome for outcome in outcomes if isinstance(outcome, Completed)]
     if len(runs) < len(outcomes):
         return {}
     here, half, there, half_there = common([run.trajectory for run in runs])
-    found = {}
+    differences = {}
     for quantity, apart, size in (
         ("position", positions_apart, float(np.abs(here.position).max())),
         ("attitude", attitudes_apart, 1.0),
@@ -219,8 +221,8 @@ def changes(own: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Ver
         time_step = FIRST_ORDER_FACTOR * (apart(here, half) + apart(there, half_there))
         # In the worst case, the rounding errors of all steps add up.
         rounding = runs[0].steps * float(np.finfo(float).eps) * size
-        found[quantity] = Change(apart(here, there), rounding, time_step)
-    return found
+        differences[quantity] = Change(apart(here, there), rounding, time_step)
+    return differences
 
 
 def positions_apart(one: Trajectory, other: Trajectory) -> float:

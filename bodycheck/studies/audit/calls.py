@@ -1,4 +1,7 @@
-"""What a worker process does of an audit: one probe of one method, or one run."""
+"""The work of a worker process in an audit: one probe of one method, or one run.
+
+This module is apart from `study`, so that workers do not import what the audit needs before and after their work.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -31,11 +34,11 @@ class Found:
     Parameters
     ----------
     findings
-        What the probe says.
+        The findings of the probe.
     flights
         The states of flights that are compared with those of other processes, by when they were made.
     attitude_error
-        The error of the attitude (rad) of the flight that shows what the method does; None if it has none.
+        The error of the attitude (rad) of the flight that shows what the method does; None for any other call.
     """
 
     findings: tuple[Finding, ...] = ()

@@ -22,7 +22,7 @@ from bodycheck.running import campaign
 from bodycheck.running.engines import home
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import TruthTask, group, perform
-from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
+from bodycheck.studies.audit.rows import Classes, ClassRow, Unclassed
 
 #: The flights begin at the origin, where positions have all their digits.
 _TUMBLING = State(velocity=(0.25, 0.125, 0.5), angular_velocity=(12.0, -9.0, 15.0))
@@ -115,8 +115,8 @@ def measure(
     truths: dict[str, Truth] = {}
     runs: dict[Task, Run] = {}
     wanted: list[TruthTask | Task] = [TruthTask(trial.case, (trial.timestep,)) for trial in TRIALS if trial.kind != "plane"]
-    asked = [*wanted, *planned]
-    with closing(pool.call_all(perform, asked, jobs, limit, group=group, home=home)) as answers:
+    calls = [*wanted, *planned]
+    with closing(pool.call_all(perform, calls, jobs, limit, group=group, home=home)) as answers:
         for task, answer in answers:
             match task, answer:
                 case TruthTask(case), dict():
@@ -148,15 +148,15 @@ def classed(runs: Iterable[Run], truths: Mapping[str, Truth], engines: Mapping[s
         by_kind[trials[run.case].kind].append(run)
     rows: list[ClassRow] = []
     unclassed: list[Unclassed] = []
-    for kind, own in by_kind.items():
+    for kind, kind_runs in by_kind.items():
         without = {
             _method(run): Unclassed(kind, run.engine, run.method.name, run.outcome.reason)
-            for run in own
+            for run in kind_runs
             if not isinstance(run.outcome, Completed)
         }
         flown = [
             _flown(run, trials[run.case], engines[run.engine], truths.get(run.case))
-            for run in own
+            for run in kind_runs
             if _method(run) not in without
         ]
         rows += _of_kind(kind, flown)
@@ -177,22 +177,24 @@ def _flown(run: Run, trial: Trial, engine: Engine, truth: Truth | None) -> _Flow
 
 
 def _of_kind(kind: Kind, flown: Sequence[_Flown]) -> Iterator[ClassRow]:
-    found = sorted(classes(one.motion for one in flown), key=lambda own: -len(own.methods))
-    schemes = [_scheme([one for one in flown if one.motion.method in own.methods]) for own in found]
-    for own, scheme, name in zip(found, schemes, _names(schemes), strict=True):
-        for key in own.methods:
-            one = next(one for one in flown if one.motion.method == key)
+    equal_methods = sorted(classes(flight.motion for flight in flown), key=lambda same: -len(same.methods))
+    schemes = [_scheme([flight for flight in flown if flight.motion.method in same.methods]) for same in equal_methods]
+    for same, scheme, name in zip(equal_methods, schemes, _names(schemes), strict=True):
+        for key in same.methods:
+            flight = next(flight for flight in flown if flight.motion.method == key)
             yield ClassRow(
-                kind, name, scheme, key.engine, one.engine.version, key.method.name, own.distance, one.trial.timestep
+                kind, name, scheme, key.engine, flight.engine.version, key.method.name, same.distance, flight.trial.timestep
             )
 
 
 def _scheme(flown: Sequence[_Flown]) -> str:
     """Return the scheme of a class: the first that one of its runs agrees with, those in double precision first."""
-    for one in sorted(flown, key=lambda one: one.motion.roundoff):
-        found = None if one.truth is None else identify(one.trial.case, one.run, one.truth, one.motion.roundoff)
-        if found is not None and found.scheme:
-            return found.scheme
+    for flight in sorted(flown, key=lambda flight: flight.motion.roundoff):
+        identified = (
+            None if flight.truth is None else identify(flight.trial.case, flight.run, flight.truth, flight.motion.roundoff)
+        )
+        if identified is not None and identified.scheme:
+            return identified.scheme
     return ""
 
 

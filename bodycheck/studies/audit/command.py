@@ -45,9 +45,8 @@ def audit(
     from bodycheck.results import origin
     from bodycheck.running import campaign
     from bodycheck.studies.audit import printing, study
-    from bodycheck.studies.audit.class_rows import CLASSES
     from bodycheck.studies.audit.page import present
-    from bodycheck.studies.audit.rows import ROWS
+    from bodycheck.studies.audit.rows import CLASSES, ROWS
     from bodycheck.studies.output import Output
 
     tables.check(view, printing.ROWS)
@@ -58,23 +57,23 @@ def audit(
     output = Output(out, quiet=quiet)
     with (
         output.work("auditing", planned.size) as (folder, progress),
-        study.results(planned, folder, head, processes(jobs), progress) as found,
+        study.results(planned, folder, head, processes(jobs), progress) as results,
     ):
-        report = present(head, facts, found.rows, found.faults, found.classes)
+        report = present(head, facts, results.rows, results.faults, results.classes)
         origins = [origin.origin(head, {planned.flip.name: planned.flip.text})]
-        output.write(report, ((ROWS, found.rows), (CLASSES, found.classes.rows)), origins)
+        output.write(report, ((ROWS, results.rows), (CLASSES, results.classes.rows)), origins)
     if json:
-        terminal.print_json([asdict(row) for row in found.rows])
+        terminal.print_json([asdict(row) for row in results.rows])
     elif not quiet:
-        printing.print_findings(found.rows, facts)
+        printing.print_findings(results.rows, facts)
         if table or view != AS_USUAL:
-            printing.print_rows(found.rows, view)
-        printing.print_classes(found.classes)
-        tell(printing.summary(found.rows))
-    for fault in found.faults:
+            printing.print_rows(results.rows, view)
+        printing.print_classes(results.classes)
+        tell(printing.summary(results.rows))
+    for fault in results.faults:
         print(f"bodycheck: {fault.text}", file=sys.stderr)
     say_where(out, quiet)
-    return FAILED if found.faults or loaded.failed() else OK
+    return FAILED if results.faults or loaded.failed() else OK
 
 
 #: The commands of the study.

@@ -1,4 +1,7 @@
-"""Whether a flight that is made again has the same states to the last bit: at once, after other flights, in another process."""
+"""The probe of nondeterminism: a flight is made again, at once, after other flights and in another process.
+
+Its states should be the same to the last bit.
+"""
 
 import math
 from collections.abc import Mapping
@@ -49,17 +52,17 @@ def elsewhere(pilot: Pilot) -> dict[str, States]:
 
 
 def judged(flights: Mapping[str, States]) -> Finding:
-    """Return what flights, the first of which is called "first", tell of one another: their largest difference."""
+    """Return the finding of nondeterminism: the largest difference of flights from the first, which is called "first"."""
     first, *others = flights.items()
     if any(isinstance(states, str) for states in flights.values()):
-        told = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))
-        return Finding("nondeterminism", f"{NAME}: a flight was refused {told}", "not-probed")
+        words = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))
+        return Finding("nondeterminism", f"{NAME}: a flight was refused {words}", "not-probed")
     differing = {when: _difference(first[1], states) for when, states in others}
-    when, (size, unit) = max(differing.items(), key=lambda one: one[1][0])
+    when, (size, unit) = max(differing.items(), key=lambda item: item[1][0])
     if not size:
         return Finding("nondeterminism", NAME, "none", 0.0, "", "0")
-    told = f"{NAME}: the same flight, made again {when}"
-    return Finding("nondeterminism", told, "found", size if math.isfinite(size) else None, unit, "0")
+    words = f"{NAME}: the same flight, made again {when}"
+    return Finding("nondeterminism", words, "found", size if math.isfinite(size) else None, unit, "0")
 
 
 def _states(result: Result) -> States:
@@ -75,5 +78,5 @@ def _difference(one: States, other: States) -> tuple[float, str]:
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     with np.errstate(invalid="ignore"):
         apart: Array = np.where(same, 0.0, np.nan_to_num(np.abs(first - second), nan=np.inf))
-    place = int(np.argmax(apart.max(axis=0)))
-    return float(apart[:, place].max()), UNITS[place]
+    column = int(np.argmax(apart.max(axis=0)))
+    return float(apart[:, column].max()), UNITS[column]

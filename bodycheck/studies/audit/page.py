@@ -10,9 +10,8 @@ from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
-from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Property
-from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding
+from bodycheck.studies.audit.rows import PROPERTIES, Classes, Facts, Fault, Row, Status, is_finding
 from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value
 
 #: The name of the part with all engines beside each other.
@@ -21,10 +20,10 @@ OVERVIEW = "properties"
 #: The name of the part with the methods that are the same algorithm.
 CLASSES = "classes"
 
-#: What stands in a cell for a row that is no finding.
+#: The signs in cells of rows that are no findings.
 SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
 
-#: The statuses, those first that are told of an engine if any of its methods has them.
+#: The statuses. An engine has the first of them that any of its methods has.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
 
 #: Explanations for readers.
@@ -64,18 +63,18 @@ def present(
     for row in rows:
         engines[row.engine].append(row)
     methods = len({(row.engine, row.integrator) for row in rows})
-    found = sum(is_finding(row) for row in rows)
+    number = sum(is_finding(row) for row in rows)
     steps = listing([milliseconds(step) for step in dict.fromkeys(row.timestep for row in rows)])
     return StudyReport(
         title="What engines really do",
-        headline=f"{count(found, 'finding')} of {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
+        headline=f"{count(number, 'finding')} of {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
         header=header,
         notices=(*missing_engines(header), *(f"{fault.text}." for fault in faults)),
         findings=tuple(_by_property(rows)),
         parts=(
             *((_overview(engines),) if len(engines) > 1 else ()),
             *((_classes(classes),) if classes.rows else ()),
-            *(_engine(name, facts[name], own) for name, own in engines.items()),
+            *(_engine(name, facts[name], engine_rows) for name, engine_rows in engines.items()),
         ),
         reading=READING,
     )
@@ -83,27 +82,29 @@ def present(
 
 def _by_property(rows: Sequence[Row]) -> list[Finding]:
     """Return a sentence for each property that was found, with the engines that have it."""
-    found = []
+    sentences = []
     for name in PROPERTIES:
-        told = []
+        parts = []
         for status, heading in (("default", "by default"), ("deviates", "with some methods")):
             engines: dict[str, list[Row]] = defaultdict(list)
             for row in rows:
                 if row.property == name and row.status == status:
                     engines[row.engine].append(row)
-            named = [f"{engine} ({sizes})" if (sizes := ranges(own)) else engine for engine, own in engines.items()]
-            told += [f"{heading} {listing(named)}"] if named else []
-        if told:
-            found.append(Finding(name, f"{DOES[name].capitalize()}: {'; '.join(told)}."))
-    return found
+            named = [
+                f"{engine} ({sizes})" if (sizes := ranges(engine_rows)) else engine for engine, engine_rows in engines.items()
+            ]
+            parts += [f"{heading} {listing(named)}"] if named else []
+        if parts:
+            sentences.append(Finding(name, f"{DOES[name].capitalize()}: {'; '.join(parts)}."))
+    return sentences
 
 
 def _overview(engines: Mapping[str, Sequence[Row]]) -> Part:
     """Return the part with one row for each property and one column for each engine."""
 
     def cell(engine: str, name: Property) -> Entry:
-        there = {row.status for row in engines[engine] if row.property == name}
-        status = next((one for one in WORST if one in there), "not-probed")
+        statuses = {row.status for row in engines[engine] if row.property == name}
+        status = next((one for one in WORST if one in statuses), "not-probed")
         values = list(dict.fromkeys(value(row) for row in engines[engine] if row.property == name and is_finding(row)))
         return Entry(SIGNS.get(status, status), meaning=listing(list(filter(None, values))))
 
@@ -120,7 +121,7 @@ def _overview(engines: Mapping[str, Sequence[Row]]) -> Part:
 
 def _classes(classes: Classes) -> Part:
     """Return the part with the methods that are the same algorithm."""
-    found = method_classes(classes)
+    same_methods = method_classes(classes)
     table = Table(
         columns=("Scenes", "Algorithm", "Methods", "Difference"),
         numeric=(False, False, False, True),
@@ -129,9 +130,9 @@ def _classes(classes: Classes) -> Part:
                 *(Entry(WORDS[one.kind]), Entry(one.name), Entry(listing(one.methods))),
                 Entry(bound(one.distance, 2) if len(one.methods) > 1 else "–", one.distance),
             )
-            for one in found
+            for one in same_methods
         ),
-        failed=(False,) * len(found),
+        failed=(False,) * len(same_methods),
         notes=(
             "The difference is the largest of two motions in the class. An algorithm is named if the motions are those of a "
             "textbook scheme.",
@@ -162,7 +163,7 @@ def _engine(name: str, facts: Facts, rows: Sequence[Row]) -> Part:
 
 
 def _findings(rows: Sequence[Row]) -> Table:
-    found = [row for row in rows if is_finding(row)]
+    shown = [row for row in rows if is_finding(row)]
     return Table(
         columns=("Method", "Property", "Value", "Unit", "Expected", "Status", "Error of the flip, rad", "Reason"),
         numeric=(False, False, True, False, False, False, True, False),
@@ -172,9 +173,9 @@ def _findings(rows: Sequence[Row]) -> Table:
                 *(Entry(number(row.value, 4), row.value), Entry(row.unit), Entry(row.expected), Entry(row.status)),
                 *(Entry(number(row.attitude_error, 3), row.attitude_error), Entry(row.probe)),
             )
-            for row in found
+            for row in shown
         ),
-        failed=(False,) * len(found),
+        failed=(False,) * len(shown),
         notes=("The reason is the probe and what it saw.",),
     )
 
@@ -185,13 +186,13 @@ def _properties(rows: Sequence[Row]) -> Table:
     for row in rows:
         methods[row.integrator][row.property].append(row)
     columns: dict[tuple[Entry, ...], list[str]] = defaultdict(list)
-    for method, own in methods.items():
-        columns[tuple(_cell(own[name]) for name in PROPERTIES)].append(method)
+    for method, by_property in methods.items():
+        columns[tuple(_cell(by_property[name]) for name in PROPERTIES)].append(method)
     return Table(
         columns=("Property", *(listing(names) for names in columns.values())),
         numeric=(False,) * (1 + len(columns)),
         rows=tuple(
-            (Entry(name, meaning=DOES[name]), *(cells[place] for cells in columns)) for place, name in enumerate(PROPERTIES)
+            (Entry(name, meaning=DOES[name]), *(cells[index] for cells in columns)) for index, name in enumerate(PROPERTIES)
         ),
         failed=(False,) * len(PROPERTIES),
         notes=(),
@@ -201,8 +202,8 @@ def _properties(rows: Sequence[Row]) -> Table:
 
 def _cell(rows: Sequence[Row]) -> Entry:
     """Return the cell of a property of a method, which several probes may tell of."""
-    found = [row for row in rows if is_finding(row)]
-    if found:
-        return Entry(listing(list(dict.fromkeys(value(row) or "found" for row in found))), meaning=found[0].probe)
+    deviating = [row for row in rows if is_finding(row)]
+    if deviating:
+        return Entry(listing(list(dict.fromkeys(value(row) or "found" for row in deviating))), meaning=deviating[0].probe)
     status = next((one for one in WORST if one in {row.status for row in rows}), "not-probed")
     return Entry(SIGNS[status], meaning=next((row.probe for row in rows if row.status == status), ""))

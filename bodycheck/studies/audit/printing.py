@@ -7,8 +7,7 @@ from bodycheck.console.output import bold, say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.reports.quantities import bound, count, listing
 from bodycheck.reports.same_algorithm import WORDS
-from bodycheck.studies.audit.class_rows import Classes
-from bodycheck.studies.audit.rows import Facts, Row, is_finding
+from bodycheck.studies.audit.rows import Classes, Facts, Row, is_finding
 from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences, value
 
 #: The columns of the table of rows.
@@ -29,20 +28,20 @@ ROWS: tuple[Column[Row], ...] = (
 
 def print_findings(rows: Sequence[Row], facts: Mapping[str, Facts]) -> None:
     """Print what each engine was found to do, in sentences, and what it says of itself."""
-    for place, engine in enumerate(facts):
-        own = [row for row in rows if row.engine == engine]
-        if not own:
+    for index, engine in enumerate(facts):
+        engine_rows = [row for row in rows if row.engine == engine]
+        if not engine_rows:
             continue
-        if place:
+        if index:
             say("")
-        bold(f"{engine} {own[0].version}")
+        bold(f"{engine} {engine_rows[0].version}")
         if facts[engine].text:
             tell(f"  read, not probed: {facts[engine].text}", "    ")
-        for sentence in (found := sentences(own)):
+        for sentence in (engine_sentences := sentences(engine_rows)):
             tell(f"  {HEADINGS[sentence.status]}: it {sentence.text}", "    ")
-        if not found:
+        if not engine_sentences:
             tell("  Nothing was found that mechanics does not have.", "    ")
-        if unknown := list(dict.fromkeys(row.property for row in own if row.status == "not-probed")):
+        if unknown := list(dict.fromkeys(row.property for row in engine_rows if row.status == "not-probed")):
             tell(f"  Not probed, of some method or all: {listing(unknown)}.", "    ")
 
 
@@ -51,9 +50,9 @@ def print_rows(rows: Sequence[Row], view: View) -> None:
     show(ROWS, rows, view)
 
 
-def print_classes(found: Classes) -> None:
+def print_classes(classes: Classes) -> None:
     """Print the classes of several methods that are the same algorithm."""
-    several = [one for one in method_classes(found) if len(one.methods) > 1]
+    several = [one for one in method_classes(classes) if len(one.methods) > 1]
     if several:
         say("")
         bold("the same algorithm")
@@ -66,5 +65,5 @@ def print_classes(found: Classes) -> None:
 def summary(rows: Sequence[Row]) -> str:
     """Return in one sentence how much was found."""
     methods = len({(row.engine, row.integrator) for row in rows})
-    found = count(sum(is_finding(row) for row in rows), "finding")
-    return f"{found} of {count(methods, 'method')} of {count(len({row.engine for row in rows}), 'engine')}"
+    findings = count(sum(is_finding(row) for row in rows), "finding")
+    return f"{findings} of {count(methods, 'method')} of {count(len({row.engine for row in rows}), 'engine')}"

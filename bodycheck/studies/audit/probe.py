@@ -1,4 +1,4 @@
-"""What a probe is: a function that makes flights and says which property of a method they show."""
+"""The type of probes: functions that make flights and say which properties of a method they show."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,22 +35,22 @@ Property = Literal[
 
 @dataclass(frozen=True)
 class Finding:
-    """What a probe says of one property of a method.
+    """The finding of a probe about one property of a method.
 
     Parameters
     ----------
     property
         The property.
     probe
-        The name of the probe, and in words what it saw where the value alone does not say it.
+        The name of the probe, and what it saw in words if the value alone does not say it.
     verdict
-        "found", "none" where the method is as mechanics has it, or "not-probed" where the flights cannot tell.
+        "found", "none" if the method is as mechanics has it, or "not-probed" if the flights cannot tell.
     value
-        The size of what was found, such as a coefficient or a limit; None where there is none.
+        The size of what was found, such as a coefficient or a limit; None if it has no size.
     unit
         Its unit; empty for a pure number.
     expected
-        What the value is of an engine that computes mechanics alone, as it is printed.
+        The value of an engine that computes mechanics alone, as it is printed.
     """
 
     property: Property
@@ -63,3 +63,8 @@ class Finding:
 
 #: A probe: it makes flights by a pilot, and returns a finding for each property that it looks for.
 Probe = Callable[["Pilot"], tuple[Finding, ...]]
+
+
+def not_probed(name: str, reason: str, *properties: Property) -> tuple[Finding, ...]:
+    """Return the findings that a probe cannot tell whether a method has some properties, with the reason."""
+    return tuple(Finding(which, f"{name}: {reason}", "not-probed") for which in properties)

@@ -90,12 +90,12 @@ def split(body: Body, share: float, position: Vector, quaternion: Quaternion) ->
     reduced = share * (1 - share) * body.mass
     apart = np.linalg.cholesky(second_moments / reduced) @ np.full(3, np.sqrt(SEPARATION_SQUARED / 3))
     parts = second_moments - reduced * np.outer(apart, apart)
-    own = np.trace(parts) * np.eye(3) - parts
+    inertia = np.trace(parts) * np.eye(3) - parts
     back = conjugate(normalise(np.array(quaternion)))
     aside = rotate(back, (1 - share) * apart - np.array(position))
-    turned = rotate(back, rotate(back, share * own).T)
+    turned = rotate(back, rotate(back, share * inertia).T)
     return (
-        Link((1 - share) * body.mass, _components((1 - share) * own), vector_of(-share * apart)),
+        Link((1 - share) * body.mass, _components((1 - share) * inertia), vector_of(-share * apart)),
         Link(share * body.mass, _components(turned), vector_of(aside), position, quaternion),
     )
 

@@ -1,12 +1,12 @@
-"""The rows of the audit, which its table and its report contain, and what an engine says of itself."""
+"""The rows of the audit: the properties of methods, what an engine says of itself, and which methods are the same algorithm."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, get_args
 
+from bodycheck.adapters.contract import Kind
 from bodycheck.results import records
 from bodycheck.results.tables import Meaning, table_of
-from bodycheck.studies.audit.class_rows import CLASSES, Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.probe import Property
 
 #: The file with the records of the study.
@@ -25,7 +25,7 @@ FINDINGS: tuple[Status, ...] = ("default", "deviates")
 
 @dataclass(frozen=True)
 class Row:
-    """What the audit says of one property of a method."""
+    """The finding of the audit about one property of a method."""
 
     engine: str
     version: str
@@ -55,6 +55,52 @@ class Row:
 
 ROWS = table_of(Row, "audit", "audit", filled=("engine", "version", "integrator", "timestep", "property", "status"))
 
+
+@dataclass(frozen=True)
+class ClassRow:
+    """A method, and the class that it is in on scenes of one kind."""
+
+    kind: Annotated[Kind, Meaning("Kind", "kind of the scenes")]
+    name: Annotated[
+        str,
+        Meaning(
+            "Class",
+            'name of the class: its scheme, or "not identified" with a number; no other class of the kind has it',
+            column="class",
+        ),
+    ]
+    scheme: Annotated[str, Meaning("Scheme", "textbook scheme with which the class agrees; empty if there is none")]
+    engine: str
+    version: str
+    integrator: str
+    distance: Annotated[
+        float, Meaning("Distance", "largest difference of the motions of two methods in the class, relative to their size")
+    ]
+    scene_timestep: Annotated[float, Meaning("Time step", "time step of the scenes", "s")]
+
+
+#: The table of classes.
+CLASSES = table_of(ClassRow, "classes", "methods that are the same algorithm", key=("kind", "engine", "integrator"))
+
+
+@dataclass(frozen=True)
+class Unclassed:
+    """A method that is in no class of a kind of scene, because a run of it failed or was refused, and why."""
+
+    kind: Kind
+    engine: str
+    integrator: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Classes:
+    """The classes of methods: the rows class by class, the largest first, and the methods that are in none."""
+
+    rows: tuple[ClassRow, ...]
+    unclassed: tuple[Unclassed, ...]
+
+
 #: The tables of the study, the main one first.
 TABLES = (ROWS, CLASSES)
 
@@ -66,7 +112,7 @@ def is_finding(row: Row) -> bool:
 
 @dataclass(frozen=True)
 class Facts:
-    """What an engine says of itself, which is read and not probed.
+    """The statements of an engine about itself, which are read and not probed.
 
     Parameters
     ----------
@@ -81,7 +127,7 @@ class Facts:
 
     @property
     def text(self) -> str:
-        """What the engine chooses where a user makes no choice, for a sentence; empty if it has no such choices."""
+        """The choices of the engine where a user makes none, for a sentence; empty if it has no such choices."""
         return ", ".join(f"{name} {value}" for name, value in self.defaults.items())
 
 

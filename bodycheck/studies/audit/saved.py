@@ -16,10 +16,10 @@ FILE = RECORDS
 def read(folder: Path) -> StudyReport:
     """Return the report of a finished audit in a folder. Raises `BadFolder` and errors of damaged files."""
     contents, header = reading.finished(folder / RECORDS)
-    facts = {name: records.typed(Facts, own) for name, own in contents.header["facts"].items()}
+    facts = {name: records.typed(Facts, defaults) for name, defaults in contents.header["facts"].items()}
     rows = reading.rows(folder, ROWS)
-    made = [record for record in contents.records if record["record"] == "probe"]
-    if {(row.engine, row.integrator) for row in rows} != {(one["engine"], one["integrator"]) for one in made}:
+    probed = [record for record in contents.records if record["record"] == "probe"]
+    if {(row.engine, row.integrator) for row in rows} != {(one["engine"], one["integrator"]) for one in probed}:
         raise BadFolder(f"{folder}: damaged: audit.csv does not list the same methods as {RECORDS}")
     names = ("engine", "integrator", "probe")
     silent = [record for record in contents.records if "fault" in record]

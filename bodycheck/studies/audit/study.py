@@ -1,4 +1,4 @@
-"""Audit methods: make every probe of each in the processes where its engine lives, and say what was found.
+"""Audit methods: make every probe of each method in a process of its engine, and judge the findings.
 
 Every probe of a method is a call of its own, and its answer is recorded when it ends, so that an interrupted audit can be
 resumed, and a probe whose process dies leaves the others as they are.
@@ -27,10 +27,9 @@ from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
-from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
-from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Facts, Fault, Row, Status, read_classes
+from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Classes, Facts, Fault, Row, Status, read_classes
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -87,7 +86,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Audit:
-    """What an audit found.
+    """The results of an audit.
 
     Parameters
     ----------
@@ -104,7 +103,7 @@ class Audit:
     classes: Classes
 
 
-#: What became of the calls of a method, by the name of the probe.
+#: The answers to the calls of a method, or their faults, by the name of the probe.
 Answers = dict[str, Found | Fault]
 
 
@@ -145,7 +144,7 @@ def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
 def results(
     planned: Plan, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT_S
 ) -> Iterator[Audit]:
-    """Make the probes of a plan, and provide what they found.
+    """Make the probes of a plan, and provide their results.
 
     If the folder contains the same audit, interrupted, its probes are not repeated. The audit counts as interrupted until the
     context ends.
@@ -170,54 +169,65 @@ def results(
     BadJournal
         If another process is writing to the folder.
     """
-    told = {name: asdict(own) for name, own in facts(planned.engines).items()}
+    recorded_facts = {name: asdict(engine_facts) for name, engine_facts in facts(planned.engines).items()}
     work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
-    with resumption.opened(folder / RECORDS, head, limit, work, what="audit", facts=told) as log:
+    with resumption.opened(folder / RECORDS, head, limit, work, what="audit", facts=recorded_facts) as log:
         answers = _read(log.records)
         if log.records:
             progress("", sum(map(len, answers.values())))
-        for call, found in _missing(planned, answers, jobs, limit):
-            log.add({"record": "probe", **asdict(call), **_recorded(found)})
-            answers[call.engine, call.integrator][call.probe] = found
+        for call, outcome in _missing(planned, answers, jobs, limit):
+            log.add({"record": "probe", **asdict(call), **_recorded(outcome)})
+            answers[call.engine, call.integrator][call.probe] = outcome
             progress(f"{call.engine} {call.integrator} · {call.probe}")
-        known = next((read_classes(record) for record in log.records if record["record"] == "classes"), None)
-        if known is None:
-            known = classes.measure(planned.engines, jobs, planned.integrators, progress)
-            log.add({"record": "classes", **asdict(known)})
-        yield Audit(*judged(planned, answers), known)
+        same_methods = next((read_classes(record) for record in log.records if record["record"] == "classes"), None)
+        if same_methods is None:
+            same_methods = classes.measure(planned.engines, jobs, planned.integrators, progress)
+            log.add({"record": "classes", **asdict(same_methods)})
+        yield Audit(*judged(planned, answers), same_methods)
 
 
 def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> tuple[tuple[Row, ...], tuple[Fault, ...]]:
-    """Return the rows and faults of a plan from what became of the calls of each method, by engine and integrator."""
+    """Return the rows and faults of a plan from the answers to the calls of each method, by engine and integrator."""
     rows: list[Row] = []
     faults: list[Fault] = []
     for engine, method in planned.methods:
-        own = answers[engine, method.name]
-        faults += [answer for answer in own.values() if isinstance(answer, Fault)]
-        rows += _rows(planned.engines[engine], engine, method, own)
+        of_method = answers[engine, method.name]
+        faults += [answer for answer in of_method.values() if isinstance(answer, Fault)]
+        rows += _rows(planned.engines[engine], engine, method, of_method)
     return tuple(rows), tuple(faults)
 
 
 def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
-    """Return the status of what a probe says.
+    """Return the status of a finding: "default" for what a user gets without asking for it, otherwise "deviates".
 
-    What was found is a default where a user gets it without asking for it: of the method that stands for the engine's own
-    settings (`settings=engine`), of the engine's default or only integrator if its adapter has no such option, because these
-    settings are those of mechanics anyway, and of any method where the engine says itself that it has this property.
+    A property that was found is a default in two cases:
+
+    - the engine itself states that it has this property, so that all its methods have it;
+    - the method is the one that a user gets who chooses nothing: see `_is_of_engine`.
+
+    A finding with another verdict than "found" has its verdict as status.
     """
     if finding.verdict != "found":
         return finding.verdict
-    stated = finding.property in engine.defaults or (finding.property == "single-precision" and engine.precision == "float32")
-    return "default" if stated or _is_of_engine(engine, method) else "deviates"
+    in_single_precision = finding.property == "single-precision" and engine.precision == "float32"
+    is_stated = finding.property in engine.defaults or in_single_precision
+    return "default" if is_stated or _is_of_engine(engine, method) else "deviates"
 
 
 def _is_of_engine(engine: Engine, method: Method) -> bool:
-    """Return whether a method is what a user of the engine gets who chooses nothing, apart from the time step."""
+    """Return whether a method is what a user of the engine gets who chooses nothing, apart from the time step.
+
+    A method with options is only if it selects the engine's own settings (`settings=engine`). A method without options is if
+    its integrator has no such option, since its settings are then those of mechanics anyway, and it is the default of the
+    engine or the only one that it has for free flight.
+    """
     if method.options:
         return method.option("settings") == "engine"
-    offered = {own.name: own for own in engine.integrators if "flight" in own.kinds}
-    default = engine.defaults.get("integrator", "").replace(",", " ").split()
-    return "settings" not in offered[method.integrator].options and (method.integrator in default or len(offered) == 1)
+    integrators = {integrator.name: integrator for integrator in engine.integrators if "flight" in integrator.kinds}
+    if "settings" in integrators[method.integrator].options:
+        return False
+    defaults = engine.defaults.get("integrator", "").replace(",", " ").split()
+    return method.integrator in defaults or len(integrators) == 1
 
 
 def _call(engine: str, method: Method, probe: str) -> Call:
@@ -237,8 +247,8 @@ def _missing(
     truth = _truth(planned, flips[0].method.timestep, limit) if flips else None
     passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
     for left in passes:
-        with closing(pool.call_all(make, left, jobs, limit, group=lambda one: one.engine, home=home)) as made:
-            for asked, answer in made:
+        with closing(pool.call_all(make, left, jobs, limit, group=lambda one: one.engine, home=home)) as calls_made:
+            for asked, answer in calls_made:
                 call = asked if isinstance(asked, Call) else _call(asked.engine, asked.method, FLIP)
                 match answer:
                     case Found():
@@ -266,20 +276,20 @@ def _attitude_error(truth: Truth | None, run: Run) -> float | None:
 
 def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[Row]:
     """Return the rows of a method: one for each finding of its probes, and one for each property without any."""
-    found = [finding for answer in answers.values() if isinstance(answer, Found) for finding in answer.findings]
+    findings = [finding for answer in answers.values() if isinstance(answer, Found) for finding in answer.findings]
     flights = {
         when: states for answer in answers.values() if isinstance(answer, Found) for when, states in answer.flights.items()
     }
     if len(flights) > 1:
-        found.append(nondeterminism.judged(flights))
+        findings.append(nondeterminism.judged(flights))
     silent = "; ".join(f"{one.probe}: {one.reason}" for one in answers.values() if isinstance(one, Fault))
     for missing in PROPERTIES:
-        if missing not in {finding.property for finding in found}:
-            found.append(Finding(missing, silent or "no probe looks for it", "not-probed"))
+        if missing not in {finding.property for finding in findings}:
+            findings.append(Finding(missing, silent or "no probe looks for it", "not-probed"))
     flip = answers.get(FLIP)
     error = flip.attitude_error if isinstance(flip, Found) else None
     rows = []
-    for finding in sorted(found, key=lambda one: PROPERTIES.index(one.property)):
+    for finding in sorted(findings, key=lambda one: PROPERTIES.index(one.property)):
         status = status_of(engine, method, finding)
         rows.append(
             Row(
@@ -300,7 +310,7 @@ def _recorded(answer: Found | Fault) -> dict[str, Any]:
 
 
 def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:
-    """Return what became of recorded calls, by engine and integrator."""
+    """Return the recorded answers and faults, by engine and integrator."""
     answers: dict[tuple[str, str], Answers] = defaultdict(dict)
     for record in recorded:
         if record["record"] == "classes":
@@ -309,7 +319,7 @@ def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answer
         if "fault" in record:
             answers[engine, integrator][probe] = Fault(engine, integrator, probe, record["fault"])
         else:
-            told = record["found"]
-            findings = tuple(Finding(**finding) for finding in told["findings"])
-            answers[engine, integrator][probe] = Found(findings, told["flights"], told["attitude_error"])
+            stored = record["found"]
+            findings = tuple(Finding(**finding) for finding in stored["findings"])
+            answers[engine, integrator][probe] = Found(findings, stored["flights"], stored["attitude_error"])
     return answers

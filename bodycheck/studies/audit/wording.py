@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind
 from bodycheck.reports.quantities import listing, number
-from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Property
-from bodycheck.studies.audit.rows import PROPERTIES, Row, is_finding
+from bodycheck.studies.audit.rows import PROPERTIES, Classes, Row, is_finding
 
 #: What an engine does that has a property, as a predicate.
 DOES: dict[Property, str] = {
@@ -41,7 +40,7 @@ HEADINGS = {"deviates": "Deviates", "default": "By default"}
 
 @dataclass(frozen=True)
 class Sentence:
-    """What several methods of an engine have in common.
+    """A sentence on a property that several methods of an engine have in common.
 
     Parameters
     ----------
@@ -80,18 +79,18 @@ class MethodClass:
     distance: float
 
 
-def method_classes(found: Classes) -> list[MethodClass]:
+def method_classes(classes: Classes) -> list[MethodClass]:
     """Return classes with their methods, in their order."""
     methods: dict[tuple[Kind, str, float], list[str]] = defaultdict(list)
-    for row in found.rows:
+    for row in classes.rows:
         methods[row.kind, row.name, row.distance].append(f"{row.engine} {row.integrator}")
-    return [MethodClass(kind, name, tuple(own), distance) for (kind, name, distance), own in methods.items()]
+    return [MethodClass(kind, name, tuple(members), distance) for (kind, name, distance), members in methods.items()]
 
 
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
     """Return the findings among the rows of one engine, what deviates first, each property once for each status.
 
-    Those of the representation are told apart by whether their difference vanishes with the time step.
+    Findings about the representation are grouped by whether their difference vanishes with the time step.
     """
     given = list(rows)
     every = {row.integrator for row in given}
@@ -101,12 +100,12 @@ def sentences(rows: Iterable[Row]) -> list[Sentence]:
             groups[row.status, row.property, _kind(row)].append(row)
     order = list(HEADINGS)
     keys = sorted(groups, key=lambda key: (order.index(key[0]), PROPERTIES.index(key[1])))
-    found = []
+    texts = []
     for key in keys:
         status, name, kind = key
-        told = f"{DOES[name]}{_forms(groups[key], kind)}{_sized(groups[key])}, {_methods(groups[key], every)}."
-        found.append(Sentence(status, name, told))
-    return found
+        text = f"{DOES[name]}{_forms(groups[key], kind)}{_sized(groups[key])}, {_methods(groups[key], every)}."
+        texts.append(Sentence(status, name, text))
+    return texts
 
 
 def _kind(row: Row) -> str:
@@ -135,20 +134,20 @@ def value(row: Row) -> str:
 def ranges(rows: Iterable[Row]) -> str:
     """Return the smallest and the largest values of rows with each unit; empty if they have none."""
     given = [row for row in rows if row.value is not None]
-    told = []
+    texts = []
     for unit in dict.fromkeys(row.unit for row in given):
         values = sorted(row.value for row in given if row.value is not None and row.unit == unit)
         ends = dict.fromkeys(number(end, 3) for end in (values[0], values[-1]))
-        told.append(f"{' to '.join(ends)} {unit}".rstrip())
-    return listing(told)
+        texts.append(f"{' to '.join(ends)} {unit}".rstrip())
+    return listing(texts)
 
 
 def _sized(rows: Sequence[Row]) -> str:
-    """Return the size of what was found, and of what it should be."""
+    """Return the size of a property that was found, and the expected size."""
     sizes = ranges(rows)
     expected = [text for text in dict.fromkeys(row.expected for row in rows) if text]
-    told = f" ({'; '.join(expected)} expected)" if expected and sizes else ""
-    return f": {sizes}{told}" if sizes else ""
+    wanted = f" ({'; '.join(expected)} expected)" if expected and sizes else ""
+    return f": {sizes}{wanted}" if sizes else ""
 
 
 def _methods(rows: Sequence[Row], every: Collection[str]) -> str:
@@ -156,5 +155,5 @@ def _methods(rows: Sequence[Row], every: Collection[str]) -> str:
     errors = {row.integrator: row.attitude_error for row in rows}
     known = sorted(error for error in errors.values() if error is not None)
     ends = " to ".join(dict.fromkeys(number(end, 2) for end in (known[0], known[-1]))) if known else ""
-    told = "in every method" if len(every) > 1 and len(errors) == len(every) else f"with {listing(list(errors))}"
-    return told + (f" (flip off by {ends} rad)" if ends else "")
+    where = "in every method" if len(every) > 1 and len(errors) == len(every) else f"with {listing(list(errors))}"
+    return where + (f" (flip off by {ends} rad)" if ends else "")

@@ -47,17 +47,17 @@ def contact(
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
     compared = Compared()
-    with ran(selection, study.plan, out, quiet, compared.meet) as made:
-        found = study.evaluate(made.results, made.engines, compared)
-        header = made.results.header
-        report = present(header, made.results.cases, found, study.reasons(made.results, made.engines))
-        Output(out).write(report, ((SHEET, found),), [origin.stored(header)])
+    with ran(selection, study.plan, out, quiet, compared.meet) as runs:
+        rows = study.evaluate(runs.results, runs.engines, compared)
+        header = runs.results.header
+        report = present(header, runs.results.cases, rows, study.reasons(runs.results, runs.engines))
+        Output(out).write(report, ((SHEET, rows),), [origin.stored(header)])
     if json:
-        terminal.print_json([asdict(row) for row in found])
+        terminal.print_json([asdict(row) for row in rows])
     elif not quiet:
-        printing.print_sheet(found, view)
+        printing.print_sheet(rows, view)
     say_where(out, quiet)
-    return FAILED if made.engine_failed else OK
+    return FAILED if runs.engine_failed else OK
 
 
 #: The commands of the study.

@@ -9,8 +9,7 @@ from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
-from bodycheck.studies.contact.printing import Line, lines
-from bodycheck.studies.contact.rows import ContactRow
+from bodycheck.studies.contact.rows import ContactRow, Line, lines
 
 #: Explanations for readers.
 READING = (
@@ -38,40 +37,40 @@ def present(
     reasons
         Why the default method of an engine did not complete a case, by the names of engine and case.
     """
-    told = lines(rows)
-    scenes = {name: [line for line in told if line.scene == name] for name in cases}
+    sheet = lines(rows)
+    scenes = {name: [line for line in sheet if line.scene == name] for name in cases}
     return StudyReport(
         title="Contact: rolling, bouncing, resting, tipping",
         headline=f"{count(len(cases), 'scene')} in {count(len({row.engine for row in rows}), 'engine')}",
         header=header,
         notices=tuple(missing_engines(header)),
-        findings=tuple(findings(told, reasons)),
-        parts=tuple(_part(cases[name], own, reasons) for name, own in scenes.items()),
+        findings=tuple(findings(sheet, reasons)),
+        parts=tuple(_part(cases[name], scene_lines, reasons) for name, scene_lines in scenes.items()),
         reading=READING,
     )
 
 
-def findings(told: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
+def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
     """Return the largest creep and energy gain at the defaults of each engine, and what each engine cannot do."""
-    found = []
-    for engine in dict.fromkeys(line.engine for line in told):
+    sentences = []
+    for engine in dict.fromkeys(line.engine for line in sheet):
         for figure, says in (("creep", "a body that should rest creeps at"), ("energy_gain", "energy grows by a part of")):
-            own = [line for line in told if line.engine == engine and line.figure == figure and line.default]
-            if own:
-                worst = max(own, key=lambda line: line.default or 0.0)
+            having = [line for line in sheet if line.engine == engine and line.figure == figure and line.default]
+            if having:
+                worst = max(having, key=lambda line: line.default or 0.0)
                 unit = "" if figure == "energy_gain" else f" {worst.unit}"
                 size = f" {says} {number(worst.default, 3)}{unit}; at the best settings of {number(worst.best, 3)}{unit}."
-                found.append(Finding(QUANTITIES[figure].title, f"{engine} at its defaults: in ", worst.scene, f",{size}"))
+                sentences.append(Finding(QUANTITIES[figure].title, f"{engine} at its defaults: in ", worst.scene, f",{size}"))
         lacking = [case for one, case in reasons if one == engine]
         if lacking:
             what = f"{engine} does not complete {count(len(lacking), 'scene')}, such as "
-            found.append(Finding("Not completed", what, lacking[0], f": {reasons[engine, lacking[0]]}."))
-    return found
+            sentences.append(Finding("Not completed", what, lacking[0], f": {reasons[engine, lacking[0]]}."))
+    return sentences
 
 
-def _part(case: Case, told: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> Part:
+def _part(case: Case, scene_lines: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> Part:
     """Return the part of one scene: a table with a row for each engine and figure."""
-    ran = [line for line in told if line.figure]
+    ran = [line for line in scene_lines if line.figure]
     why = tuple(f"{engine}: {reason}." for (engine, name), reason in reasons.items() if name == case.name)
     return Part(
         name=case.name,
@@ -82,7 +81,7 @@ def _part(case: Case, told: Sequence[Line], reasons: Mapping[tuple[str, str], st
     )
 
 
-def _table(told: Sequence[Line]) -> Table:
+def _table(shown: Sequence[Line]) -> Table:
     columns = ("Engine", "Figure", "In mechanics", "At defaults", "Best", "Best method")
     return Table(
         columns=columns,
@@ -94,8 +93,8 @@ def _table(told: Sequence[Line]) -> Table:
                 *(Entry(number(value, 3), value) for value in (line.truth, line.default, line.best)),
                 Entry(line.method),
             )
-            for line in told
+            for line in shown
         ),
-        failed=(False,) * len(told),
+        failed=(False,) * len(shown),
         notes=(),
     )

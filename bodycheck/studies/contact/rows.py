@@ -1,12 +1,13 @@
-"""The rows of contact.csv."""
+"""The rows of contact.csv, and the lines of the sheet, each of which joins two of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from bodycheck.figures.columns import FIGURES
 from bodycheck.results.tables import Meaning, table_of
 
-#: Which method a row is of: what the engine does where its user chooses nothing, or that with the smallest value of the figure.
+#: The method of a row: what the engine does if its user chooses nothing, or the method with the smallest value of the figure.
 Setting = Literal["defaults", "best"]
 
 
@@ -54,3 +55,40 @@ SHEET = table_of(
 
 #: The tables of the study.
 TABLES = (SHEET,)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A figure of a scene in an engine: at the defaults, and the best value with its method."""
+
+    engine: str
+    scene: str
+    figure: str
+    unit: str
+    truth: float | None
+    default: float | None
+    best: float | None
+    method: str
+    status: str
+
+
+def lines(rows: Sequence[ContactRow]) -> list[Line]:
+    """Return one line for each figure of each scene and engine, from its rows at the defaults and at the best settings."""
+    best = {(row.engine, row.scene, row.figure): row for row in rows if row.setting == "best"}
+    usual = {(row.engine, row.scene, row.figure): row for row in rows if row.setting == "defaults"}
+    sheet = []
+    for key in dict.fromkeys((row.engine, row.scene, row.figure) for row in rows):
+        at_defaults, at_best = usual.get(key), best.get(key)
+        row = at_defaults or at_best
+        assert row is not None  # the key is that of a row
+        method = "" if at_best is None or at_best.timestep is None else f"{at_best.integrator} at {1e3 * at_best.timestep:g} ms"
+        sheet.append(
+            Line(
+                *(row.engine, row.scene, row.figure, row.unit, row.truth),
+                None if at_defaults is None else at_defaults.value,
+                None if at_best is None else at_best.value,
+                method,
+                row.status,
+            )
+        )
+    return sheet

@@ -77,9 +77,9 @@ def unit_of(figure: str) -> str:
 
 
 def truth_error(figure: str, known: Known | None, bounds: Mapping[str, float]) -> float | None:
-    """Return the bound of the error of what mechanics says of a figure.
+    """Return the bound of the error of the exact value in mechanics that a figure is about.
 
-    known: what it says. bounds: the bounds of the truth's own errors in a run, by column.
+    known: that value with its bound. bounds: the bounds of the truth's own errors in a run, by column.
     """
     if bounded := FIGURES[figure].bounded_by:
         return bounds.get(bounded)

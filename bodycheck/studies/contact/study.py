@@ -27,9 +27,9 @@ Truths = Callable[[str, float], Truth | NoTruth]
 
 def default_step(engine: Engine) -> float:
     """Return the time step (s) that an engine itself chooses, or that of bodycheck where it chooses none."""
-    told = engine.defaults.get("timestep", "").split()
+    words = engine.defaults.get("timestep", "").split()
     try:
-        return float(told[0]) if told else DEFAULT_TIMESTEP
+        return float(words[0]) if words else DEFAULT_TIMESTEP
     except ValueError:
         return DEFAULT_TIMESTEP
 
@@ -42,8 +42,8 @@ def default_method(engine: Engine, case: Case) -> Method | None:
     names = with_contact(engine, case)
     if not names:
         return None
-    own = engine.defaults.get("integrator", "")
-    return Method.parse(own if own in names else names[0], default_step(engine))
+    preferred = engine.defaults.get("integrator", "")
+    return Method.parse(preferred if preferred in names else names[0], default_step(engine))
 
 
 def with_contact(engine: Engine, case: Case) -> list[str]:
@@ -66,8 +66,11 @@ def plan(
         for name, engine in engines.items():
             steps = timesteps or [default_step(engine) * part for part in REFINEMENTS]
             spellings = (*with_contact(engine, case), *integrators)
-            own = default_method(engine, case)
-            methods = [*([own] if own is not None else []), *(Method.parse(one, step) for step in steps for one in spellings)]
+            usual = default_method(engine, case)
+            methods = [
+                *([usual] if usual is not None else []),
+                *(Method.parse(one, step) for step in steps for one in spellings),
+            ]
             tasks |= dict.fromkeys(Task(case, name, method) for method in methods)
     refuse_nothing(tuple(tasks), engines, integrators)
     return tuple(tasks)
@@ -83,23 +86,25 @@ def evaluate(results: Results, engines: Mapping[str, Engine], compared: Compared
         verdicts[verdict.run.case, verdict.run.engine].append(verdict)
     truths = lru_cache(TRUTHS_KEPT)(results.truth)
     return [
-        row for (name, engine), own in verdicts.items() for row in rows_of(results.cases[name], engines[engine], own, truths)
+        row
+        for (name, engine), of_case in verdicts.items()
+        for row in rows_of(results.cases[name], engines[engine], of_case, truths)
     ]
 
 
 def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], truths: Truths) -> list[ContactRow]:
     """Return the rows of one case and engine from the verdicts on all methods."""
-    own = default_method(engine, case)
-    usual = [verdict for verdict in verdicts if own is not None and verdict.run.method == own]
-    found = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), truths)]
+    default = default_method(engine, case)
+    usual = [verdict for verdict in verdicts if default is not None and verdict.run.method == default]
+    rows = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), truths)]
     best: dict[str, tuple[float, Verdict]] = {}
     for verdict in verdicts:
         for figure, value in figures_of(verdict).items():
             if figure not in best or value < best[figure][0]:
                 best[figure] = value, verdict
     for figure in (name for name in SUBJECTS if name in best):
-        found += _told(case, best[figure][1], "best", (figure,), truths)
-    return found
+        rows += _told(case, best[figure][1], "best", (figure,), truths)
+    return rows
 
 
 def figures_of(verdict: Verdict) -> dict[str, float]:
@@ -130,9 +135,9 @@ def _told(
 
 def reasons(results: Results, engines: Mapping[str, Engine]) -> dict[tuple[str, str], str]:
     """Return why the default method of an engine did not complete a case, by the names of engine and case."""
-    found = {}
+    why = {}
     for run in results.runs():
-        own = default_method(engines[run.engine], results.cases[run.case])
-        if run.method == own and run.outcome.reason:
-            found[run.engine, run.case] = run.outcome.reason
-    return found
+        default = default_method(engines[run.engine], results.cases[run.case])
+        if run.method == default and run.outcome.reason:
+            why[run.engine, run.case] = run.outcome.reason
+    return why

@@ -179,14 +179,14 @@ def _carry_out(
                 tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
             return False
         head = header.read(folder)
-        made = reporting.read(folder, case, head)
+        results = reporting.read(folder, case, head)
         if shown.out is not None:
             text_of = partial(members.text, case, source)
-            with terminal.progress("worst members", made.worst, shown.quiet) as progress:
-                publishing.write(made, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
-    printing.print_made(made, shown.json, shown.view, shown.quiet)
+            with terminal.progress("worst members", results.worst, shown.quiet) as progress:
+                publishing.write(results, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
+    printing.print_made(results, shown.json, shown.view, shown.quiet)
     say_where(shown.out, shown.quiet)
-    return bool(made.broken)
+    return bool(results.broken)
 
 
 #: The commands of the study.

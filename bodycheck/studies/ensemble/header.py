@@ -140,9 +140,9 @@ def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
     if names and FILE not in names:
         raise BadFolder(f"{folder}: contains files that are not results of an ensemble; give an empty or a new folder")
     reading.refuse_links(folder)
-    there = read(folder) if names else None
-    if there is not None and there["identity"] == head["identity"] and not there["complete"]:
-        head = there
+    earlier = read(folder) if names else None
+    if earlier is not None and earlier["identity"] == head["identity"] and not earlier["complete"]:
+        head = earlier
     else:
         _replace(folder, head)
     writing.write(folder / f"{case.name}{SUFFIX}", case.text.encode("utf-8"), folder)
@@ -164,28 +164,28 @@ def write(folder: Path, head: EnsembleHeader) -> None:
 def read(folder: Path) -> EnsembleHeader:
     """Return the header of an ensemble. Raises `BadFolder` if it is missing or damaged."""
     try:
-        found: Any = json.loads(reading.content(folder / FILE, MAX_BYTES))
-        if not isinstance(found, dict) or found.get("format") != FORMAT:
+        header: Any = json.loads(reading.content(folder / FILE, MAX_BYTES))
+        if not isinstance(header, dict) or header.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT}")
-        records.typed(records.HeaderRecord, found)
+        records.typed(records.HeaderRecord, header)
         for name, kind in EnsembleHeader.__annotations__.items():
-            _check(name, kind, found)
-        date.fromisoformat(found["today"])
-        for share in found["shares"]:
+            _check(name, kind, header)
+        date.fromisoformat(header["today"])
+        for share in header["shares"]:
             share_of(share)
-        parse_stored(found["text"], found["case"])
+        parse_stored(header["text"], header["case"])
     except FileNotFoundError as error:
         raise BadFolder(f"{folder}: not the results of an ensemble: it contains no {FILE}") from error
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise BadFolder(f"{folder / FILE}: damaged: {error}") from error
-    return cast(EnsembleHeader, found)
+    return cast(EnsembleHeader, header)
 
 
-def _check(name: str, kind: Any, found: Mapping[str, Any]) -> None:
+def _check(name: str, kind: Any, header: Mapping[str, Any]) -> None:
     simple: dict[Any, Any] = {int: int, str: str, float: (int, float), bool: bool}
     wanted = simple.get(kind)
-    if wanted is not None and not isinstance(found[name], wanted):
-        raise ValueError(f"{name} is {found[name]!r:.60}")
+    if wanted is not None and not isinstance(header[name], wanted):
+        raise ValueError(f"{name} is {header[name]!r:.60}")
 
 
 def _stored(share: Share) -> StoredShare:

@@ -56,24 +56,24 @@ DEPENDENCES: tuple[Column[Any], ...] = (
 )
 
 
-def print_made(made: Made, json: bool, view: View, quiet: bool) -> None:
+def print_made(ensemble: Made, json: bool, view: View, quiet: bool) -> None:
     """Print what is known of an ensemble: its tables, or JSON, or only the methods that break expectations."""
     if json:
-        print_json(made.records())
+        print_json(ensemble.records())
     elif quiet:
-        for sentence in made.broken:
+        for sentence in ensemble.broken:
             tell(f"FAILED {sentence}")
     else:
-        print_ensemble(made.analysis.aggregates, made.analysis.dependence_rows(), made.sentences, view)
+        print_ensemble(ensemble.analysis.aggregates, ensemble.analysis.dependence_rows(), ensemble.sentences, view)
 
 
 def print_ensemble(ensemble: Aggregates, dependences: Sequence[DependenceRow], sentences: Sequence[str], view: View) -> None:
     """Print the methods with the figure that they are ranked by, the best first, then what it depends on, then sentences."""
     if ensemble.ranking:
         say(f"{ensemble.members} members, {ensemble.ranking}, the best method first")
-    show(ROWS, [ensemble.row(place, ensemble.ranking) for place in ensemble.ranked], view)
-    told = [one for one in dependences if one.share >= RELEVANT and one.figure in (FAILURE, ensemble.ranking)]
-    strongest = sorted(told, key=lambda one: -one.share)[:MOST_DEPENDENCES]
+    show(ROWS, [ensemble.row(index, ensemble.ranking) for index in ensemble.ranked], view)
+    relevant = [one for one in dependences if one.share >= RELEVANT and one.figure in (FAILURE, ensemble.ranking)]
+    strongest = sorted(relevant, key=lambda one: -one.share)[:MOST_DEPENDENCES]
     if strongest and (not view.names or {column.name for column in DEPENDENCES} & set(view.names)):
         say("\nwhat errors depend on most")
         show(DEPENDENCES, strongest, view)

@@ -7,7 +7,7 @@ from bodycheck.errors import BadFolder
 from bodycheck.reports.study import StudyReport
 from bodycheck.studies.ensemble import header as headers
 from bodycheck.studies.ensemble.header import FILE as FILE
-from bodycheck.studies.ensemble.report import kept, page, reporting
+from bodycheck.studies.ensemble.report import page, reporting
 
 
 def read(folder: Path) -> StudyReport:
@@ -17,4 +17,4 @@ def read(folder: Path) -> StudyReport:
         raise BadFolder(f"{folder}: the ensemble was interrupted; run it again with the same --out to resume it")
     case = parse_stored(header["text"], header["case"])
     analysis = reporting.read(folder, case, header).analysis
-    return page.present(reporting.material(case, header, analysis, *kept.read(folder)))
+    return page.present(reporting.material(case, header, analysis, *reporting.shown(folder)))

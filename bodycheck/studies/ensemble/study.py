@@ -66,7 +66,7 @@ def run(
     """Run all members of an ensemble with all methods, and return the folder of the results.
 
     If the same ensemble was interrupted in the folder, it is resumed, and what is done is not repeated. An executor that
-    carries out a share of the chunks leaves the files of these, for `gathering.gather`.
+    carries out a share of the chunks leaves the files of these, for `result_tables.gather`.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def _carry_out_what_is_left(
     if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
         progress("", there)
     with contextlib.closing(executor(partial(carry_out, folder=folder), pieces)) as receipts:
-        for place, receipt in enumerate(receipts):
-            if place == 0:
+        for index, receipt in enumerate(receipts):
+            if index == 0:
                 _await(folder, head, [receipt])
             progress(receipt.name, receipt.rows)
     if executor.whole:
@@ -150,18 +150,20 @@ def planned(
     for task in plan([case], records, integrators, timesteps):
         methods.setdefault(task.engine, []).append(task.method)
     shares, known = [], set[float]()
-    for engine, own in methods.items():
-        new = tuple(dict.fromkeys(method.timestep for method in own if method.timestep not in known))
+    for engine, engine_methods in methods.items():
+        new = tuple(dict.fromkeys(method.timestep for method in engine_methods if method.timestep not in known))
         known |= set(new)
-        shares.append(Share(engine, records[engine].version, tuple(own), new))
+        shares.append(Share(engine, records[engine].version, tuple(engine_methods), new))
     return tuple(shares)
 
 
 def work_of(head: EnsembleHeader, case: Case, source: Source) -> Work:
     """Return what all chunks of an ensemble have in common."""
-    told = {"bodycheck": head["bodycheck"], **head["packages"]}
+    versions = {"bodycheck": head["bodycheck"], **head["packages"]}
     today = date.fromisoformat(head["today"])
-    return Work(head["identity"], case.text, source, head["block"], head["sample"], told, today, head["limit"], head["memory"])
+    return Work(
+        head["identity"], case.text, source, head["block"], head["sample"], versions, today, head["limit"], head["memory"]
+    )
 
 
 def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, least: int) -> list[Chunk]:
@@ -169,12 +171,12 @@ def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, lea
 
     blocks: as for `run`. least: the number of chunks of each engine that there should be at least, if there are enough blocks.
     """
-    found: list[Chunk] = []
+    all_chunks: list[Chunk] = []
     for share in shares:
         every = -(-work.source.size // work.block)
         size = blocks or max(1, min(chunks.blocks_of_chunk(case, share, work.block), every // least))
-        found += chunks.cut(work, share, size, number=len(found))
-    return found
+        all_chunks += chunks.cut(work, share, size, number=len(all_chunks))
+    return all_chunks
 
 
 def executor_jobs(executor: Executor) -> int:

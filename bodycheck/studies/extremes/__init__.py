@@ -3,8 +3,8 @@
 By default, all shipped cases with a table [extremes] are run. The tables are extremes.csv and limits.csv. An interrupted
 study resumes when it is run again with the same --out.
 
-- `study` plans and makes the runs; `points` lists the points on the axes of a case. `rows` defines the tables.
-- `diagnosis` gives each run a status, from the `symptoms` of its motion. `growth` describes how a drift grows.
+- `study` plans and makes the runs at the points on the axes of a case. `rows` defines the tables.
+- `diagnosis` gives each run a status, from the `symptoms` of its motion, and describes how a drift grows.
 - `stability` searches the largest stable time step.
 - `page` and `outcome_map` make the report. `printing` serves the command line, and `interface` is the Python function.
 """

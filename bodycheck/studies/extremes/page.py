@@ -55,7 +55,7 @@ def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> Stu
         findings=(*_unreported(rows), *_long_runs(rows), *_resets(rows), *_stability(limits), *_killed(rows)),
         parts=(
             *((_unreported_errors(unreported),) if unreported else ()),
-            *(_case(name, own) for name, own in cases.items()),
+            *(_case(name, case_rows) for name, case_rows in cases.items()),
             *((_limits(limits),) if limits else ()),
         ),
         reading=READING,
@@ -84,8 +84,8 @@ def _long_runs(rows: Sequence[Row]) -> list[Finding]:
         if row.axis == "steps":
             runs[row.case, _method(row)].append(row)
     breaks: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for (case, method), own in runs.items():
-        ordered = sorted(own, key=lambda row: row.value)
+    for (case, method), method_rows in runs.items():
+        ordered = sorted(method_rows, key=lambda row: row.value)
         endured = [row for row in ordered if row.engine_said == HEALTHY and row.status not in BROKEN]
         broken = [row for row in ordered if row.status in BROKEN]
         if endured and broken and broken[0].value > endured[-1].value:
@@ -105,7 +105,7 @@ def _resets(rows: Sequence[Row]) -> list[Finding]:
         axes[row.axis].append(row)
     if not resets:
         return []
-    mildest = [min(own, key=lambda row: row.value) for own in axes.values()]
+    mildest = [min(axis_rows, key=lambda row: row.value) for axis_rows in axes.values()]
     places = listing([f"{_axis(row.axis)} {_value(row)} at {milliseconds(row.timestep)}" for row in mildest])
     engines = listing(sorted({row.engine for row in resets}))
     runs = count(len(resets), "run")
@@ -116,24 +116,24 @@ def _resets(rows: Sequence[Row]) -> list[Finding]:
 def _stability(limits: Sequence[Limit]) -> list[Finding]:
     """Return findings about the largest stable products of spin and time step, and about spins without a stable time step."""
     products: dict[str, list[str]] = defaultdict(list)
-    for method, own in _by_method(limits).items():
-        known = {number(limit.spin_times_step, 3) for limit in own if limit.spin_times_step is not None}
+    for method, method_limits in _by_method(limits).items():
+        known = {number(limit.spin_times_step, 3) for limit in method_limits if limit.spin_times_step is not None}
         if known:
             products[" to ".join(sorted(known, key=float))].append(method)
     none = defaultdict(list)
     for limit in limits:
         if limit.spin_times_step is None:
             none[limit.spin].append(_method(limit))
-    found = []
+    sentences = []
     if products:
         texts = [f"{product} rad with {listing(methods)}" for product, methods in products.items()]
-        found.append(
+        sentences.append(
             Finding("Stability", f"The largest rotation in a stable time step is {'; '.join(texts)}. See ", STABILITY, ".")
         )
     if none:
         texts = [f"at {_figure(spin)} rad/s with {listing(methods)}" for spin, methods in none.items()]
-        found.append(Finding("Unstable", f"No time step is stable {'; '.join(texts)}."))
-    return found
+        sentences.append(Finding("Unstable", f"No time step is stable {'; '.join(texts)}."))
+    return sentences
 
 
 def _killed(rows: Sequence[Row]) -> list[Finding]:
@@ -154,8 +154,8 @@ def _unreported_errors(rows: Sequence[Row]) -> Part:
     for row in rows:
         groups[row.case, row.axis, row.status, _method(row)].append(row)
     merged: dict[tuple[str, str, str, str, str], list[str]] = defaultdict(list)
-    for (case, axis, status, method), own in groups.items():
-        merged[case, _axis(axis), _values(own), status, own[0].detail].append(method)
+    for (case, axis, status, method), same in groups.items():
+        merged[case, _axis(axis), _values(same), status, same[0].detail].append(method)
     ordered = sorted(merged.items(), key=lambda group: -STATUSES.index(group[0][3]))
     table = Table(
         columns=("Case", "Method", "Axis", "Values", "Status", "Reason"),
@@ -173,8 +173,8 @@ def _case(name: str, rows: Sequence[Row]) -> Part:
     for row in rows:
         axes[row.axis].append(row)
     maps = axes["spin"] if len({row.timestep for row in axes.get("spin", ())}) > 1 else []
-    charts = tuple(_map(methods, own) for methods, own in _by_outcomes(maps))
-    tables = tuple((f"Outcomes by {_axis(axis)}", _outcomes(axis, own)) for axis, own in axes.items() if own)
+    charts = tuple(_map(methods, axis_rows) for methods, axis_rows in _by_outcomes(maps))
+    tables = tuple((f"Outcomes by {_axis(axis)}", _outcomes(axis, axis_rows)) for axis, axis_rows in axes.items() if axis_rows)
     return Part(name, name, (), charts, tables)
 
 
@@ -194,8 +194,8 @@ def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
         columns=(*heads, *(methods for methods, _ in columns)),
         numeric=(False,) * (len(heads) + len(columns)),
         rows=tuple(
-            tuple(map(Entry, (*place[: len(heads)], *(own[index].status for _, own in columns))))
-            for index, place in enumerate(places)
+            tuple(map(Entry, (*point[: len(heads)], *(method_rows[index].status for _, method_rows in columns))))
+            for index, point in enumerate(places)
         ),
         failed=(False,) * len(places),
         notes=(),
@@ -206,17 +206,17 @@ def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
 def _by_outcomes(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
     """Return the names and the runs of methods with the same outcomes everywhere. Points are in the same order for all."""
     groups: dict[tuple[str, ...], list[tuple[str, list[Row]]]] = defaultdict(list)
-    for method, own in _by_method(rows).items():
-        groups[tuple(row.status for row in own)].append((method, own))
+    for method, method_rows in _by_method(rows).items():
+        groups[tuple(row.status for row in method_rows)].append((method, method_rows))
     return [(listing([method for method, _ in group]), group[0][1]) for group in groups.values()]
 
 
 def _limits(limits: Sequence[Limit]) -> Part:
     spins = list(dict.fromkeys(limit.spin for limit in limits))
-    by_method = {key: {limit.spin: limit for limit in own} for key, own in _by_method(limits).items()}
+    by_method = {key: {limit.spin: limit for limit in method_limits} for key, method_limits in _by_method(limits).items()}
     rows = []
-    for method, own in by_method.items():
-        figures = [own[spin].spin_times_step if spin in own else None for spin in spins]
+    for method, method_limits in by_method.items():
+        figures = [method_limits[spin].spin_times_step if spin in method_limits else None for spin in spins]
         rows.append((Entry(method), *(Entry(number(figure, 3), figure) for figure in figures)))
     table = Table(
         columns=("Method", *(f"{_figure(spin)} rad/s" for spin in spins)),
@@ -231,10 +231,10 @@ def _limits(limits: Sequence[Limit]) -> Part:
 
 
 def _by_method(rows: Sequence[Any]) -> dict[str, list[Any]]:
-    found: dict[str, list[Any]] = defaultdict(list)
+    by_method: dict[str, list[Any]] = defaultdict(list)
     for row in rows:
-        found[_method(row)].append(row)
-    return found
+        by_method[_method(row)].append(row)
+    return by_method
 
 
 def _method(row: Row | Limit) -> str:

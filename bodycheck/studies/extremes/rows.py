@@ -41,7 +41,7 @@ class Row:
 
     @property
     def believed(self) -> bool:
-        """Whether the engine reported no problem although the run is wrong."""
+        """True if the engine reported no problem although the run is wrong."""
         return self.engine_said == HEALTHY and self.status != "ok"
 
 

@@ -65,7 +65,7 @@ def bracket(probes: Mapping[float, bool]) -> Bracket:
         settled = PRODUCTS[first : first + STABLE_IN_A_ROW]
         if not all(product in probes for product in settled):
             begun = (
-                next(place for place, product in enumerate(PRODUCTS) if product not in probes)
+                next(index for index, product in enumerate(PRODUCTS) if product not in probes)
                 // PRODUCTS_PER_BATCH
                 * PRODUCTS_PER_BATCH
             )
@@ -93,7 +93,7 @@ def _narrowed(probes: Mapping[float, bool], low: float, high: float) -> Bracket:
         ends = [low * ratio**section for section in range(SECTIONS)] + [high]
         if untried := _untried(probes, ends[1:-1]):
             return Bracket(low, high, untried)
-        first = next(place for place, product in enumerate(ends) if product == high or (place and not probes[product]))
+        first = next(index for index, product in enumerate(ends) if product == high or (index and not probes[product]))
         low, high = ends[first - 1], ends[first]
     return Bracket(low, high)
 

@@ -9,22 +9,20 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
+from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism, alone
-from bodycheck.reference.observables import observe
+from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import truth
-from bodycheck.reference.truths import NoTruth, Truth, distance
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
 from bodycheck.results.journal import Journal
@@ -33,12 +31,9 @@ from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.running import plan
 from bodycheck.running.engines import home
 from bodycheck.running.simulation import run
-from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
-from bodycheck.studies.extremes.growth import growth
-from bodycheck.studies.extremes.points import Point, points
+from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, drifts
 from bodycheck.studies.extremes.rows import NOTHING, RECORDS, Limit, Row
 from bodycheck.studies.extremes.stability import bracket, stable, turning
-from bodycheck.studies.extremes.symptoms import energy_change
 
 if TYPE_CHECKING:  # the processes of the runs import this module, and need no tables
     from bodycheck.running.campaign import Advance
@@ -46,15 +41,24 @@ if TYPE_CHECKING:  # the processes of the runs import this module, and need no t
 #: Time limit of one run, about three times the duration of a million steps in Python.
 TIME_LIMIT_S = 60.0
 
-
-#: Identifies a trial: the run, the axis and the value.
+#: The key of a trial: the run, the axis and the value.
 TrialKey = tuple[RunKey, str, float]
 
-#: Identifies a search: the case and method, with any time step, and the spin (rad/s).
+#: The key of a search: the case and method, with any time step, and the spin (rad/s).
+SearchKey = tuple[RunKey, float]
+
 #: A function that returns the truth of a scene at times (s), or why there is none.
 TruthOf = Callable[[tuple[AnyScene, Array]], Truth | NoTruth | Crashed | TimedOut]
 
-SearchKey = tuple[RunKey, float]
+
+@dataclass(frozen=True)
+class Point:
+    """A case with one of its axes at a value, and the time step (s) with which it is run."""
+
+    case: Case
+    axis: str
+    value: float
+    timestep: float
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,21 @@ class Study:
     @property
     def size(self) -> int:
         return len(self.trials) + len(self.searches)
+
+
+def points(case: Case) -> Iterator[Point]:
+    """Yield every value of every axis of a case, one axis at a time from the case as it stands.
+
+    If a case has spins and time steps, every spin is combined with every step.
+    """
+    values = dict(case.extremes)
+    timesteps = values.pop("timestep", ())
+    for name, tried in values.items():
+        for value in tried:
+            for timestep in (name == "spin" and timesteps) or (DEFAULT_TIMESTEP,):
+                yield Point(AXES[name].varied(case, value), name, value, timestep)
+    if "spin" not in values:
+        yield from (Point(case, "timestep", timestep, timestep) for timestep in timesteps)
 
 
 def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str]) -> Study:
@@ -199,8 +218,8 @@ def follow(scene: AnyScene, times: Array) -> Truth | NoTruth:
 
 
 def _rows(study: Study, log: Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance") -> list[Row]:
-    there = [Row(**record["row"]) for record in log.records if record["record"] == "run"]
-    rows = {(RunKey.of_row(asdict(row)), row.axis, row.value): row for row in there}
+    recorded = [Row(**record["row"]) for record in log.records if record["record"] == "run"]
+    rows = {(RunKey.of_row(asdict(row)), row.axis, row.value): row for row in recorded}
     if rows:
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
@@ -228,10 +247,10 @@ def _limits(
         with closing(pool.call_all(_probe, left, jobs, limit, group=lambda probe: probe.search.engine, home=home)) as answers:
             for probe, answer in answers:
                 # A run that crashes its process or exceeds the time limit counts as unstable.
-                held = probes[probe.search.key][probe.product] = answer is True
+                is_stable = probes[probe.search.key][probe.product] = answer is True
                 search = probe.search
                 names = (search.case.name, search.engine, search.method.name, search.spin)
-                log.add({"record": "probe", "search": names, "product": probe.product, "stable": held})
+                log.add({"record": "probe", "search": names, "product": probe.product, "stable": is_stable})
         for search in {probe.search for probe in left}:
             brackets[search] = bracket(probes[search.key])
             if not brackets[search].following:
@@ -258,13 +277,13 @@ def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of:
     point = trial.point
     scene = point.case.scene
     if isinstance(answer, Run):
-        found = diagnose(scene, answer.outcome, _truth_of(scene, answer.outcome, truth_of))
+        diagnosis = diagnose(scene, answer.outcome, _truth_of(scene, answer.outcome, truth_of))
         if point.axis == "steps":
-            found = replace(found, detail="; ".join([found.detail, *_drifts(scene, answer.outcome)]))
+            diagnosis = replace(diagnosis, detail="; ".join([diagnosis.detail, *drifts(scene, answer.outcome)]))
     else:
-        found = Diagnosis(answer.status, NOTHING, answer.reason)
+        diagnosis = Diagnosis(answer.status, NOTHING, answer.reason)
     method = (trial.engine, version, trial.method.name, point.timestep)
-    return Row(point.case.name, *method, point.axis, point.value, found.status, found.engine_said, found.detail)
+    return Row(point.case.name, *method, point.axis, point.value, diagnosis.status, diagnosis.engine_said, diagnosis.detail)
 
 
 def _truth_of(scene: AnyScene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTruth:
@@ -273,23 +292,6 @@ def _truth_of(scene: AnyScene, outcome: Outcome, truth_of: TruthOf) -> Truth | N
         return NoTruth("the run did not end")
     truth = truth_of((scene, outcome.trajectory.t))
     return NoTruth(f"the reference: {truth.reason}") if isinstance(truth, Crashed | TimedOut) else truth
-
-
-def _drifts(scene: AnyScene, outcome: Outcome) -> list[str]:
-    """Describe how the conserved quantities of a flight drift with the number of steps."""
-    trajectory = states(outcome)
-    if trajectory is None or not scene.conserves:
-        return []
-    with np.errstate(all="ignore"):
-        energy = growth(np.abs(energy_change(scene, trajectory)))
-        if isinstance(scene, Mechanism):
-            return [f"drift of the energy {energy}"]
-        momentum = observe(scene, trajectory).angular_momentum
-        size = float(np.linalg.norm(momentum[0])) or 1.0
-        return [
-            f"drift of the energy of rotation {energy}",
-            f"of the angular momentum {growth(distance(momentum, momentum[:1]) / size)}",
-        ]
 
 
 def _limit(search: Search, version: str, largest: float | None, smallest: float | None) -> Limit:

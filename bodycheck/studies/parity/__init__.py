@@ -6,6 +6,6 @@
   it computes in the order and the conventions of the file.
 - `sizes`, `comparing`, `tree`, `numbers`: how far an engine is from the file.
 - `diagnosis`: the causes, each recomputed.
-- `study`, `motion`: all of this for files and engines; what differences do to a motion.
-- `command`, `printing`, `page`, `junit`: the command and what it shows.
+- `study`, `motion`, `releases`: all of this for files and engines; what differences do to a motion; changes between releases.
+- `command`, `printing`, `page`: the command and what it shows. `collecting` makes tests of files in pytest.
 """

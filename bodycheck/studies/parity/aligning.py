@@ -28,10 +28,10 @@ class Motion:
     efforts: Array
 
     def at(self, states: Sequence[int]) -> "Motion":
-        """Return some of the states, by their places."""
-        own = list(states)
-        some = tuple(self.states[place] for place in own)
-        return Motion(some, self.velocities[own], self.accelerations[own], self.efforts[own])
+        """Return some of the states, by their indices."""
+        indices = list(states)
+        some = tuple(self.states[index] for index in indices)
+        return Motion(some, self.velocities[indices], self.accelerations[indices], self.efforts[indices])
 
 
 def truth_of(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -> Stack:
@@ -39,9 +39,9 @@ def truth_of(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -
     return stacked(terms_at(model, states, gravity))
 
 
-def motion(found: Match, states: Sequence[RobotState]) -> Motion:
+def motion(match: Match, states: Sequence[RobotState]) -> Motion:
     """Return the states of the velocities that are compared. An engine has no efforts of a joint that it does not have."""
-    labels = found.labels
+    labels = match.labels
     return Motion(
         tuple(states),
         values(states, labels, lambda state: state.velocities),
@@ -50,19 +50,19 @@ def motion(found: Match, states: Sequence[RobotState]) -> Motion:
     )
 
 
-def reduced(truth: Stack, found: Match, asked: Motion) -> Stack:
+def reduced(truth: Stack, match: Match, motion_compared: Motion) -> Stack:
     """Return terms for the velocities that are compared, from those for all velocities of the model of the file.
 
     The accelerations follow from the other terms where joints that follow others have no velocity of their own.
     """
-    expand = found.expansion
+    expand = match.expansion
     if expand.shape[0] == expand.shape[1]:
         return truth
-    forces: dict[str, Any] = {name: None if (own := getattr(truth, name)) is None else own @ expand for name in FORCES}
+    forces: dict[str, Any] = {name: None if (force := getattr(truth, name)) is None else force @ expand for name in FORCES}
     mass = None if truth.mass_matrix is None else expand.T @ truth.mass_matrix @ expand
     jacobians = {name: jacobian @ expand for name, jacobian in truth.jacobians.items()}
     small = replace(truth, mass_matrix=mass, jacobians=jacobians, **forces)
-    return replace(small, forward_dynamics=accelerations(small, asked.efforts))
+    return replace(small, forward_dynamics=accelerations(small, motion_compared.efforts))
 
 
 def accelerations(terms: Stack, efforts: Array) -> Array | None:
@@ -75,33 +75,33 @@ def accelerations(terms: Stack, efforts: Array) -> Array | None:
         return None
     mass, gravity, coriolis, passive = (np.asarray(part) for part in known)
     forces = efforts + passive - coriolis - gravity
-    found = np.full(forces.shape, np.nan)
-    for place, (matrix, force) in enumerate(zip(mass, forces, strict=True)):
+    solved = np.full(forces.shape, np.nan)
+    for index, (matrix, force) in enumerate(zip(mass, forces, strict=True)):
         root = np.sqrt(np.abs(np.diag(matrix)))
         if np.all(np.isfinite(matrix)) and np.all(root > 0):
             try:
-                found[place] = np.linalg.solve(matrix / np.outer(root, root), force / root) / root
+                solved[index] = np.linalg.solve(matrix / np.outer(root, root), force / root) / root
             except np.linalg.LinAlgError:
                 continue
-    return found
+    return solved
 
 
 def selected(engine: Stack, columns: Sequence[int]) -> Stack:
     """Return an engine's terms for some of its velocities alone, in the order given."""
     places = list(columns)
-    vectors: dict[str, Any] = {name: None if (own := getattr(engine, name)) is None else own[:, places] for name in FORCES}
+    vectors: dict[str, Any] = {name: None if (term := getattr(engine, name)) is None else term[:, places] for name in FORCES}
     mass = None if engine.mass_matrix is None else engine.mass_matrix[:, places][:, :, places]
     return replace(
-        engine, mass_matrix=mass, jacobians={name: own[:, :, places] for name, own in engine.jacobians.items()}, **vectors
+        engine, mass_matrix=mass, jacobians={name: term[:, :, places] for name, term in engine.jacobians.items()}, **vectors
     )
 
 
-def places(found: Match) -> dict[str, list[int]]:
-    """Return the places of the velocities of each joint that has several."""
+def places(match: Match) -> dict[str, list[int]]:
+    """Return the indices of the velocities of each joint that has several."""
     by_joint: dict[str, list[int]] = {}
-    for place, (name, _) in enumerate(found.labels):
-        by_joint.setdefault(name, []).append(place)
-    return {name: own for name, own in by_joint.items() if len(own) > 1}
+    for index, (name, _) in enumerate(match.labels):
+        by_joint.setdefault(name, []).append(index)
+    return {name: indices for name, indices in by_joint.items() if len(indices) > 1}
 
 
 def convention_of(engine: Stack, truth: Stack, match: Match, probes: Motion) -> Convention:
@@ -188,13 +188,13 @@ def _turned(engine: Stack, match: Match, motion_compared: Motion, convention: Co
     )
 
 
-def _matrices(found: Match, asked: Motion, how: Mapping[str, conventions.Written]) -> tuple[Array, Array]:
+def _matrices(match: Match, motion_compared: Motion, how: Mapping[str, conventions.Written]) -> tuple[Array, Array]:
     """Return the matrices (s, n, n) that make velocities of an engine of those of the file, and their derivatives."""
-    count, n = asked.velocities.shape
+    count, n = motion_compared.velocities.shape
     matrix, change = np.tile(np.eye(n), (count, 1, 1)), np.zeros((count, n, n))
-    for name, own in how.items():
-        block = np.ix_(range(count), places(found)[name], places(found)[name])
-        matrix[block], change[block] = written(found.bodies, name, asked.states, own)
+    for name, form in how.items():
+        block = np.ix_(range(count), places(match)[name], places(match)[name])
+        matrix[block], change[block] = written(match.bodies, name, motion_compared.states, form)
     return matrix, change
 
 
@@ -247,15 +247,15 @@ def _solved(mass: Array, forces: Array) -> Array:
         return np.full(forces.shape, np.nan)
 
 
-def model_terms(model: RobotModel, found: Match, asked: Motion, gravity: Vector) -> Stack:
+def model_terms(model: RobotModel, match: Match, motion_compared: Motion, gravity: Vector) -> Stack:
     """Return the terms of a changed model of the engine's bodies, for the velocities that are compared.
 
     The joints of the model that move must be those of the file, in any order.
     """
-    full = truth_of(model, asked.states, gravity)
-    own, wanted = velocity_labels(model), velocity_labels(found.model)
-    ordered = selected(full, [own.index(label) for label in wanted])
-    terms = reduced(ordered, found, asked)
-    if np.array_equal(asked.efforts, values(asked.states, found.labels, lambda state: state.efforts)):
+    full = truth_of(model, motion_compared.states, gravity)
+    labels, wanted = velocity_labels(model), velocity_labels(match.model)
+    ordered = selected(full, [labels.index(label) for label in wanted])
+    terms = reduced(ordered, match, motion_compared)
+    if np.array_equal(motion_compared.efforts, values(motion_compared.states, match.labels, lambda state: state.efforts)):
         return terms
-    return replace(terms, forward_dynamics=accelerations(terms, asked.efforts))
+    return replace(terms, forward_dynamics=accelerations(terms, motion_compared.efforts))

@@ -40,16 +40,16 @@ class ModelItem(pytest.Item):
     def runtest(self) -> None:
         from bodycheck.studies.parity.wording import differs
 
-        found = _compare(self.config)(self.path)
-        if differs(found):
-            raise Different(found)
+        parity = _compare(self.config)(self.path)
+        if differs(parity):
+            raise Different(parity)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         from bodycheck.errors import BadInput
 
         match excinfo.value:
-            case Different(found=found):
-                return printable(_explained(found))
+            case Different(parity=parity):
+                return printable(_explained(parity))
             case BadInput() as error:
                 return printable(str(error))
         return super().repr_failure(excinfo)
@@ -61,21 +61,21 @@ class ModelItem(pytest.Item):
 class Different(Exception):
     """Raised for a file that an engine refuses or takes otherwise."""
 
-    def __init__(self, found: "Parity") -> None:
-        super().__init__(found.name)
-        self.found = found
+    def __init__(self, parity: "Parity") -> None:
+        super().__init__(parity.name)
+        self.parity = parity
 
 
-def _explained(found: "Parity") -> str:
+def _explained(parity: "Parity") -> str:
     from bodycheck.studies.parity.rows import failed
     from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file
 
-    lines = [headline([found]), ""]
-    lines += [f"the file: {fault}" for fault in of_file(found)]
-    for engine, rows in engines_of(found).items():
+    lines = [headline([parity]), ""]
+    lines += [f"the file: {fault}" for fault in of_file(parity)]
+    for engine, rows in engines_of(parity).items():
         if any(map(failed, rows)):
             lines += [f"{engine} {rows[0].version}:", *(f"    {sentence}" for sentence in of_engine(rows))]
-    return "\n".join([*lines, "", f"All rows: bodycheck parity {found.path} --table"])
+    return "\n".join([*lines, "", f"All rows: bodycheck parity {parity.path} --table"])
 
 
 def _compare(config: pytest.Config) -> "Callable[[Path], Parity]":
@@ -90,12 +90,12 @@ def _compare(config: pytest.Config) -> "Callable[[Path], Parity]":
         records = load_engines(tuple(config.getoption("--bodycheck-engine"))).records
         folder = stack.enter_context(temporary_folder())
         how = stack.enter_context(study.asking(records, 1))
-        made: list[Path] = []
+        folders: list[Path] = []
 
         def compare(path: Path) -> "Parity":
-            made.append(folder / str(len(made)))
-            made[-1].mkdir()
-            return study.one(records, path, study.Asking(), made[-1], how)
+            folders.append(folder / str(len(folders)))
+            folders[-1].mkdir()
+            return study.one(records, path, study.Asking(), folders[-1], how)
 
         config.stash[COMPARE_KEY] = compare
     return config.stash[COMPARE_KEY]

@@ -56,11 +56,12 @@ def parity(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
     from bodycheck.console.output import say_where
+    from bodycheck.files import writing
     from bodycheck.results import origin
     from bodycheck.running import campaign
     from bodycheck.studies.output import Output
     from bodycheck.studies.parity import printing, rows, study
-    from bodycheck.studies.parity.page import present
+    from bodycheck.studies.parity.page import as_junit, present
 
     if not models:
         raise BadInput("parity: give at least one file of a robot")
@@ -71,19 +72,17 @@ def parity(
     make_folder("--out", out)
     loaded = load_engines(engine)
     with terminal.progress("comparing", len(models), quiet) as progress:
-        found = list(study.study(loaded.records, models, asks, processes(jobs), progress, only_readers=not engine))
+        results = list(study.study(loaded.records, models, asks, processes(jobs), progress, only_readers=not engine))
     head = campaign.header(sys.argv, loaded.records, loaded.missing)
-    every = [row for one in found for row in one.rows]
+    every = [row for one in results for row in one.rows]
     if out is not None:
-        Output(out).write(present(head, found), ((rows.READINGS, every),), [origin.origin(head, {})])
+        Output(out).write(present(head, results), ((rows.READINGS, every),), [origin.origin(head, {})])
     if junit is not None:
-        from bodycheck.studies.parity import junit as as_tests
-
-        as_tests.write(found, head, junit)
+        writing.write_named(junit, as_junit(results, head).encode("utf-8", "replace"))
     if json:
         terminal.print_json([asdict(row) for row in every])
     elif not quiet:
-        printing.print_models(found)
+        printing.print_models(results)
         if table or view != AS_USUAL:
             printing.print_rows(every, view)
     say_where(out, quiet)

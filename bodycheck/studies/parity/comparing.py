@@ -57,8 +57,8 @@ class Comparison:
     ----------
     asked, reading, tolerance
         What was asked, what the engine has read, and the largest relative difference that counts as agreement.
-    found
-        Which joints and bodies are which.
+    match
+        The pairing of the engine's joints and bodies with those of the file.
     motion
         The states of the velocities that are compared.
     truth, engine
@@ -74,7 +74,7 @@ class Comparison:
     asked: Asked
     reading: RobotReading
     tolerance: float
-    found: Match
+    match: Match
     motion: Motion
     truth: Stack
     engine: Stack
@@ -104,23 +104,23 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
     tolerance
         The largest relative difference that counts as agreement.
     """
-    found = match(given.model, reading)
+    pairing = match(given.model, reading)
     states = (*given.states, *given.probes)
     judged, probes = range(len(given.states)), range(len(given.states), len(states))
-    moved = motion(found, states)
-    whole = truth_of(found.model, states, given.gravity) if found.lacking else given.truth
-    truth = reduced(whole, found, moved)
-    terms_read = Stack() if found.otherwise else selected(stacked(reading.terms), found.columns.tolist())
-    if found.extra:  # the base is free, so that it gives way
+    moved = motion(pairing, states)
+    whole = truth_of(pairing.model, states, given.gravity) if pairing.lacking else given.truth
+    truth = reduced(whole, pairing, moved)
+    terms_read = Stack() if pairing.otherwise else selected(stacked(reading.terms), pairing.columns.tolist())
+    if pairing.extra:  # the base is free, so that it gives way
         terms_read = replace(terms_read, forward_dynamics=None)
-    convention = convention_of(terms_read.at(probes), truth.at(probes), found, moved.at(probes))
+    convention = convention_of(terms_read.at(probes), truth.at(probes), pairing, moved.at(probes))
     mass = float(np.sum([float(link.mass) for link in given.model.links]))
 
     def at_states(chosen: Sequence[int]) -> Comparison:
         exact, motion_chosen = truth.at(chosen), moved.at(chosen)
-        engine = aligned(terms_read.at(chosen), exact, found, motion_chosen, convention)
-        scale = sizes(exact, found.labels, motion_chosen.velocities, mass, float(np.linalg.norm(given.gravity)))
-        return Comparison(given, reading, tolerance, found, motion_chosen, exact, engine, convention, scale, ())
+        engine = aligned(terms_read.at(chosen), exact, pairing, motion_chosen, convention)
+        scale = sizes(exact, pairing.labels, motion_chosen.velocities, mass, float(np.linalg.norm(given.gravity)))
+        return Comparison(given, reading, tolerance, pairing, motion_chosen, exact, engine, convention, scale, ())
 
     comparison = at_states(judged)
     if _followers_have_no_efforts(at_states(probes)):
@@ -131,7 +131,7 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
 
 
 def at(comparison: Comparison, states: Sequence[int]) -> Comparison:
-    """Return a comparison of some of the states, by their places, whose rows are still those of all states."""
+    """Return a comparison of some of the states, by their indices, whose rows are still those of all states."""
     return replace(
         comparison,
         motion=comparison.motion.at(states),
@@ -148,21 +148,21 @@ def with_engine(comparison: Comparison, engine: Stack) -> Comparison:
     return replace(changed, rows=(*kept, *terms(changed)))
 
 
-def _with_constraints(own: Comparison) -> Comparison:
+def _with_constraints(comparison: Comparison) -> Comparison:
     """Return a comparison in which the dry friction of the truth is that of the engine, where it is at most that of the file.
 
     MJCF calls dry friction a constraint, and URDF states the largest static friction alone: both leave it open what the force
     is below that, and whether it opposes the velocity that a joint has or the one that it is about to have.
     """
-    passive, velocities = own.engine.passive_force, own.motion.velocities
-    most = own.found.numbers("friction")
-    if passive is None or own.truth.passive_force is None or own.found.reduced or not np.any(most > 0):
-        return own
-    without = own.truth.passive_force + most * np.sign(velocities)
-    found = np.clip(passive - without, -most, most)
-    friction = np.where(_is_constraint(found, most), found, -most * np.sign(velocities))
-    truth = replace(own.truth, passive_force=without + friction)
-    return replace(own, truth=replace(truth, forward_dynamics=accelerations(truth, own.motion.efforts)))
+    passive, velocities = comparison.engine.passive_force, comparison.motion.velocities
+    most = comparison.match.numbers("friction")
+    if passive is None or comparison.truth.passive_force is None or comparison.match.reduced or not np.any(most > 0):
+        return comparison
+    without = comparison.truth.passive_force + most * np.sign(velocities)
+    friction_of_engine = np.clip(passive - without, -most, most)
+    friction = np.where(_is_constraint(friction_of_engine, most), friction_of_engine, -most * np.sign(velocities))
+    truth = replace(comparison.truth, passive_force=without + friction)
+    return replace(comparison, truth=replace(truth, forward_dynamics=accelerations(truth, comparison.motion.efforts)))
 
 
 def _is_constraint(friction: Array, most: Array) -> Array:
@@ -188,37 +188,37 @@ def _followers_have_no_efforts(probes: Comparison) -> bool:
     return better is not None and better.relative < gap.relative / 2
 
 
-def _without_efforts_of_followers(own: Comparison) -> Comparison:
+def _without_efforts_of_followers(comparison: Comparison) -> Comparison:
     """Return a comparison whose joints that follow others in the engine have no efforts."""
-    efforts = np.where(_followers(own), 0.0, own.motion.efforts)
-    truth = replace(own.truth, forward_dynamics=accelerations(own.truth, efforts))
-    return replace(own, truth=truth, motion=replace(own.motion, efforts=efforts))
+    efforts = np.where(_followers(comparison), 0.0, comparison.motion.efforts)
+    truth = replace(comparison.truth, forward_dynamics=accelerations(comparison.truth, efforts))
+    return replace(comparison, truth=truth, motion=replace(comparison.motion, efforts=efforts))
 
 
-def _followers(own: Comparison) -> Array:
+def _followers(comparison: Comparison) -> Array:
     """Return for each velocity (n,) whether its joint follows another one in the engine."""
-    return np.array([own.found.joints[name].mimic is not None for name, _ in own.found.labels], np.bool_)
+    return np.array([comparison.match.joints[name].mimic is not None for name, _ in comparison.match.labels], np.bool_)
 
 
-def _rows(own: Comparison) -> Iterator[Compared]:
-    given, reading, found = own.asked, own.reading, own.found
-    yield from tree.order(found, given.model, reading)
-    yield from tree.parents(found, reading)
-    yield from tree.joint_types(found, given.model, own.tolerance)
-    yield from tree.gravity(given.model, reading, given.gravity_stated, own.tolerance)
-    yield from numbers.total_mass(found, reading, own.tolerance)
-    yield from numbers.bodies(found, reading, own.sizes.length, own.tolerance)
-    yield from numbers.joints(found, given.model, own.tolerance)
-    yield from terms(own)
+def _rows(comparison: Comparison) -> Iterator[Compared]:
+    asked, reading, match = comparison.asked, comparison.reading, comparison.match
+    yield from tree.order(match, asked.model, reading)
+    yield from tree.parents(match, reading)
+    yield from tree.joint_types(match, asked.model, comparison.tolerance)
+    yield from tree.gravity(asked.model, reading, asked.gravity_stated, comparison.tolerance)
+    yield from numbers.total_mass(match, reading, comparison.tolerance)
+    yield from numbers.bodies(match, reading, comparison.sizes.length, comparison.tolerance)
+    yield from numbers.joints(match, asked.model, comparison.tolerance)
+    yield from terms(comparison)
 
 
-def terms(own: Comparison) -> Iterator[Compared]:
+def terms(comparison: Comparison) -> Iterator[Compared]:
     """Yield a row for each quantity that is compared at states. Where the truth has none, there is no row."""
     for quantity in TERMS:
-        gap = apart(quantity, own.engine, own.truth, own.sizes)
+        gap = apart(quantity, comparison.engine, comparison.truth, comparison.sizes)
         if gap is not None:
-            yield replace(term(quantity, gap, own.tolerance), convention=own.convention.of(quantity))
-        elif not _has(own.engine, quantity) and _has(own.truth, quantity):
+            yield replace(term(quantity, gap, comparison.tolerance), convention=comparison.convention.of(quantity))
+        elif not _has(comparison.engine, quantity) and _has(comparison.truth, quantity):
             yield Compared("not-modelled", quantity, MODEL)
 
 
@@ -229,8 +229,8 @@ def term(quantity: Quantity, gap: Apart, tolerance: float) -> Compared:
 
 
 def _has(stack: Stack, quantity: Quantity) -> bool:
-    own = {"pose": stack.poses, "jacobian": stack.jacobians}.get(quantity)
-    if own is not None:
-        return bool(own)
+    by_body = {"pose": stack.poses, "jacobian": stack.jacobians}.get(quantity)
+    if by_body is not None:
+        return bool(by_body)
     array = getattr(stack, quantity)
     return array is not None and array.size > 0 and bool(np.isfinite(array).any())

@@ -139,9 +139,11 @@ class Convention:
         return (f"the accelerations of its inverse dynamics are {self.accelerations}",) if self._velocities else ()
 
 
-def _words(own: Written) -> str:
-    first = "the angular part first, " if own.angular_first else ""
-    return f"{first}the linear part of the {own.point} along the {own.linear}'s axes, the angular one along the {own.angular}'s"
+def _words(form: Written) -> str:
+    first = "the angular part first, " if form.angular_first else ""
+    return (
+        f"{first}the linear part of the {form.point} along the {form.linear}'s axes, the angular one along the {form.angular}'s"
+    )
 
 
 def written(model: RobotModel, name: str, states: Sequence[RobotState], how: Written) -> tuple[Array, Array]:
@@ -207,8 +209,8 @@ def _floating(position: Array, velocity: Array, centre: Array, socket: Array, ho
         axes, axes_change = transposed(turn), transposed(spun)
     elif how.linear == "parent":
         axes = np.broadcast_to(socket, turn.shape)
-    own, own_change = _turning(how.angular, socket, turn, spin)
-    matrix = np.block([[axes, axes @ lever], [zero, own]])
+    turning, own_change = _turning(how.angular, socket, turn, spin)
+    matrix = np.block([[axes, axes @ lever], [zero, turning]])
     change = np.block([[axes_change, axes_change @ lever + axes @ levers], [zero, own_change]])
     order = [3, 4, 5, 0, 1, 2] if how.angular_first else [0, 1, 2, 3, 4, 5]
     return matrix[:, order], change[:, order]
@@ -240,26 +242,28 @@ def find(
     model
         The model of the file with the bodies of the engine.
     places
-        The places of the velocities of each joint that has several, among those that are compared.
+        The indices of the velocities of each joint that has several, among those that are compared.
     states
         The probe states.
     engine, truth
         What the engine computes at them, in its own conventions and in the order of the file, and the truth.
     """
     centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
-    known = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
+    bodies = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
     ways = {name: _ways(model, name, states) for name in places}
     types = {joint.name: joint.type for joint in model.joints}
-    if not known:
-        return Convention(_forms({name: _by_mass(ways[name], own, engine, truth) for name, own in places.items()}, types))
+    if not bodies:
+        return Convention(
+            _forms({name: _by_mass(ways[name], columns, engine, truth) for name, columns in places.items()}, types)
+        )
     children = {joint.name: model.links[joint.child].name for joint in model.joints}
     best, chosen = (-1, 0.0, 0.0), Convention()
     for frame in JACOBIAN_FRAMES:
-        found = {name: in_world(engine.jacobians[name], truth.poses[name], centres[name], frame) for name in known}
-        misfits = {name: _by_jacobian(ways[name], children[name], own, found, truth) for name, own in places.items()}
+        in_axes = {name: in_world(engine.jacobians[name], truth.poses[name], centres[name], frame) for name in bodies}
+        misfits = {name: _by_jacobian(ways[name], children[name], columns, in_axes, truth) for name, columns in places.items()}
         joints = _forms(misfits, types)
         changes = {name: (places[name], ways[name][how]) for name, how in joints.items()}
-        errors = np.array([_error(_rewritten(found[name], changes), truth.jacobians[name]) for name in known])
+        errors = np.array([_error(_rewritten(in_axes[name], changes), truth.jacobians[name]) for name in bodies])
         left = float(np.sum(np.where(errors < ALIKE, 0.0, np.minimum(errors, 1.0))))
         score = (int(np.sum(errors < ALIKE)), -left, -_of_masses(engine, truth, changes))
         if score > best:
@@ -275,10 +279,10 @@ def _ways(model: RobotModel, name: str, states: Sequence[RobotState]) -> Mapping
 
 def _rewritten(jacobian: Array, changes: Mapping[str, tuple[Sequence[int], Array]]) -> Array:
     """Return matrices whose columns are for the velocities of the file, from those for the velocities of an engine."""
-    found = jacobian.copy()
+    rewritten = jacobian.copy()
     for places, matrix in changes.values():
-        found[:, :, places] = jacobian[:, :, places] @ matrix
-    return found
+        rewritten[:, :, places] = jacobian[:, :, places] @ matrix
+    return rewritten
 
 
 def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence[int], Array]]) -> float:
@@ -288,22 +292,22 @@ def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence
     """
     if engine.mass_matrix is None or truth.mass_matrix is None or not truth.mass_matrix.size:
         return 0.0
-    found = _rewritten(transposed(_rewritten(engine.mass_matrix, changes)), changes)
-    error = _error(found, truth.mass_matrix)
+    rewritten = _rewritten(transposed(_rewritten(engine.mass_matrix, changes)), changes)
+    error = _error(rewritten, truth.mass_matrix)
     return error if error >= ALIKE else 0.0
 
 
 def _by_jacobian(
-    ways: Mapping[Written, Array], child: str, places: Sequence[int], found: Mapping[str, Array], truth: Stack
+    ways: Mapping[Written, Array], child: str, places: Sequence[int], jacobians: Mapping[str, Array], truth: Stack
 ) -> dict[Written, float]:
     """Return the errors of the forms of a joint's velocity, by the columns of the Jacobian of the body that it moves.
 
     Empty without this Jacobian.
     """
-    if child not in found:
+    if child not in jacobians:
         return {}
-    own, expected = found[child][:, :, places], truth.jacobians[child][:, :, places]
-    return {how: _error(own @ matrix, expected) for how, matrix in ways.items()}
+    columns, expected = jacobians[child][:, :, places], truth.jacobians[child][:, :, places]
+    return {how: _error(columns @ matrix, expected) for how, matrix in ways.items()}
 
 
 def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack, truth: Stack) -> dict[Written, float]:
@@ -311,8 +315,8 @@ def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack
     if engine.mass_matrix is None or truth.mass_matrix is None:
         return {}
     block = np.ix_(range(len(truth.mass_matrix)), places, places)
-    own, expected = engine.mass_matrix[block], truth.mass_matrix[block]
-    return {how: _error(transposed(matrix) @ own @ matrix, expected) for how, matrix in ways.items()}
+    mass, expected = engine.mass_matrix[block], truth.mass_matrix[block]
+    return {how: _error(transposed(matrix) @ mass @ matrix, expected) for how, matrix in ways.items()}
 
 
 def _forms(misfits: Mapping[str, Mapping[Written, float]], types: Mapping[str, str]) -> dict[str, Written]:
@@ -333,7 +337,7 @@ def _forms(misfits: Mapping[str, Mapping[Written, float]], types: Mapping[str, s
     return forms
 
 
-def _error(found: Array, expected: Array) -> float:
+def _error(value: Array, expected: Array) -> float:
     """Return the largest difference relative to the largest entry; infinite where it is not a number."""
-    error = np.max(np.abs(found - expected), initial=0.0) / max(np.max(np.abs(expected), initial=0.0), 1e-300)
+    error = np.max(np.abs(value - expected), initial=0.0) / max(np.max(np.abs(expected), initial=0.0), 1e-300)
     return float(error) if np.isfinite(error) else np.inf

@@ -38,7 +38,7 @@ class Match:
         The n velocities that are compared, in the order of the file. A joint that follows another, and has no velocity of
         its own in the engine, has none here.
     columns
-        The places (n,) of these velocities among those of the engine.
+        The indices (n,) of these velocities among those of the engine.
     expansion
         The matrix that makes all velocities of `model` of those that are compared.
     """
@@ -71,18 +71,18 @@ def match(model: RobotModel, reading: RobotReading) -> Match:
     moving = [joint for joint in model.joints if VELOCITIES[joint.type]]
     children = {joint.name: model.links[joint.child].name for joint in moving}
     known = {joint.name for joint in moving}
-    joints = {name: found for name in children if (found := named.get(name)) is not None}
+    joints = {name: joint for name in children if (joint := named.get(name)) is not None}
     for name, child in children.items():  # an engine may give joints names of its own
         other = by_child.get(child)
         if name not in joints and other is not None and other.name not in known:
             joints[name] = other
-    joints = {name: own for name, own in joints.items() if own.count or own.mimic is not None}
+    joints = {name: joint_read for name, joint_read in joints.items() if joint_read.count or joint_read.mimic is not None}
     lacking = tuple(name for name in children if name not in joints)
     fixed = replace(model, joints=tuple(_fixed(joint) if joint.name in lacking else joint for joint in model.joints))
     used = {id(joint) for joint in joints.values()}
     counts = {joint.name: VELOCITIES[joint.type] for joint in moving}
-    follows = {name for name, own in joints.items() if not own.count}
-    otherwise = tuple(name for name, own in joints.items() if name not in follows and own.count != counts[name])
+    follows = {name for name, joint_read in joints.items() if not joint_read.count}
+    otherwise = tuple(name for name, joint_read in joints.items() if name not in follows and joint_read.count != counts[name])
     full = velocity_labels(fixed)
     labels = tuple(label for label in full if label[0] not in follows and label[0] not in otherwise)
     columns = np.array([joints[name].first + component for name, component in labels], np.intp)

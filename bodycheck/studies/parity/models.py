@@ -54,7 +54,7 @@ class Robot:
 
 
 def named(paths: Sequence[Path]) -> dict[str, Path]:
-    """Return the files by names of their own: the name without ending, with as much of the path as several of a name need.
+    """Return the files by different names: the name without ending, with as much of the path as several of a name need.
 
     Raises `BadInput` for a path that is no file.
     """
@@ -64,9 +64,9 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
             raise BadInput(f"{path}: {'is a folder' if path.is_dir() else 'there is no such file'}")
         by_stem.setdefault(re.sub(r"\.case$", "", path.stem), []).append(path)
     names: dict[Path, str] = {}
-    for stem, own in by_stem.items():
-        shared = os.path.commonpath([path.resolve() for path in own])
-        names |= {path: stem if len(own) == 1 else path.resolve().relative_to(shared).as_posix() for path in own}
+    for stem, same_stem in by_stem.items():
+        shared = os.path.commonpath([path.resolve() for path in same_stem])
+        names |= {path: stem if len(same_stem) == 1 else path.resolve().relative_to(shared).as_posix() for path in same_stem}
     return {names[path]: path for path in dict.fromkeys(paths)}
 
 
@@ -100,8 +100,8 @@ def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_:
             return Robot(name, str(path), copy.file, compiled, (), True, copy.removed)
         fault = FileFault("model", "", f"{path}: {compiled.reason}")
         return Robot(name, str(path), copy.file, None, (fault,), True, copy.removed)
-    found = urdf.read(elements.content(path), path.name)
-    return Robot(name, str(path), copy.file, found.model, found.faults, False, copy.removed)
+    content = urdf.read(elements.content(path), path.name)
+    return Robot(name, str(path), copy.file, content.model, content.faults, False, copy.removed)
 
 
 def _of_case(name: str, path: Path, into: Path) -> Robot:

@@ -63,17 +63,17 @@ def sentence(file: RobotModel, engine: RobotModel, state: RobotState, gravity: V
         The time (s).
     """
     try:
-        found = drift(file, engine, state, gravity, seconds)
+        end = drift(file, engine, state, gravity, seconds)
     except NoMotion as error:
         return f"the motion that follows cannot be compared: {error}"
-    return f"after {seconds:g} s of free motion, {found.joint} is {found.amount:.3g} {found.unit} from where it should be"
+    return f"after {seconds:g} s of free motion, {end.joint} is {end.amount:.3g} {end.unit} from where it should be"
 
 
 def drift(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> Drift:
     """Return how far the motions of two models are apart; parameters are those of `sentence`. Raises `NoMotion`."""
     ends = [moved(model, state, gravity, seconds) for model in (file, engine)]
-    found = [_apart(joint.name, joint.type, ends[0], ends[1]) for joint in file.joints if VELOCITIES[joint.type]]
-    return max(found, key=lambda one: one.amount, default=Drift("", 0.0, "°"))
+    drifts = [_apart(joint.name, joint.type, ends[0], ends[1]) for joint in file.joints if VELOCITIES[joint.type]]
+    return max(drifts, key=lambda one: one.amount, default=Drift("", 0.0, "°"))
 
 
 def moved(model: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> dict[str, Array]:
@@ -92,7 +92,7 @@ def moved(model: RobotModel, state: RobotState, gravity: Vector, seconds: float)
 
     def change(_: float, numbers: Array) -> Array:
         position, velocity = parts(numbers)
-        at = {name: _normalised(kinds[name], own) for name, own in position.items()}
+        at = {name: _normalised(kinds[name], numbers_of_joint) for name, numbers_of_joint in position.items()}
         now = RobotState(_tuples(at), _tuples(velocity), none, none)
         acceleration = terms(model, now, gravity).forward_dynamics
         if acceleration is None:
@@ -108,7 +108,7 @@ def moved(model: RobotModel, state: RobotState, gravity: Vector, seconds: float)
             raise NoMotion(f"it takes more than {MOST_EVALUATIONS} evaluations")
     if solver.status != "finished":
         raise NoMotion("its motion cannot be integrated")
-    return {name: _normalised(kinds[name], own) for name, own in parts(solver.y)[0].items()}
+    return {name: _normalised(kinds[name], numbers_of_joint) for name, numbers_of_joint in parts(solver.y)[0].items()}
 
 
 def _cut(names: list[str], lengths: list[int], numbers: Array) -> dict[str, Array]:
@@ -116,7 +116,7 @@ def _cut(names: list[str], lengths: list[int], numbers: Array) -> dict[str, Arra
 
 
 def _tuples(values: Mapping[str, Array]) -> dict[str, tuple[float, ...]]:
-    return {name: tuple(map(float, own)) for name, own in values.items()}
+    return {name: tuple(map(float, numbers)) for name, numbers in values.items()}
 
 
 def _normalised(kind: str, position: Array) -> Array:

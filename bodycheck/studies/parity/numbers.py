@@ -21,9 +21,9 @@ OFFSET_PART = 1e-5
 NO_LIMIT = 1e9
 
 
-def tensor(own: Components | Array) -> Array:
+def tensor(numbers: Components | Array) -> Array:
     """Return the tensor (3, 3) of components xx, yy, zz, xy, xz, yz."""
-    xx, yy, zz, xy, xz, yz = own
+    xx, yy, zz, xy, xz, yz = numbers
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
@@ -32,16 +32,16 @@ def text(numbers: Sequence[float] | Array | Wide) -> str:
     return " ".join(repr(float(number)) for number in numbers)
 
 
-def bodies(found: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
+def bodies(match: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
     """Yield rows for the masses, centres of mass and inertias of the bodies that the engine tells of.
 
     length: the reach of the robot (m), to which centres of mass are relative.
     """
-    told = {body.name: body for body in reading.bodies}
-    for link in found.bodies.links:
-        body = told.get(link.name)
+    bodies_read = {body.name: body for body in reading.bodies}
+    for link in match.bodies.links:
+        body = bodies_read.get(link.name)
         # The mass of a root that is welded to the world counts nowhere, and many engines have none, or one of their own.
-        counts = link is not found.bodies.links[found.bodies.root] or (link.mass and _tells_mass(reading, link.name))
+        counts = link is not match.bodies.links[match.bodies.root] or (link.mass and _tells_mass(reading, link.name))
         if body is not None and counts:
             yield from _body(link, body, length, tolerance)
 
@@ -59,31 +59,31 @@ def _body(link: RobotLink, body: ReadBody, length: float, tolerance: float) -> I
         yield vector("inertia", link.name, body.inertia, expected, size + offset, tolerance)
 
 
-def total_mass(found: Match, reading: RobotReading, tolerance: float) -> Iterator[Compared]:
+def total_mass(match: Match, reading: RobotReading, tolerance: float) -> Iterator[Compared]:
     """Yield the row of the mass of all bodies.
 
     A base that is welded to the world may be missing in it, which is no difference; if others are missing too, a second row is
     about the mass of all bodies but the base. The mass that an engine gives to a base that has none in the file does not count.
     """
-    known = {link.name for link in found.bodies.links}
-    links, root = found.bodies.links, found.bodies.links[found.bodies.root]
-    told = [
+    known = {link.name for link in match.bodies.links}
+    links, root = match.bodies.links, match.bodies.links[match.bodies.root]
+    masses = [
         body.mass
         for body in reading.bodies
         if body.mass is not None and body.name in known and (root.mass or body.name != root.name)
     ]
-    if not told:
+    if not masses:
         return
     everything = math.fsum(float(link.mass) for link in links)
     if not root.mass or _tells_mass(reading, root.name):
-        yield scalar("total_mass", MODEL, math.fsum(told), everything, tolerance)
+        yield scalar("total_mass", MODEL, math.fsum(masses), everything, tolerance)
         return
-    missing = scalar("total_mass", MODEL, math.fsum(told), everything, tolerance)
+    missing = scalar("total_mass", MODEL, math.fsum(masses), everything, tolerance)
     yield Compared(
         "agrees", "total_mass", MODEL, missing.engine_value, missing.truth_value, missing.difference, cause="base-welded"
     )
     rest = scalar(
-        "total_mass", MODEL, math.fsum(told), math.fsum(float(own.mass) for own in links if own is not root), tolerance
+        "total_mass", MODEL, math.fsum(masses), math.fsum(float(link.mass) for link in links if link is not root), tolerance
     )
     if rest.status == "differs":
         yield rest
@@ -93,26 +93,26 @@ def _tells_mass(reading: RobotReading, name: str) -> bool:
     return any(body.name == name and body.mass for body in reading.bodies)
 
 
-def joints(found: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
+def joints(match: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
     """Yield rows for the numbers of the joints that the engine tells of."""
-    own = {joint.name: joint for joint in model.joints}
-    for name, told in found.joints.items():
-        yield from _joint(own[name], told, tolerance)
+    file_joints = {joint.name: joint for joint in model.joints}
+    for name, joint_read in match.joints.items():
+        yield from _joint(file_joints[name], joint_read, tolerance)
 
 
-def _joint(joint: RobotJoint, told: ReadJoint, tolerance: float) -> Iterator[Compared]:
-    if joint.type in ("revolute", "prismatic", "planar") and told.axis is not None:
-        yield vector("axis", joint.name, told.axis, joint.axis, 1.0, tolerance)
+def _joint(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> Iterator[Compared]:
+    if joint.type in ("revolute", "prismatic", "planar") and joint_read.axis is not None:
+        yield vector("axis", joint.name, joint_read.axis, joint.axis, 1.0, tolerance)
     for quantity in ("armature", "damping", "friction", "stiffness"):
-        expected, value = float(getattr(joint, quantity)), getattr(told, quantity)
+        expected, value = float(getattr(joint, quantity)), getattr(joint_read, quantity)
         if value is not None:
             yield scalar(quantity, joint.name, value, expected, tolerance)
         elif expected:
             yield Compared("not-modelled", quantity, joint.name, "", text([expected]))
-    limit, read = (none_if_unlimited(value) for value in (joint.effort_limit, told.effort_limit))
+    limit, read = (none_if_unlimited(value) for value in (joint.effort_limit, joint_read.effort_limit))
     if limit is None and not read:  # an engine may have 0 where there is no limit
         return
-    if limit is not None and told.effort_limit is None:
+    if limit is not None and joint_read.effort_limit is None:
         yield Compared("not-modelled", "effort_limit", joint.name, "", text([limit]))
     elif limit is not None and read is not None:
         yield scalar("effort_limit", joint.name, read, limit, tolerance)

@@ -1,11 +1,13 @@
-"""The report of a parity study: the verdict, a matrix of robots and quantities, and a part for each robot."""
+"""The report of a parity study: the verdict, a matrix of robots and quantities, and a part for each robot; and as JUnit XML."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from xml.etree.ElementTree import Element
 
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import count, number
+from bodycheck.reports.runs.junit import clean, document, element
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
@@ -35,51 +37,51 @@ READING = (
 )
 
 
-def present(header: Header, found: Sequence[Parity]) -> StudyReport:
+def present(header: Header, models: Sequence[Parity]) -> StudyReport:
     """Return the contents of the report.
 
     Parameters
     ----------
     header
         Versions, machine and command.
-    found
+    models
         What was found of each model, in the order of the study.
     """
     return StudyReport(
         title="Do engines mean the same by one file?",
-        headline=headline(found),
+        headline=headline(models),
         header=header,
         notices=tuple(missing_engines(header)),
-        findings=tuple(_findings(found)),
-        parts=(_matrix(found), *(_robot(anchor, one) for anchor, one in zip(_anchors(found), found, strict=True))),
+        findings=tuple(_findings(models)),
+        parts=(_matrix(models), *(_robot(anchor, one) for anchor, one in zip(_anchors(models), models, strict=True))),
         reading=READING,
     )
 
 
-def _anchors(found: Sequence[Parity]) -> list[str]:
+def _anchors(models: Sequence[Parity]) -> list[str]:
     """Return names of anchors, which look like those of the models and are different."""
-    names = [re.sub(r"[^A-Za-z0-9]+", "-", one.name).strip("-") for one in found]
-    return [name if names.count(name) == 1 else f"{name}-{place + 1}" for place, name in enumerate(names)]
+    names = [re.sub(r"[^A-Za-z0-9]+", "-", one.name).strip("-") for one in models]
+    return [name if names.count(name) == 1 else f"{name}-{index + 1}" for index, name in enumerate(names)]
 
 
-def _findings(found: Sequence[Parity]) -> Iterable[Finding]:
-    for anchor, one in zip(_anchors(found), found, strict=True):
+def _findings(models: Sequence[Parity]) -> Iterable[Finding]:
+    for anchor, one in zip(_anchors(models), models, strict=True):
         if differs(one):
-            told = [f"{engine}: {brief(rows)}" for engine, rows in engines_of(one).items() if any(map(failed, rows))]
+            sentences = [f"{engine}: {brief(rows)}" for engine, rows in engines_of(one).items() if any(map(failed, rows))]
             faults = of_file(one)
-            told += [f"the file has {count(len(faults), 'fault')}, the first: {faults[0]}"] if faults else []
-            yield Finding(anchor, f"{'. '.join(told)}.")
+            sentences += [f"the file has {count(len(faults), 'fault')}, the first: {faults[0]}"] if faults else []
+            yield Finding(anchor, f"{'. '.join(sentences)}.")
 
 
-def _matrix(found: Sequence[Parity]) -> Part:
+def _matrix(models: Sequence[Parity]) -> Part:
     """Return the part with a row for each robot and engine and a column for each quantity."""
     rows, marks = [], []
-    for anchor, one in zip(_anchors(found), found, strict=True):
-        for engine, own in (*_file_rows(one), *engines_of(one).items()):
-            cells = [_cell([row for row in own if row.quantity == quantity]) for quantity in QUANTITIES]
-            verdict = of_engine(own)[0] if engine != FILE else "refused"
+    for anchor, one in zip(_anchors(models), models, strict=True):
+        for engine, side_rows in (*_file_rows(one), *engines_of(one).items()):
+            cells = [_cell([row for row in side_rows if row.quantity == quantity]) for quantity in QUANTITIES]
+            verdict = of_engine(side_rows)[0] if engine != FILE else "refused"
             rows.append((Entry(one.name, link=f"part-{anchor}"), Entry(engine), Entry(verdict), *cells))
-            marks.append(any(map(failed, own)))
+            marks.append(any(map(failed, side_rows)))
     table = Table(
         columns=("Robot", "Engine", "Reason", *(name_of(quantity) for quantity in QUANTITIES)),
         numeric=(False,) * (3 + len(QUANTITIES)),
@@ -91,8 +93,8 @@ def _matrix(found: Sequence[Parity]) -> Part:
 
 
 def _file_rows(one: Parity) -> list[tuple[str, list[ParityRow]]]:
-    own = [row for row in one.rows if row.engine == FILE]
-    return [(FILE, own)] if own else []
+    rows = [row for row in one.rows if row.engine == FILE]
+    return [(FILE, rows)] if rows else []
 
 
 def _cell(rows: Sequence[ParityRow]) -> Entry:
@@ -147,8 +149,8 @@ def _terms(rows: Sequence[ParityRow]) -> Table:
     by_place = {(row.quantity, row.engine): row for row in rows}
     cells = []
     for quantity in TERMS:
-        own = [by_place.get((quantity, engine)) for engine in engines]
-        cells.append((Entry(name_of(quantity), meaning=MEANINGS[quantity]), *map(_relative, own)))
+        by_engine = [by_place.get((quantity, engine)) for engine in engines]
+        cells.append((Entry(name_of(quantity), meaning=MEANINGS[quantity]), *map(_relative, by_engine)))
     return Table(
         columns=("Quantity", *engines),
         numeric=(False, *(True for _ in engines)),
@@ -163,3 +165,45 @@ def _relative(row: ParityRow | None) -> Entry:
     if row is None or row.relative is None:
         return Entry("–")
     return Entry(number(row.relative, 2), row.relative, meaning=row.cause)
+
+
+def as_junit(models: Sequence[Parity], header: Header) -> str:
+    """Return the results as JUnit XML: a test for each model and engine, and one for each file with faults.
+
+    A model that an engine does not read is a skipped test.
+    """
+    tests = [test for one in models for test in _junit_tests(one)]
+    counts = {
+        "tests": len(tests),
+        "failures": sum(test.find("failure") is not None for test in tests),
+        "errors": 0,
+        "skipped": sum(test.find("skipped") is not None for test in tests),
+    }
+    root = element("testsuites", name="bodycheck", **counts)
+    suite = element("testsuite", name="bodycheck parity", timestamp=header["started"], **counts)
+    suite.extend(tests)
+    root.append(suite)
+    return document(root)
+
+
+def _junit_tests(one: Parity) -> Iterator[Element]:
+    if faults := of_file(one):
+        yield _junit_test(one, FILE, [row for row in one.rows if row.engine == FILE], faults)
+    for engine, rows in engines_of(one).items():
+        yield _junit_test(one, engine, rows, of_engine(rows))
+
+
+def _junit_test(one: Parity, engine: str, rows: Sequence[ParityRow], sentences: Sequence[str]) -> Element:
+    test = element("testcase", classname=one.name, name=engine, time="0.000000")
+    text = "\n".join(sentences)
+    if any(map(failed, rows)):
+        failure = element("failure", type="parity", message="; ".join(sentences))
+        failure.text = clean("\n".join([text, *(_junit_line(row) for row in rows if failed(row))]))
+        test.append(failure)
+    elif all(row.status == "not-modelled" for row in rows):
+        test.append(element("skipped", message=text))
+    return test
+
+
+def _junit_line(row: ParityRow) -> str:
+    return f"{row.quantity or ''} {row.subject}: {row.engine_value} instead of {row.truth_value} {row.cause}"

@@ -37,10 +37,10 @@ ROWS: tuple[Column[ParityRow], ...] = (
 )
 
 
-def print_models(found: Sequence[Parity]) -> None:
+def print_models(models: Sequence[Parity]) -> None:
     """Print the verdict on each model and engine in sentences, and at the end the verdict on all."""
-    for place, one in enumerate(found):
-        if place:
+    for index, one in enumerate(models):
+        if index:
             say("")
         bold(one.name)
         faults = of_file(one)
@@ -55,9 +55,9 @@ def print_models(found: Sequence[Parity]) -> None:
                 tell(f"    {sentence}", "      ")
             for note in one.notes.get(engine, ()):
                 tell(f"    note: {note}", "      ")
-    if len(found) > 1:
+    if len(models) > 1:
         say("")
-        tell(headline(found))
+        tell(headline(models))
 
 
 def print_changes(changes: "Sequence[Meaning]") -> None:

@@ -23,7 +23,7 @@ Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
 
 @dataclass(frozen=True)
 class Meaning:
-    """A change of what a file means from one release to the next.
+    """A change in the meaning of a file from one release to the next.
 
     Attributes
     ----------
@@ -93,14 +93,14 @@ def measured(
         return list(study(records, paths, asks, jobs, progress)), missing
 
 
-def changes(found: Sequence[Parity]) -> tuple[Meaning, ...]:
+def changes(models: Sequence[Parity]) -> tuple[Meaning, ...]:
     """Return the changes from each release to the next, in which a quantity begins or ceases to be that of the file."""
-    return tuple(change for one in found for change in _of_model(one))
+    return tuple(change for one in models for change in _of_model(one))
 
 
-def _of_model(found: Parity) -> list[Meaning]:
-    releases = {engine: _by_subject(rows) for engine, rows in engines_of(found).items()}
-    told = []
+def _of_model(parity: Parity) -> list[Meaning]:
+    releases = {engine: _by_subject(rows) for engine, rows in engines_of(parity).items()}
+    meanings = []
     for before, after in pairwise(releases):
         old, new = releases[before], releases[after]
         whole = (
@@ -113,8 +113,8 @@ def _of_model(found: Parity) -> list[Meaning]:
             if was != status:
                 off = other if other is not None and status != "agrees" else one
                 values = (one.engine_value if one else "", other.engine_value if other else "", off.truth_value if off else "")
-                told.append(Meaning(found.name, before, after, *key, was, status, off.cause if off else "", *values))
-    return told
+                meanings.append(Meaning(parity.name, before, after, *key, was, status, off.cause if off else "", *values))
+    return meanings
 
 
 def _by_subject(rows: Sequence[ParityRow]) -> Mapping[tuple[Quantity | None, str], ParityRow]:

@@ -21,8 +21,8 @@ def relative(parent: Array, child: Array) -> Array:
 
 def composed(first: Array, second: Array) -> Array:
     """Return the poses (..., 7) of frames that are given by poses `second` in frames with poses `first`."""
-    place = first[..., :3] + rotate(first[..., 3:], second[..., :3])
-    return np.concatenate([place, multiply(first[..., 3:], second[..., 3:])], axis=-1)
+    origin = first[..., :3] + rotate(first[..., 3:], second[..., :3])
+    return np.concatenate([origin, multiply(first[..., 3:], second[..., 3:])], axis=-1)
 
 
 def inverse(poses: Array) -> Array:

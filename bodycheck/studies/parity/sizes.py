@@ -47,7 +47,7 @@ class Sizes:
     columns: Array
 
     def at(self, states: Sequence[int]) -> "Sizes":
-        """Return the sizes at some of the states, by their places. Sizes of all states stay what they are."""
+        """Return the sizes at some of the states, by their indices. Sizes of all states stay what they are."""
         return replace(self, roots=self.roots[list(states)])
 
 
@@ -67,7 +67,7 @@ def sizes(truth: Stack, labels: tuple[Label, ...], velocities: Array, total_mass
 
     velocities: those of the states (s, n). total_mass: of all bodies (kg). gravity: the magnitude of its acceleration (m/s^2).
     """
-    places = [np.max(np.linalg.norm(own[:, :3], axis=1), initial=0.0) for own in truth.poses.values()]
+    places = [np.max(np.linalg.norm(term[:, :3], axis=1), initial=0.0) for term in truth.poses.values()]
     length = float(max(places, default=0.0)) or 1.0
     n = len(labels)
     jacobians = np.concatenate([np.zeros((1, 6, n)), *truth.jacobians.values()])
@@ -84,8 +84,8 @@ def sizes(truth: Stack, labels: tuple[Label, ...], velocities: Array, total_mass
     }
     forces: dict[Quantity, float] = {}
     for name in FORCES:
-        own = getattr(truth, name)
-        largest = 0.0 if own is None else float(np.nanmax(np.abs(own) / roots, initial=0.0))
+        term = getattr(truth, name)
+        largest = 0.0 if term is None else float(np.nanmax(np.abs(term) / roots, initial=0.0))
         forces[name] = max(largest, LEAST_FORCE * could.get(name, 0.0))
     # Accelerations and efforts are sums of the others, of which rounding leaves as much as of the largest. An engine may find
     # the others as differences of such sums.
@@ -104,75 +104,75 @@ def _roots(mass: Array | None, shape: tuple[int, ...]) -> Array:
     return np.sqrt(np.where(diagonal > least, diagonal, least or 1.0))
 
 
-def apart(quantity: Quantity, engine: Stack, truth: Stack, own: Sizes) -> Apart | None:
+def apart(quantity: Quantity, engine: Stack, truth: Stack, scale: Sizes) -> Apart | None:
     """Return how far an engine's term is from the truth at any state; None if either side does not have it."""
     match quantity:
         case "pose":
-            return _poses(engine.poses, truth.poses, own)
+            return _poses(engine.poses, truth.poses, scale)
         case "jacobian":
-            return _jacobians(engine.jacobians, truth.jacobians, own)
+            return _jacobians(engine.jacobians, truth.jacobians, scale)
         case "mass_matrix":
-            return _mass(engine.mass_matrix, truth.mass_matrix, own)
+            return _mass(engine.mass_matrix, truth.mass_matrix, scale)
         case "forward_dynamics":
-            return _forward(engine, truth, own)
+            return _forward(engine, truth, scale)
         case _:
-            return _force(quantity, getattr(engine, quantity), getattr(truth, quantity), own)
+            return _force(quantity, getattr(engine, quantity), getattr(truth, quantity), scale)
 
 
-def _force(quantity: Quantity, engine: Array | None, truth: Array | None, own: Sizes) -> Apart | None:
+def _force(quantity: Quantity, engine: Array | None, truth: Array | None, scale: Sizes) -> Apart | None:
     if engine is None or truth is None or not engine.size:
         return None
-    roots, size = own.roots, own.forces[quantity]
+    roots, size = scale.roots, scale.forces[quantity]
     if not size:  # the truth is nothing at all: relative to what the engine has
         size = float(np.nanmax(np.abs(engine) / roots, initial=0.0)) or 1.0
     error = _finite((engine - truth) / roots / size)
-    state, place = np.unravel_index(np.argmax(error), error.shape)
-    return _told(error, engine, truth, (state, place), own.labels[place][0])
+    state, column = np.unravel_index(np.argmax(error), error.shape)
+    return _told(error, engine, truth, (state, column), scale.labels[column][0])
 
 
-def _forward(engine: Stack, truth: Stack, own: Sizes) -> Apart | None:
-    found, expected, mass = engine.forward_dynamics, truth.forward_dynamics, truth.mass_matrix
-    if found is None or expected is None or mass is None or not found.size:
+def _forward(engine: Stack, truth: Stack, scale: Sizes) -> Apart | None:
+    computed, expected, mass = engine.forward_dynamics, truth.forward_dynamics, truth.mass_matrix
+    if computed is None or expected is None or mass is None or not computed.size:
         return None
     known = np.all(np.isfinite(expected), axis=1)
     if not known.any():
         return None
-    found, expected, mass, roots = found[known], expected[known], mass[known], own.roots[known]
-    error = _finite(times(mass, found - expected) / roots / (own.forces["forward_dynamics"] or 1.0))
-    state, place = np.unravel_index(np.argmax(error), error.shape)
-    told = _told(error, found, expected, (state, place), own.labels[place][0])
-    return replace(told, state=int(np.flatnonzero(known)[state]))
+    computed, expected, mass, roots = computed[known], expected[known], mass[known], scale.roots[known]
+    error = _finite(times(mass, computed - expected) / roots / (scale.forces["forward_dynamics"] or 1.0))
+    state, column = np.unravel_index(np.argmax(error), error.shape)
+    gap = _told(error, computed, expected, (state, column), scale.labels[column][0])
+    return replace(gap, state=int(np.flatnonzero(known)[state]))
 
 
-def _mass(engine: Array | None, truth: Array | None, own: Sizes) -> Apart | None:
+def _mass(engine: Array | None, truth: Array | None, scale: Sizes) -> Apart | None:
     if engine is None or truth is None or not engine.size:
         return None
-    roots = own.roots
+    roots = scale.roots
     error = _finite((engine - truth) / roots[:, :, None] / roots[:, None, :])
     state, row, column = np.unravel_index(np.argmax(error), error.shape)
-    joints = dict.fromkeys((own.labels[row][0], own.labels[column][0]))
+    joints = dict.fromkeys((scale.labels[row][0], scale.labels[column][0]))
     return _told(error, engine, truth, (state, row, column), " ".join(joints))
 
 
-def _jacobians(engine: Mapping[str, Array], truth: Mapping[str, Array], own: Sizes) -> Apart | None:
+def _jacobians(engine: Mapping[str, Array], truth: Mapping[str, Array], scale: Sizes) -> Apart | None:
     worst: Apart | None = None
     for name in engine:
         if name in truth and engine[name].size:
-            size = np.concatenate([np.tile(own.columns[0], (3, 1)), np.tile(own.columns[1], (3, 1))])
+            size = np.concatenate([np.tile(scale.columns[0], (3, 1)), np.tile(scale.columns[1], (3, 1))])
             error = _finite((engine[name] - truth[name]) / size)
             at = np.unravel_index(np.argmax(error), error.shape)
             if worst is None or error[at] > worst.relative:
-                worst = _told(error, engine[name], truth[name], at, f"{name}, {own.labels[at[2]][0]}")
+                worst = _told(error, engine[name], truth[name], at, f"{name}, {scale.labels[at[2]][0]}")
     return worst
 
 
-def _poses(engine: Mapping[str, Array], truth: Mapping[str, Array], own: Sizes) -> Apart | None:
+def _poses(engine: Mapping[str, Array], truth: Mapping[str, Array], scale: Sizes) -> Apart | None:
     worst: Apart | None = None
     for name in engine:
         if name not in truth:
             continue
         shift, turn = gaps(truth[name], engine[name])
-        error = _finite(np.maximum(shift / own.length, turn))
+        error = _finite(np.maximum(shift / scale.length, turn))
         state = int(np.argmax(error))
         if worst is None or error[state] > worst.relative:
             numbers = [" ".join(f"{number:.9g}" for number in side[name][state]) for side in (engine, truth)]

@@ -31,22 +31,25 @@ class Stack:
     inverse_dynamics: Array | None = None
 
     def at(self, states: Sequence[int]) -> "Stack":
-        """Return the terms at some of the states, by their places."""
-        own = list(states)
-        poses, jacobians = ({name: array[own] for name, array in part.items()} for part in (self.poses, self.jacobians))
-        return Stack(poses, jacobians, *(_at(getattr(self, one.name), own) for one in fields(self)[2:]))
+        """Return the terms at some of the states, by their indices."""
+        indices = list(states)
+        poses, jacobians = ({name: array[indices] for name, array in part.items()} for part in (self.poses, self.jacobians))
+        return Stack(poses, jacobians, *(_at(getattr(self, one.name), indices) for one in fields(self)[2:]))
 
 
 def stacked(terms: Sequence[Terms]) -> Stack:
     """Return terms at states as one stack. A term that is missing at some state is NaN there, or None if missing at all."""
     if not terms:
         return Stack()
-    vectors = {one.name: _vectors([getattr(own, one.name) for own in terms]) for one in fields(Stack)[2:]}
+    vectors = {one.name: _vectors([getattr(state_terms, one.name) for state_terms in terms]) for one in fields(Stack)[2:]}
     return Stack(
-        {name: np.array([own.poses[name] for own in terms], np.float64) for name in _common(own.poses for own in terms)},
         {
-            name: np.array([own.jacobians[name] for own in terms], np.float64)
-            for name in _common(own.jacobians for own in terms)
+            name: np.array([state_terms.poses[name] for state_terms in terms], np.float64)
+            for name in _common(state_terms.poses for state_terms in terms)
+        },
+        {
+            name: np.array([state_terms.jacobians[name] for state_terms in terms], np.float64)
+            for name in _common(state_terms.jacobians for state_terms in terms)
         },
         **vectors,
     )
@@ -54,8 +57,8 @@ def stacked(terms: Sequence[Terms]) -> Stack:
 
 def values(states: Sequence[RobotState], labels: Sequence[Label], part: Callable[[RobotState], Values]) -> Array:
     """Return the numbers (s, n) of a part of states, such as the velocities, in the order of labels; 0 where they have none."""
-    found = [[_value(part(state), label) for label in labels] for state in states]
-    return np.array(found, np.float64).reshape(len(states), len(labels))
+    rows = [[_value(part(state), label) for label in labels] for state in states]
+    return np.array(rows, np.float64).reshape(len(states), len(labels))
 
 
 def times(matrices: Array, vectors: Array) -> Array:

@@ -131,8 +131,8 @@ def study(
     files = named(paths)
     with temporary_folder() as folder, asking(engines, jobs) as (reader, compile_):
         robots = {}
-        for place, (name, path) in enumerate(files.items()):
-            into = folder / str(place)
+        for index, (name, path) in enumerate(files.items()):
+            into = folder / str(index)
             into.mkdir()
             robots[name] = robot(name, path, asks.packages, into, compile_)
         for name, one in robots.items():
@@ -146,21 +146,27 @@ def one(engines: Mapping[str, Engine], path: Path, asks: Asking, into: Path, how
     return _of_robot(engines, robot(name, path, asks.packages, into, how[1]), asks, how[0], only_readers=True)
 
 
-def _of_robot(engines: Mapping[str, Engine], own: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
-    impossible = () if own.model is None else unphysical(own.model)
-    rows = [row(own.name, FILE, "", one) for one in file_rows(own, impossible)]
+def _of_robot(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
+    impossible = () if robot_read.model is None else unphysical(robot_read.model)
+    rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read, impossible)]
     notes: dict[str, tuple[str, ...]] = {}
-    gravity = GRAVITY if own.model is None else own.model.gravity
-    states = () if own.model is None else seeded_states(own.model, fitting(own.model, asks.states) + PROBES, asks.seed)
-    answers = reader(own.file, states, gravity)
+    gravity = GRAVITY if robot_read.model is None else robot_read.model.gravity
+    states = (
+        ()
+        if robot_read.model is None
+        else seeded_states(robot_read.model, fitting(robot_read.model, asks.states) + PROBES, asks.seed)
+    )
+    answers = reader(robot_read.file, states, gravity)
     if only_readers:
         answers = robot_readings.readable(answers)
-    given = None if own.model is None else asked(own.model, states, gravity, own.stated_gravity)
+    given = None if robot_read.model is None else asked(robot_read.model, states, gravity, robot_read.stated_gravity)
     for name, answer in answers.items():
-        found, told = of_answer(answer, given, engines[name], asks)
-        notes[name] = tuple(map(printable, told))
-        rows += [row(own.name, name, engines[name].version, one) for one in judged(found, answer, own, impossible)]
-    return Parity(printable(own.name), own.path, tuple(rows), notes, own.removed)
+        compared, sentences = of_answer(answer, given, engines[name], asks)
+        notes[name] = tuple(map(printable, sentences))
+        rows += [
+            row(robot_read.name, name, engines[name].version, one) for one in judged(compared, answer, robot_read, impossible)
+        ]
+    return Parity(printable(robot_read.name), robot_read.path, tuple(rows), notes, robot_read.removed)
 
 
 def fitting(model: RobotModel, states: int) -> int:
@@ -184,34 +190,34 @@ def of_answer(
     if not isinstance(answer, RobotReading):
         return (Compared("refused", None, MODEL, answer.reason),), ()
     if given is None:
-        told = f"{len(answer.bodies)} bodies, {len(answer.joints)} joints"
-        return (Compared("accepted-unphysical", None, MODEL, told),), answer.notes
+        content = f"{len(answer.bodies)} bodies, {len(answer.joints)} joints"
+        return (Compared("accepted-unphysical", None, MODEL, content),), answer.notes
     least = SINGLE_PRECISION if engine.precision == "float32" else 0.0
     compared = compare(given, answer, max(asks.tolerance, least, answer.rounding))
-    found = diagnosed(compared)
+    diagnosis = diagnosed(compared)
     notes = [*answer.notes, *compared.convention.notes]
-    if asks.motion and found.model is not None:
-        notes.append(sentence(compared.found.bodies, found.model, given.states[0], given.gravity, asks.motion))
-    return found.rows, tuple(notes)
+    if asks.motion and diagnosis.model is not None:
+        notes.append(sentence(compared.match.bodies, diagnosis.model, given.states[0], given.gravity, asks.motion))
+    return diagnosis.rows, tuple(notes)
 
 
-def file_rows(own: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
     """Yield the rows about the file itself: what its specification refuses, and what no body can have."""
-    for fault in own.faults:
+    for fault in robot_read.faults:
         yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
-    told = {(fault.quantity, fault.subject) for fault in own.faults}
+    named_faults = {(fault.quantity, fault.subject) for fault in robot_read.faults}
     for one in impossible:
-        if (one.quantity, one.subject) not in told:
+        if (one.quantity, one.subject) not in named_faults:
             yield Compared("refused", _quantity(one.quantity), one.subject, one.text)
 
 
-def judged(rows: Sequence[Compared], answer: Answer, own: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
     """Yield the rows of an engine, those about what cannot be as accepted where the engine has it as the file does."""
-    if not isinstance(answer, RobotReading) or own.model is None:
+    if not isinstance(answer, RobotReading) or robot_read.model is None:
         yield from rows
         return
     left = {(_quantity(one.quantity), one.subject): one.text for one in impossible}
-    left |= {("parent", fault.subject): fault.text for fault in own.faults if fault.quantity == "parent"}
+    left |= {("parent", fault.subject): fault.text for fault in robot_read.faults if fault.quantity == "parent"}
     for one in rows:
         text = left.pop((one.quantity, one.subject), None)
         if text is not None and one.status == "agrees":

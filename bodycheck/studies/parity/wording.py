@@ -36,24 +36,24 @@ def name_of(quantity: Quantity | None) -> str:
     return "" if quantity is None else quantity.replace("_", " ")
 
 
-def engines_of(found: Parity) -> dict[str, list[ParityRow]]:
+def engines_of(parity: Parity) -> dict[str, list[ParityRow]]:
     """Return the rows of each engine, in the order of the study, without those about the file."""
     by_engine: dict[str, list[ParityRow]] = defaultdict(list)
-    for row in found.rows:
+    for row in parity.rows:
         if row.engine != FILE:
             by_engine[row.engine].append(row)
     return by_engine
 
 
-def differs(found: Parity) -> bool:
+def differs(parity: Parity) -> bool:
     """Return whether anything differs or is refused."""
-    return any(map(failed, found.rows))
+    return any(map(failed, parity.rows))
 
 
-def of_file(found: Parity) -> tuple[str, ...]:
+def of_file(parity: Parity) -> tuple[str, ...]:
     """Return what is wrong with the file itself, behind the name of the link or joint that is at fault."""
-    told = (row for row in found.rows if row.engine == FILE)
-    return tuple(row.engine_value if row.subject == MODEL else f"{row.subject}: {row.engine_value}" for row in told)
+    file_rows = (row for row in parity.rows if row.engine == FILE)
+    return tuple(row.engine_value if row.subject == MODEL else f"{row.subject}: {row.engine_value}" for row in file_rows)
 
 
 def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
@@ -62,14 +62,14 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     if refusal is not None:
         verb = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
         return (f"{verb}: {refusal.engine_value.rstrip('.')}",)
-    told = [f"{SAYS[cause]}: {_subjects(own)}" for cause, own in _by_cause(rows).items()]
+    sentences = [f"{SAYS[cause]}: {_subjects(same_cause)}" for cause, same_cause in _by_cause(rows).items()]
     accepted = list(dict.fromkeys(row.subject for row in rows if row.status == "accepted-unphysical"))
     missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
     more = [f"accepts what cannot be: {listing(accepted, MOST, 'subject')}"] if accepted else []
     more += [f"does not model: {listing(missing, MOST, 'joint')}"] if missing else []
-    if not told:
+    if not sentences:
         return (f"agrees{_largest(rows)}", *more)
-    return ("differs", *told, *more)
+    return ("differs", *sentences, *more)
 
 
 def brief(rows: Sequence[ParityRow]) -> str:
@@ -78,29 +78,32 @@ def brief(rows: Sequence[ParityRow]) -> str:
     if len(sentences) == 1:
         return sentences[0]
     causes = _by_cause(rows)
-    told = [f"{SAYS[cause]} ({_number(own)})" if _number(own) > 1 else SAYS[cause] for cause, own in causes.items()]
-    return "; ".join(told) or sentences[0]
+    causes_in_words = [
+        f"{SAYS[cause]} ({_number(same_cause)})" if _number(same_cause) > 1 else SAYS[cause]
+        for cause, same_cause in causes.items()
+    ]
+    return "; ".join(causes_in_words) or sentences[0]
 
 
 def _number(rows: Sequence[ParityRow]) -> int:
     return len({row.subject for row in rows})
 
 
-def headline(found: Sequence[Parity]) -> str:
+def headline(models: Sequence[Parity]) -> str:
     """Return the verdict on all models in one sentence."""
-    different = [one for one in found if differs(one)]
+    different = [one for one in models if differs(one)]
     if not different:
-        return f"{count(len(found), 'robot')}: all agree" if len(found) > 1 else f"{found[0].name}: all agree"
-    told = f"{len(different)} of {count(len(found), 'robot')} {'differs' if len(different) == 1 else 'differ'}"
+        return f"{count(len(models), 'robot')}: all agree" if len(models) > 1 else f"{models[0].name}: all agree"
+    size = f"{len(different)} of {count(len(models), 'robot')} {'differs' if len(different) == 1 else 'differ'}"
     first = different[0]
-    return f"{told}; {first.name}: {_shortest(first)}"
+    return f"{size}; {first.name}: {_shortest(first)}"
 
 
-def _shortest(found: Parity) -> str:
-    for engine, rows in engines_of(found).items():
+def _shortest(parity: Parity) -> str:
+    for engine, rows in engines_of(parity).items():
         if any(map(failed, rows)):
             return f"{engine}, {brief(rows)}"
-    return f"the file has {count(len(of_file(found)), 'fault')}"
+    return f"the file has {count(len(of_file(parity)), 'fault')}"
 
 
 def _by_cause(rows: Sequence[ParityRow]) -> dict[Cause, list[ParityRow]]:
@@ -110,8 +113,8 @@ def _by_cause(rows: Sequence[ParityRow]) -> dict[Cause, list[ParityRow]]:
         if row.status == "differs":
             causes[row.cause].append(row)
     return {
-        cause: [row for row in own if row.subject != MODEL] or own if cause != "unexplained" else own
-        for cause, own in causes.items()
+        cause: [row for row in same_cause if row.subject != MODEL] or same_cause if cause != "unexplained" else same_cause
+        for cause, same_cause in causes.items()
     }
 
 
@@ -120,8 +123,8 @@ def _subjects(rows: Sequence[ParityRow]) -> str:
     if len(rows) == 1 and rows[0].subject != MODEL:
         (row,) = rows
         return f"{row.subject} ({name_of(row.quantity)} {row.engine_value or 'none'} instead of {row.truth_value or 'none'})"
-    told = dict.fromkeys(name_of(row.quantity) if row.subject == MODEL else row.subject for row in rows)
-    return listing(list(told), MOST, "subject")
+    names = dict.fromkeys(name_of(row.quantity) if row.subject == MODEL else row.subject for row in rows)
+    return listing(list(names), MOST, "subject")
 
 
 def _largest(rows: Sequence[ParityRow]) -> str:

@@ -66,14 +66,14 @@ def recommend(
     loaded = load_case(case)
     engines = load_engines(engine)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
-    found = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found
-    _tell(found, json, view, quiet)
+    recommendation = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found
+    _tell(recommendation, json, view, quiet)
     say_where(out, quiet)
-    return OK if found.reached and not engines.failed([loaded]) else FAILED
+    return OK if recommendation.reached and not engines.failed([loaded]) else FAILED
 
 
-def _tell(found: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:
-    """Print the answers. Without tables, where the command is to be quiet, it is told that no method keeps the error."""
+def _tell(recommendation: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:
+    """Print the answers; if the command is quiet, only that no method keeps the error."""
     from dataclasses import asdict
 
     from bodycheck.console.output import tell
@@ -81,11 +81,11 @@ def _tell(found: "Recommendation", json: bool, view: Viewed, quiet: bool) -> Non
     from bodycheck.studies.recommend import printing, wording
 
     if json:
-        print_json([asdict(answer) for answer in found.answers])
+        print_json([asdict(answer) for answer in recommendation.answers])
     elif not quiet:
-        printing.print_recommendation(found, view)
-    elif not found.reached:
-        tell(wording.headline(found))
+        printing.print_recommendation(recommendation, view)
+    elif not recommendation.reached:
+        tell(wording.headline(recommendation))
 
 
 #: The commands of the study.

@@ -85,12 +85,12 @@ def carry_out(
     head = campaign.header(command, engines.records, engines.missing)
     with (
         output.work("searching", len(planned.searches)) as (folder, progress),
-        study.results(planned, folder, head, jobs, progress, known) as found,
+        study.results(planned, folder, head, jobs, progress, known) as recommendation,
     ):
-        report = present(head, found)
+        report = present(head, recommendation)
         origins = [origin.origin(head, {planned.case.name: planned.case.text})]
-        output.write(report, ((ANSWERS, found.answers), (STEPS, found.probes)), origins)
-    return RecommendResults(report, found)
+        output.write(report, ((ANSWERS, recommendation.answers), (STEPS, recommendation.probes)), origins)
+    return RecommendResults(report, recommendation)
 
 
 def recommend(

@@ -33,32 +33,32 @@ READING = (
 )
 
 
-def present(header: Header, found: Recommendation) -> StudyReport:
+def present(header: Header, recommendation: Recommendation) -> StudyReport:
     """Return the contents of the report.
 
     Parameters
     ----------
     header
         Versions, machine and command.
-    found
+    recommendation
         The result of the study.
     """
-    lines = assign(answer.method for answer in found.answers)
-    drawn = {probe.method for probe in found.probes if _is_drawn(probe)}
-    tables = [("The time step of each method", _answers(found))] if found.answers else []
+    lines = assign(answer.method for answer in recommendation.answers)
+    drawn = {probe.method for probe in recommendation.probes if _is_drawn(probe)}
+    tables = [("The time step of each method", _answers(recommendation))] if recommendation.answers else []
     return StudyReport(
         title="The cheapest method that is accurate enough",
-        headline=wording.headline(found),
+        headline=wording.headline(recommendation),
         header=header,
         notices=tuple(missing_engines(header)),
-        findings=_findings(found),
+        findings=_findings(recommendation),
         parts=(
             Part(
-                name=found.asked.case,
-                title=found.asked.case,
-                texts=tuple(filter(None, (wording.effort(found), wording.truth_error(found)))),
-                charts=(_chart(found, lines),) if drawn else (),
-                tables=(*tables, ("All measured time steps", _steps(found))),
+                name=recommendation.asked.case,
+                title=recommendation.asked.case,
+                texts=tuple(filter(None, (wording.effort(recommendation), wording.truth_error(recommendation)))),
+                charts=(_chart(recommendation, lines),) if drawn else (),
+                tables=(*tables, ("All measured time steps", _steps(recommendation))),
                 lines=tuple(line for key, line in lines.items() if key in drawn) if drawn else (),
             ),
         ),
@@ -66,11 +66,11 @@ def present(header: Header, found: Recommendation) -> StudyReport:
     )
 
 
-def _findings(found: Recommendation) -> tuple[Finding, ...]:
+def _findings(recommendation: Recommendation) -> tuple[Finding, ...]:
     sentences = (
-        ("Margin", (wording.margin(found),)),
-        ("Second", (wording.second(found),)),
-        ("Never", wording.never(found)),
+        ("Margin", (wording.margin(recommendation),)),
+        ("Second", (wording.second(recommendation),)),
+        ("Never", wording.never(recommendation)),
     )
     return tuple(Finding(subject, text) for subject, texts in sentences for text in texts if text)
 
@@ -80,27 +80,27 @@ def _is_drawn(probe: Probe) -> bool:
     return probe.error is not None and 0 < probe.error < math.inf
 
 
-def _chart(found: Recommendation, lines: Lines) -> Chart:
-    quantity = QUANTITIES[found.asked.figure]
-    drawn = {probe.method for probe in found.probes if _is_drawn(probe)}
+def _chart(recommendation: Recommendation, lines: Lines) -> Chart:
+    quantity = QUANTITIES[recommendation.asked.figure]
+    drawn = {probe.method for probe in recommendation.probes if _is_drawn(probe)}
     measured = [line for key, line in lines.items() if key in drawn]
     alt = (
         f"{quantity.title} against the time step on log scales, for {count(len(measured), 'method')}, with the limit of "
-        f"{number(found.asked.error)} {found.asked.unit}".rstrip()
-        + f". {wording.headline(found)}"
+        f"{number(recommendation.asked.error)} {recommendation.asked.unit}".rstrip()
+        + f". {wording.headline(recommendation)}"
     )
-    zero = [wording.method(own) for own in found.answers if own.error == 0]
+    zero = [wording.method(answer) for answer in recommendation.answers if answer.error == 0]
     return Chart(
         title=f"{quantity.title} over the time step",
-        specification=_specification(found, lines, measured),
+        specification=_specification(recommendation, lines, measured),
         alt=alt,
         notes=(f"Errors of zero, which are not drawn, occur with {', '.join(zero)}.",) if zero else (),
     )
 
 
-def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -> Spec:
+def _specification(recommendation: Recommendation, lines: Lines, drawn: Sequence[Line]) -> Spec:
     """Return a chart with a curve for each method through its measured steps, the limit, and the steps of the answers."""
-    chosen = {(own.method, own.timestep) for own in found.reached}
+    chosen = {(answer.method, answer.timestep) for answer in recommendation.reached}
     values = [
         {
             "method": lines[probe.method].label,
@@ -108,7 +108,7 @@ def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -
             "error": rounded([probe.error])[0],
             "chosen": (probe.method, probe.timestep) in chosen,
         }
-        for probe in found.probes
+        for probe in recommendation.probes
         if probe.error is not None and _is_drawn(probe)
     ]
     x = {
@@ -121,7 +121,7 @@ def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -
     y = {
         "field": "error",
         "type": "quantitative",
-        "title": QUANTITIES[found.asked.figure].label,
+        "title": QUANTITIES[recommendation.asked.figure].label,
         "scale": {"type": "log", "nice": False, "padding": 12},
         "axis": log_axis("y"),
     }
@@ -141,44 +141,55 @@ def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -
         ],
     }
     rule: Spec = {
-        "data": {"values": [{"error": found.asked.error}]},
+        "data": {"values": [{"error": recommendation.asked.error}]},
         "mark": {"type": "rule", "color": INK, "strokeDash": [6, 4], "clip": True, "tooltip": None, "aria": False},
         "encoding": {"y": y},
     }
     return zoomable([rule, measured], height=320) | {"params": [{"name": "hidden", "value": []}]}
 
 
-def _answers(found: Recommendation) -> Table:
+def _answers(recommendation: Recommendation) -> Table:
     """Return the table of the answers: those that keep the limit, the cheapest first, then the others."""
     words = ("Engine", "Integrator", "Keeps the limit")
-    label = QUANTITIES[found.asked.figure].label
+    label = QUANTITIES[recommendation.asked.figure].label
     figures = ("Time step, s", label, "Margin", "Computing time, s", "Shortest, s", "Longest, s", "Breaks at, s", "Runs")
     return Table(
         columns=words + figures,
         numeric=(False,) * len(words) + (True,) * len(figures),
         rows=tuple(
             (
-                Entry(in_words(own.engine, own.version).rstrip()),
-                Entry(own.integrator),
-                Entry("yes" if own.reached else "no"),
-                *map(_figure, (own.timestep, own.error, own.margin, own.cost, own.cost_low, own.cost_high, own.broken)),
-                _figure(own.steps),
+                Entry(in_words(answer.engine, answer.version).rstrip()),
+                Entry(answer.integrator),
+                Entry("yes" if answer.reached else "no"),
+                *map(
+                    _figure,
+                    (
+                        answer.timestep,
+                        answer.error,
+                        answer.margin,
+                        answer.cost,
+                        answer.cost_low,
+                        answer.cost_high,
+                        answer.broken,
+                    ),
+                ),
+                _figure(answer.steps),
             )
-            for own in found.answers
+            for answer in recommendation.answers
         ),
-        failed=tuple(not own.reached for own in found.answers),
-        notes=(*dict.fromkeys(_reason(own) for own in found.answers if own.reason),),
+        failed=tuple(not answer.reached for answer in recommendation.answers),
+        notes=(*dict.fromkeys(_reason(answer) for answer in recommendation.answers if answer.reason),),
     )
 
 
-def _reason(own: Answer) -> str:
-    return f"{wording.method(own)}: {own.reason}."
+def _reason(answer: Answer) -> str:
+    return f"{wording.method(answer)}: {answer.reason}."
 
 
-def _steps(found: Recommendation) -> Table:
+def _steps(recommendation: Recommendation) -> Table:
     """Return the table of all measured time steps."""
     words = ("Engine", "Integrator", "Status")
-    figures = ("Time step, s", QUANTITIES[found.asked.figure].label)
+    figures = ("Time step, s", QUANTITIES[recommendation.asked.figure].label)
     return Table(
         columns=words + figures,
         numeric=(False,) * len(words) + (True,) * len(figures),
@@ -189,9 +200,9 @@ def _steps(found: Recommendation) -> Table:
                 Entry(probe.status, None, probe.reason),
                 *map(_figure, (probe.timestep, probe.error)),
             )
-            for probe in found.probes
+            for probe in recommendation.probes
         ),
-        failed=tuple(probe.error is None or probe.error > found.asked.error for probe in found.probes),
+        failed=tuple(probe.error is None or probe.error > recommendation.asked.error for probe in recommendation.probes),
         notes=("Coloured rows do not keep the limit.",),
     )
 

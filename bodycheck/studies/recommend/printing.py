@@ -22,11 +22,16 @@ ANSWERS = (
 )
 
 
-def print_recommendation(found: Recommendation, view: View) -> None:
+def print_recommendation(recommendation: Recommendation, view: View) -> None:
     """Print the answer in one sentence, its margin, the second method and those that never keep the limit, then a table."""
-    for sentence in (wording.headline(found), wording.margin(found), wording.second(found), *wording.never(found)):
+    for sentence in (
+        wording.headline(recommendation),
+        wording.margin(recommendation),
+        wording.second(recommendation),
+        *wording.never(recommendation),
+    ):
         if sentence:
             tell(sentence)
-    if found.reached:
+    if recommendation.reached:
         say("")
-        show(ANSWERS, found.reached, view)
+        show(ANSWERS, recommendation.reached, view)

@@ -1,4 +1,4 @@
-"""What the study finds: a probe for each measured time step, an answer for each method, and both together."""
+"""The results of the study: a probe for each measured time step, an answer for each method, and both together."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -94,7 +94,7 @@ TABLES = (ANSWERS, STEPS)
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked for.
+    """The question of the study: a case, a figure and its limit.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ class Asked:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """What the study finds.
+    """The results of the study.
 
     Parameters
     ----------
     asked
-        What was asked for.
+        The question.
     answers
         One for each method: first those that keep the limit, the cheapest first, then the others, the smallest error first.
     probes

@@ -38,7 +38,7 @@ STEEPER, LEAST_STEEPNESS = 1.5, 1.0
 #: Order of a method whose engine claims none, and the least and the largest order that is believed when it is observed.
 UNKNOWN_ORDER, LEAST_ORDER, LARGEST_ORDER = 1.0, 0.5, 12.0
 
-#: What the last digit of a product or quotient of steps may be wrong by.
+#: The relative error of the last digit of a product or quotient of steps.
 ROUNDING = 1e-9
 
 #: Largest number of measured steps of one method.
@@ -47,7 +47,7 @@ MOST_STEPS = 60
 
 @dataclass(frozen=True)
 class Range:
-    """Where and for what a method is searched.
+    """The range of time steps in which a method is searched, and the limit that it should keep.
 
     Parameters
     ----------
@@ -98,27 +98,27 @@ def following(errors: Errors, within: Range) -> float | None:
 
 def rounded_down(step: float) -> float:
     """Return the largest number with two significant digits that is no larger than a positive one."""
-    return _number(_place(step))
+    return _of_rank(_rank(step))
 
 
 def rounded_up(step: float) -> float:
     """Return the smallest number with two significant digits that is no smaller than a positive one."""
-    place = _place(step)
-    return _number(place) if _number(place) == step else _number(place + 1)
+    rank = _rank(step)
+    return _of_rank(rank) if _of_rank(rank) == step else _of_rank(rank + 1)
 
 
-def _number(place: int) -> float:
-    """Return the number with two significant digits at a place in their order; that at 0 is 1."""
-    decade, mantissa = divmod(place, 90)
+def _of_rank(rank: int) -> float:
+    """Return the number with a rank among the numbers with two significant digits; the rank of 1 is 0."""
+    decade, mantissa = divmod(rank, 90)
     return float(f"{mantissa + 10}e{decade - 1}")
 
 
-def _place(step: float) -> int:
-    """Return the place of the largest number with two significant digits that is no larger than a step."""
+def _rank(step: float) -> int:
+    """Return the rank of the largest number with two significant digits that is no larger than a step."""
     decade = math.floor(math.log10(step))
-    place = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
+    rank = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
     # The logarithm and the quotient may be wrong in their last digit.
-    return next(near for near in (place + 1, place, place - 1) if _number(near) <= step)
+    return next(near for near in (rank + 1, rank, rank - 1) if _of_rank(near) <= step)
 
 
 def _downwards(errors: Errors, within: Range) -> float | None:
@@ -138,7 +138,7 @@ def _upwards(errors: Errors, kept: float, within: Range) -> float:
     ratio = UPWARDS
     if errors[kept] > 0:
         ratio = max(NEIGHBOURS, min(UPWARDS, NEIGHBOURS * (within.limit / errors[kept]) ** (1 / _claimed(within))))
-    return min(within.largest, max(_number(_place(kept) + 1), rounded_down(kept * ratio)))
+    return min(within.largest, max(_of_rank(_rank(kept) + 1), rounded_down(kept * ratio)))
 
 
 def _between(errors: Errors, kept: float, broken: float, within: Range) -> float | None:
@@ -146,14 +146,14 @@ def _between(errors: Errors, kept: float, broken: float, within: Range) -> float
 
     It is where the error is expected to cross the limit, or halfway if steps near an end have shown that this converges slowly.
     """
-    low, high = _place(kept), _place(rounded_up(broken))
+    low, high = _rank(kept), _rank(rounded_up(broken))
     if high - low <= 1 or broken <= kept * NEAR:
         return None
     width = math.log(broken / kept)
     slow = sum(step > kept * math.exp(-width / 4) for step in errors if step < kept) > 1
     slow |= sum(step < broken * math.exp(width / 4) for step in errors if step > broken) > 1
     expected = math.sqrt(kept * broken) if slow else _crossing(errors, kept, broken, within)
-    return _number(min(high - 1, max(low + 1, _place(expected))))
+    return _of_rank(min(high - 1, max(low + 1, _rank(expected))))
 
 
 def _crossing(errors: Errors, kept: float, broken: float, within: Range) -> float:
@@ -173,18 +173,18 @@ def _below(errors: Errors, kept: float, within: Range) -> float | None:
     lowest = max(within.smallest, rounded_down(kept / DEPTH))
     if min(errors) > lowest:
         return lowest
-    own = [step for step in sorted(errors) if lowest <= step <= kept]
-    steepest = max(LEAST_STEEPNESS, *(abs(_power(errors, *pair)) for pair in pairwise(own)), 0.0)
+    steps = [step for step in sorted(errors) if lowest <= step <= kept]
+    steepest = max(LEAST_STEEPNESS, *(abs(_power(errors, *pair)) for pair in pairwise(steps)), 0.0)
     assumed = STEEPER * min(steepest, LARGEST_ORDER)
-    for step, larger in reversed(list(pairwise(own))):
-        places, width = _place(larger) - _place(step), math.log(larger / step)
-        if errors[larger] == 0 or places <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
+    for step, larger in reversed(list(pairwise(steps))):
+        between, width = _rank(larger) - _rank(step), math.log(larger / step)
+        if errors[larger] == 0 or between <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
             continue
         # The error can rise from the smaller step and fall to the larger one; `room` is what it may rise above the latter.
         room, power = math.log(within.limit / errors[larger]), min(_power(errors, step, larger), assumed)
         if (assumed - power) * width / 2 > room:
             apart = max(math.log(NEIGHBOURS), min(width / 2, 2 * room / (assumed - power)))
-            return max(_number(_place(step) + 1), min(_number(_place(larger) - 1), rounded_up(larger * math.exp(-apart))))
+            return max(_of_rank(_rank(step) + 1), min(_of_rank(_rank(larger) - 1), rounded_up(larger * math.exp(-apart))))
     return None
 
 

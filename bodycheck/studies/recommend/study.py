@@ -31,10 +31,10 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
-from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
+from bodycheck.studies.recommend.measuring import answer_of, errors_of, priced
 from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation
 from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
-from bodycheck.studies.spin import fastest_spin
+from bodycheck.studies.timesteps import fastest_spin
 from bodycheck.suggestion import did_you_mean
 
 #: Short names of figures; the second figure is for scenes with friction or drag, in which the first does not exist.
@@ -121,8 +121,8 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     plan.refuse_nothing(methods, records, integrators)
     searches = []
     for name, record, method in methods:
-        own = integrator_of(record, method)
-        within = Range(error, own.order if own is not None else None, first, smallest, largest)
+        integrator = integrator_of(record, method)
+        within = Range(error, integrator.order if integrator is not None else None, first, smallest, largest)
         searches.append(Search(name, record.version, method, within))
     return Study(case, figure, error, tuple(searches))
 
@@ -140,24 +140,24 @@ def figure_of(case: Case, quantity: str) -> str:
     return quantity
 
 
-def reused(found: Results, study: Study) -> list[Probe]:
+def reused(earlier: Results, study: Study) -> list[Probe]:
     """Return what stored runs say of the methods of a study: those of the same case, engines and version of bodycheck."""
     versions = {search.key: search.version for search in study.searches}
-    here = found.cases.get(study.case.name)
-    if here is None or here.text != study.case.text:
-        raise BadInput(f"--reuse {found.folder}: has no runs of the case {study.case.name} as its file is now")
-    if found.header["bodycheck"] != (now := version("bodycheck")):
-        raise BadInput(f"--reuse {found.folder}: is of bodycheck {found.header['bodycheck']}, and this is {now}")
+    same_case = earlier.cases.get(study.case.name)
+    if same_case is None or same_case.text != study.case.text:
+        raise BadInput(f"--reuse {earlier.folder}: has no runs of the case {study.case.name} as its file is now")
+    if earlier.header["bodycheck"] != (now := version("bodycheck")):
+        raise BadInput(f"--reuse {earlier.folder}: is of bodycheck {earlier.header['bodycheck']}, and this is {now}")
     probes = []
-    for verdict in judgement.judge(found):
+    for verdict in judgement.judge(earlier):
         run = verdict.run
-        own = RunKey("", run.engine, run.method.at(0.0))
-        if run.case != study.case.name or versions.get(own) != run.version:
+        method = RunKey("", run.engine, run.method.at(0.0))
+        if run.case != study.case.name or versions.get(method) != run.version:
             continue
         figures = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
         if figures or isinstance(verdict.outcome, Diverged | Crashed):
-            told = (run.engine, run.version, run.method.name, run.method.timestep, verdict.outcome.status)
-            probes.append(Probe(*told, *measuring.figures_of(figures, study.figure), verdict.outcome.reason))
+            run_names = (run.engine, run.version, run.method.name, run.method.timestep, verdict.outcome.status)
+            probes.append(Probe(*run_names, *measuring.figures_of(figures, study.figure), verdict.outcome.reason))
     return probes
 
 
@@ -204,11 +204,15 @@ def results(
     with resumption.opened(folder / RECORDS, head, study, tuple(known), asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
         with pool.crew(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home) as call_each:
-            found = _search(study, probes, log, call_each, progress)
+            by_method = _search(study, probes, log, call_each, progress)
         answers = priced(
-            case, [answer_of(own.engine, own.version, own.method, found[own.key], study.error) for own in study.searches]
+            case,
+            [
+                answer_of(search.engine, search.version, search.method, by_method[search.key], study.error)
+                for search in study.searches
+            ],
         )
-        ordered = [probe for own in found.values() for probe in sorted(own, key=lambda probe: -probe.timestep)]
+        ordered = [probe for of_method in by_method.values() for probe in sorted(of_method, key=lambda probe: -probe.timestep)]
         yield Recommendation(asked, tuple(answers), tuple(ordered))
 
 
@@ -219,18 +223,18 @@ def _search(
 
     In each round, every search that is not done has one run, and one truth serves all of them.
     """
-    found: dict[RunKey, list[Probe]] = {search.key: [] for search in study.searches}
+    by_method: dict[RunKey, list[Probe]] = {search.key: [] for search in study.searches}
     for probe in known:
-        found[probe.method].append(probe)
+        by_method[probe.method].append(probe)
     left = list(study.searches)
-    while left := [search for search in left if not _is_done(search, found[search.key], progress)]:
-        tasks = [Task(study.case, search.engine, search.method.at(_next(search, found[search.key]))) for search in left]
-        made = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, call_each)
-        for probe in made:
+    while left := [search for search in left if not _is_done(search, by_method[search.key], progress)]:
+        tasks = [Task(study.case, search.engine, search.method.at(_next(search, by_method[search.key]))) for search in left]
+        measured = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, call_each)
+        for probe in measured:
             _check_truth(probe, study)
             log.add({"record": "probe", "probe": asdict(probe)})
-            found[probe.method].append(probe)
-    return found
+            by_method[probe.method].append(probe)
+    return by_method
 
 
 def _is_done(search: Search, probes: Sequence[Probe], progress: Advance) -> bool:

@@ -48,40 +48,40 @@ class Answers:
         return len(self.by_question) - self.measured
 
 
-def known(asked: Sequence[Asked]) -> bool:
+def known(questions: Sequence[Asked]) -> bool:
     """Return whether all answers are cached."""
-    return all(stored(_path(*pair)) is not None for pair in asked)
+    return all(stored(_path(*pair)) is not None for pair in questions)
 
 
-def ask(asked: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
+def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
     """Return the answers to all questions, in their order; those that are not cached are measured.
 
     If the process of a release crashes or exceeds its time limit, its answers say so.
 
     Parameters
     ----------
-    asked
+    questions
         Pairs of environment and question.
     jobs
         The number of processes.
     progress
         A function that is called with a text after each answer.
     """
-    paths = {pair: _path(*pair) for pair in dict.fromkeys(asked)}
-    found = {pair: answer for pair, path in paths.items() if (answer := stored(path)) is not None}
-    if found:
-        progress("", len(found))
-    errands = _errands({pair: path for pair, path in paths.items() if pair not in found}, jobs)
+    paths = {pair: _path(*pair) for pair in dict.fromkeys(questions)}
+    answers = {pair: answer for pair, path in paths.items() if (answer := stored(path)) is not None}
+    if answers:
+        progress("", len(answers))
+    errands = _errands({pair: path for pair, path in paths.items() if pair not in answers}, jobs)
     limit = TIME_LIMIT_S * max((len(errand.questions) for errand in errands), default=1)
     with closing(pool.call_all(put, errands, jobs, limit + pool.SHUTDOWN_TIMEOUT_S)) as calls:
         for errand, result in calls:
             failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
             for question, path in errand.questions:
                 pair = errand.environment, question
-                found[pair] = stored(path) or failure
+                answers[pair] = stored(path) or failure
                 progress(f"{errand.environment.engine} {errand.environment.version} · {question.name}")
     measured = sum(len(errand.questions) for errand in errands)
-    return Answers({pair: found[pair] for pair in paths}, measured)
+    return Answers({pair: answers[pair] for pair in paths}, measured)
 
 
 def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
@@ -89,7 +89,9 @@ def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
     releases = dict.fromkeys(environment for environment, _ in left)
     share = max(1, jobs // max(1, len(releases)))
     return [
-        Errand(release, tuple((question, path) for (own, question), path in left.items() if own == release), share)
+        Errand(
+            release, tuple((question, path) for (environment, question), path in left.items() if environment == release), share
+        )
         for release in releases
     ]
 

@@ -121,16 +121,16 @@ def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -
         If the first release is not good or the last one is not bad.
     """
     good, bad = 0, len(releases) - 1
-    known = {place: probe(releases[place]) for place in (good, bad)}
-    if (known[good], known[bad]) != (True, False):
-        raise NoChange(known[good], known[bad])
+    is_good = {index: probe(releases[index]) for index in (good, bad)}
+    if (is_good[good], is_good[bad]) != (True, False):
+        raise NoChange(is_good[good], is_good[bad])
     for among in (cheap, releases):
-        while left := [place for place in range(good + 1, bad) if releases[place] in among and place not in known]:
-            place = min(left, key=lambda place: abs(2 * place - good - bad))
-            known[place] = probe(releases[place])
-            if known[place] is not None:
-                good, bad = (place, bad) if known[place] else (good, place)
-    return Found(releases[good], releases[bad], tuple(releases[good + 1 : bad]), tuple(releases[place] for place in known))
+        while left := [index for index in range(good + 1, bad) if releases[index] in among and index not in is_good]:
+            index = min(left, key=lambda index: abs(2 * index - good - bad))
+            is_good[index] = probe(releases[index])
+            if is_good[index] is not None:
+                good, bad = (index, bad) if is_good[index] else (good, index)
+    return Found(releases[good], releases[bad], tuple(releases[good + 1 : bad]), tuple(releases[index] for index in is_good))
 
 
 class Observer:
@@ -249,12 +249,12 @@ def find(engine: str, good: str, bad: str, observer: Observer) -> tuple[Found, s
         raise BadInput(f"{wrong} ({report})") from error
 
 
-def as_json(found: Found, observer: Observer) -> dict[str, Any]:
+def as_json(result: Found, observer: Observer) -> dict[str, Any]:
     """Return the document that `bodycheck bisect --json` prints."""
     limit = observer.limit
     where = {"case": limit.case.name, "integrator": limit.integrator, "timestep": limit.timestep}
     looks = [asdict(look) for look in observer.looks.values()]
-    return where | {"quantity": limit.quantity, "limit": limit.most, **asdict(found), "looks": looks, "made": observer.made}
+    return where | {"quantity": limit.quantity, "limit": limit.most, **asdict(result), "looks": looks, "made": observer.made}
 
 
 def _silent(done: str, count: int = 1, /) -> None:

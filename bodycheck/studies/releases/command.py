@@ -81,18 +81,18 @@ def releases(
     if model:
         return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
     loaded = load_cases(case)
-    found, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices)
+    results, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices)
     if out is not None:
-        _write(found, out, figures)
+        _write(results, out, figures)
     if json:
         document = {"engine": engine, "versions": chosen, "notices": notices, "took": asdict(tally)}
-        print_json(document | {"rows": found.rows, "changes": [asdict(change) for change in found.changes]})
+        print_json(document | {"rows": results.rows, "changes": [asdict(change) for change in results.changes]})
     elif not quiet:
-        printing.print_releases(found, view)
+        printing.print_releases(results, view)
     for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
     say_where(out, quiet)
-    return FAILED if notices or found.header["unmeasured"] else OK
+    return FAILED if notices or results.header["unmeasured"] else OK
 
 
 def _models(
@@ -119,18 +119,20 @@ def _models(
     from bodycheck.studies.parity.rows import READINGS
     from bodycheck.studies.parity.study import Asking
 
-    found, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
-    changed = releases.changes(found)
+    models_read, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
+    changed = releases.changes(models_read)
     if out is not None:
         records = engines.describe([f"{engine}@{version}" for version in versions if version not in missing])[0]
         head = campaign.header(sys.argv, records, {f"{engine}@{version}": why for version, why in missing.items()})
-        readings = [row for one in found for row in one.rows]
-        Output(out).write(present(head, found), ((READINGS, readings),), [origin.origin(head, {})])
+        readings = [row for one in models_read for row in one.rows]
+        Output(out).write(present(head, models_read), ((READINGS, readings),), [origin.origin(head, {})])
     if json:
-        told = [asdict(row) for one in found for row in one.rows]
-        terminal.print_json({"rows": told, "changes": [asdict(change) for change in changed], "unmeasured": missing})
+        readings_as_json = [asdict(row) for one in models_read for row in one.rows]
+        terminal.print_json(
+            {"rows": readings_as_json, "changes": [asdict(change) for change in changed], "unmeasured": missing}
+        )
     elif not quiet:
-        printing.print_models(found)
+        printing.print_models(models_read)
         printing.print_changes(changed)
     for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
@@ -138,14 +140,14 @@ def _models(
     return FAILED if notices or missing else OK
 
 
-def _write(found: "Found", out: Path, figures: Figures) -> None:
+def _write(results: "Found", out: Path, figures: Figures) -> None:
     """Write the tables and the report of a study into a folder."""
     from bodycheck import reports
     from bodycheck.studies.releases import rows
     from bodycheck.studies.releases.page import present
 
-    rows.write(found, out)
-    reports.write_study(present({"": found}), out, figures)
+    rows.write(results, out)
+    reports.write_study(present({"": results}), out, figures)
 
 
 def _remove(engine: str, versions: tuple[str, ...], json: bool) -> int:
@@ -211,14 +213,14 @@ def bisect(
     kept = bisection.Limit(loaded, integrator, timestep or DEFAULT_TIMESTEP, quantity, limit)
     observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr))
     try:
-        found, notice = bisection.find(engine, good, bad, observer)
+        result, notice = bisection.find(engine, good, bad, observer)
     except bisection.Undecided as error:
         print(f"bodycheck: the release cannot be determined: {error}", file=sys.stderr)
         return FAILED
     if notice:
         print(notice, file=sys.stderr)
-    terminal.print_json(bisection.as_json(found, observer)) if json else printing.print_bisection(found, observer)
-    return FAILED if found.unknown or notice else OK
+    terminal.print_json(bisection.as_json(result, observer)) if json else printing.print_bisection(result, observer)
+    return FAILED if result.unknown or notice else OK
 
 
 #: The commands of the study.

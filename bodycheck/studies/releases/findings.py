@@ -42,8 +42,8 @@ def findings(changes: Sequence[LabelledChange], rows: Sequence[Row]) -> tuple[Fi
     upgrades: dict[tuple[str, str], list[LabelledChange]] = defaultdict(list)
     for line, change in changes:
         upgrades[change.from_version, change.to_version].append((line, change))
-    ordered = sorted(upgrades.values(), key=lambda own: Version(own[0][1].to_version))
-    return tuple(finding for own in ordered for finding in (*_figures(own), *_statuses(own)))
+    ordered = sorted(upgrades.values(), key=lambda upgrade: Version(upgrade[0][1].to_version))
+    return tuple(finding for upgrade in ordered for finding in (*_figures(upgrade), *_statuses(upgrade)))
 
 
 def named(line: Line) -> str:
@@ -64,15 +64,15 @@ def _figures(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
         if change.quantity != STATUS:
             methods[change.integrator, line.results].append((line, change))
     alike: dict[tuple[str, str, str, str], list[LabelledChange]] = defaultdict(list)
-    for own in methods.values():
-        line, change = max(own, key=lambda labelled: _importance(labelled[1]))
-        others = len({other.case for _, other in own}) - 1
+    for labelled_changes in methods.values():
+        line, change = max(labelled_changes, key=lambda labelled: _importance(labelled[1]))
+        others = len({other.case for _, other in labelled_changes}) - 1
         further = f" {count(others, 'other case')} changed too." if others else ""
         after = f" at {milliseconds(change.timestep)}.{further}"
         alike[_what(change, ""), _values(change), change.case, after].append((line, change))
-    for (_, values, case, after), own in alike.items():
-        _, change = own[0]
-        did = _what(change, listing([named(line) for line, _ in own]))
+    for (_, values, case, after), labelled_changes in alike.items():
+        _, change = labelled_changes[0]
+        did = _what(change, listing([named(line) for line, _ in labelled_changes]))
         between = f"Between {change.from_version} and {change.to_version}, {did} {values} on "
         yield Finding(f"{change.engine} {change.to_version}", between, case, after)
 
@@ -106,9 +106,9 @@ def _statuses(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
     for _, change in upgrade:
         if change.quantity == STATUS:
             statuses[str(change.before), str(change.after)].append(change)
-    for (before, after), own in statuses.items():
-        change, methods = own[0], listing(list(dict.fromkeys(change.integrator for change in own)), 6, "method")
-        others = len({other.case for other in own}) - 1
+    for (before, after), same_status in statuses.items():
+        change, methods = same_status[0], listing(list(dict.fromkeys(change.integrator for change in same_status)), 6, "method")
+        others = len({other.case for other in same_status}) - 1
         went = f"the status of runs with {methods} changed from {before} to {after}"
         between = f"Between {change.from_version} and {change.to_version}, {went} on "
         further = f" and {count(others, 'other case')}." if others else "."

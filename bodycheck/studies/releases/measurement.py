@@ -56,13 +56,13 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
     """Return the methods that the release does not have, with the reasons."""
-    found = {}
+    reasons = {}
     for spelling in integrators:
         try:
             offers.check(engine, Method.parse(spelling, 0.0))
         except BadInput as error:
-            found[spelling] = str(error)
-    return found
+            reasons[spelling] = str(error)
+    return reasons
 
 
 def _tasks(question: Question, loaded: Case, engine: str, record: Engine, lacking: Mapping[str, str]) -> Sequence[Task]:

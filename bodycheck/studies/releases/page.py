@@ -108,21 +108,21 @@ class _Labelled:
     versions: Sequence[str]
 
 
-def present(found: Mapping[str, Found]) -> StudyReport:
+def present(studies: Mapping[str, Found]) -> StudyReport:
     """Return the contents of the report of studies by label (see `rows.labels`); the label of a single study is empty."""
-    rows = [(_key(label, row), row) for label, one in found.items() for row in one.rows if row["integrator"]]
-    changes = [(_key(label, asdict(change)), change) for label, one in found.items() for change in one.changes]
+    rows = [(_key(label, row), row) for label, one in studies.items() for row in one.rows if row["integrator"]]
+    changes = [(_key(label, asdict(change)), change) for label, one in studies.items() for change in one.changes]
     lines = _hued(assign(key for key, _ in (*rows, *changes)))
     labelled = _Labelled(
         [(lines[key], row) for key, row in rows],
         [(lines[key], change) for key, change in changes],
-        sorted({version for one in found.values() for version in one.header["versions"]}, key=Version),
+        sorted({version for one in studies.values() for version in one.header["versions"]}, key=Version),
     )
     return StudyReport(
         title="What upgrades changed",
         headline=_headline(labelled),
-        header=merged_header(found),
-        notices=tuple(f"{label}: {text}" if label else text for label, one in found.items() for text in _notices(one)),
+        header=merged_header(studies),
+        notices=tuple(f"{label}: {text}" if label else text for label, one in studies.items() for text in _notices(one)),
         findings=findings(labelled.changes, [row for _, row in labelled.rows]),
         parts=tuple(_part(case, labelled) for case in dict.fromkeys(row["case"] for _, row in labelled.rows)),
         reading=READING,
@@ -134,11 +134,11 @@ def _hued(lines: Mapping[RunKey, Line]) -> dict[RunKey, Line]:
     integrators = list(dict.fromkeys(line.integrator for line in lines.values()))
     sets = list(dict.fromkeys(line.results for line in lines.values()))
     hues = (*HUES.values(), *FURTHER_HUES)
-    found = {}
+    coloured = {}
     for key, line in lines.items():
         hue, _ = hues[integrators.index(line.integrator) % len(hues)]
-        found[key] = replace(line, colour=paled(hue, len(sets) - 1 - sets.index(line.results)))
-    return found
+        coloured[key] = replace(line, colour=paled(hue, len(sets) - 1 - sets.index(line.results)))
+    return coloured
 
 
 def _key(label: str, row: Row) -> RunKey:
@@ -155,11 +155,11 @@ def _headline(labelled: _Labelled) -> str:
     return f"No change in {runs}" if ran else "No release could be measured"
 
 
-def _notices(found: Found) -> list[str]:
-    unmeasured = [f"{version} was not measured: {reason}." for version, reason in found.header["unmeasured"].items()]
-    there = {name for row in found.rows for name, value in row.items() if value is not None}
-    other = revisions.notices(found.header["revisions"], there)
-    return [*(f"{notice}." for notice in (*found.header["notices"], *other)), *unmeasured]
+def _notices(results: Found) -> list[str]:
+    unmeasured = [f"{version} was not measured: {reason}." for version, reason in results.header["unmeasured"].items()]
+    columns = {name for row in results.rows for name, value in row.items() if value is not None}
+    other = revisions.notices(results.header["revisions"], columns)
+    return [*(f"{notice}." for notice in (*results.header["notices"], *other)), *unmeasured]
 
 
 def _part(case: str, labelled: _Labelled) -> Part:

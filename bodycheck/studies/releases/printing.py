@@ -38,14 +38,14 @@ CHANGES = (
 )
 
 
-def print_releases(found: release_rows.Found, view: View) -> None:
+def print_releases(results: release_rows.Found, view: View) -> None:
     """Print one line per change from release to release, then one line per release that could not be measured."""
-    if found.changes:
-        show(CHANGES, found.changes, view)
-    for version, reason in found.header["unmeasured"].items():
+    if results.changes:
+        show(CHANGES, results.changes, view)
+    for version, reason in results.header["unmeasured"].items():
         tell(f"{version}: not measured: {reason}")
-    made = release_rows.made(found.rows)
-    tell(f"changes: {len(found.changes)}; runs: {len(made)}; releases: {len({row['version'] for row in made})}")
+    run_rows = release_rows.made(results.rows)
+    tell(f"changes: {len(results.changes)}; runs: {len(run_rows)}; releases: {len({row['version'] for row in run_rows})}")
 
 
 def print_removed(engine: str, versions: Sequence[str]) -> None:
@@ -53,12 +53,12 @@ def print_removed(engine: str, versions: Sequence[str]) -> None:
     tell(f"{engine}: removed {', '.join(versions)}" if versions else f"{engine}: there was no environment")
 
 
-def print_bisection(found: "bisection.Found", observer: "bisection.Observer") -> None:
+def print_bisection(result: "bisection.Found", observer: "bisection.Observer") -> None:
     """Print the two releases between which a figure exceeded its limit, and the effort to find them."""
     limit = observer.limit
     where = f"{observer.engine} {limit.integrator} on {limit.case.name} at {limit.timestep:g} s"
-    good, bad = observer.looks[found.last_good], observer.looks[found.first_bad]
+    good, bad = observer.looks[result.last_good], observer.looks[result.first_bad]
     tell(f"{where}: {limit.quantity} is at most {limit.most:g} in {good.text}; not in {bad.text}")
-    if found.unknown:
-        tell(f"these releases between them could not be measured: {', '.join(found.unknown)}")
-    tell(f"releases measured: {len(found.probed)}; environments made: {observer.made}")
+    if result.unknown:
+        tell(f"these releases between them could not be measured: {', '.join(result.unknown)}")
+    tell(f"releases measured: {len(result.probed)}; environments made: {observer.made}")

@@ -108,14 +108,14 @@ def store(answer: Answer, path: Path) -> None:
 def stored(path: Path) -> Answer | None:
     """Return the answer in a file; None if there is no file, or if it cannot be read."""
     try:
-        known = json.loads(path.read_text("utf-8"))
-        orders = tuple(Order(**order) for order in known["orders"])
-        return Answer(**known | {"offered": tuple(known["offered"]), "rows": tuple(known["rows"]), "orders": orders})
+        content = json.loads(path.read_text("utf-8"))
+        orders = tuple(Order(**order) for order in content["orders"])
+        return Answer(**content | {"offered": tuple(content["offered"]), "rows": tuple(content["rows"]), "orders": orders})
     except (OSError, ValueError, TypeError, KeyError):
         return None
 
 
-def question_of(asked: dict[str, Any]) -> Question:
+def question_of(record: dict[str, Any]) -> Question:
     """Return the question from its JSON object."""
-    lists = {"integrators": tuple(asked["integrators"]), "timesteps": tuple(asked["timesteps"])}
-    return Question(**asked | lists)
+    lists = {"integrators": tuple(record["integrators"]), "timesteps": tuple(record["timesteps"])}
+    return Question(**record | lists)

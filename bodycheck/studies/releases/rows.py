@@ -140,10 +140,10 @@ class Found:
     changes: tuple[Change, ...]
 
 
-def comparable(found: Sequence[Found]) -> list[Found]:
+def comparable(studies: Sequence[Found]) -> list[Found]:
     """Return studies that are compared, without the figures whose definitions differ between them."""
-    first, *others = (one.header["revisions"] for one in found)
-    there = {name for one in found for row in one.rows for name, value in row.items() if value is not None}
+    first, *others = (one.header["revisions"] for one in studies)
+    there = {name for one in studies for row in one.rows for name, value in row.items() if value is not None}
     apart = {name for other in others for name in redefined(first, other)} & there
     columns = apart | {f"{name}{ALLOWANCE_SUFFIX}" for name in apart}
     return [
@@ -153,7 +153,7 @@ def comparable(found: Sequence[Found]) -> list[Found]:
             rows=tuple({name: value for name, value in row.items() if name not in columns} for row in one.rows),
             changes=tuple(change for change in one.changes if change.quantity not in apart),
         )
-        for one in found
+        for one in studies
     ]
 
 
@@ -162,45 +162,45 @@ def made(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["status"] not in (UNOBTAINABLE, Unsupported.status)]
 
 
-def labels(found: Sequence[Found]) -> list[str]:
+def labels(studies: Sequence[Found]) -> list[str]:
     """Return labels that distinguish studies: a property in which their machines differ, or numbers; empty for one study."""
-    machines = [one.header["machine"] for one in found]
+    machines = [one.header["machine"] for one in studies]
     for field in ("processor", "system", "python"):
-        told = [str(machine.get(field, "")) for machine in machines]
-        if len(set(told)) == len(found) > 1:
-            return told
-    return [""] if len(found) == 1 else [f"machine {place}" for place in range(1, len(found) + 1)]
+        texts = [str(machine.get(field, "")) for machine in machines]
+        if len(set(texts)) == len(studies) > 1:
+            return texts
+    return [""] if len(studies) == 1 else [f"machine {number}" for number in range(1, len(studies) + 1)]
 
 
-def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
+def merged_header(studies: Mapping[str, Found]) -> ReleasesHeader:
     """Return the common header of studies, given by their labels: that of the first, with the machines of all.
 
     Raises `BadInput` if the studies are of different engines, or if a case differs between them.
     """
-    first, *others = found.values()
+    first, *others = studies.values()
     if any(other.header["engines"].keys() != first.header["engines"].keys() for other in others):
         raise BadInput("these studies are of different engines")
     for name, identity in first.header["cases"].items():
         if any(other.header["cases"].get(name, identity) != identity for other in others):
             raise BadInput(f"{name}: the case differs between these studies")
-    if len(found) == 1:
+    if len(studies) == 1:
         return first.header
-    machines = {f"{name} of {label}": value for label, one in found.items() for name, value in one.header["machine"].items()}
+    machines = {f"{name} of {label}": value for label, one in studies.items() for name, value in one.header["machine"].items()}
     return {**first.header, "machine": machines}
 
 
-def write(found: Found, folder: Path) -> None:
+def write(results: Found, folder: Path) -> None:
     """Write releases.csv, changes.csv and releases.jsonl into a folder. Raises `BadInput` if that fails."""
-    origins = [{name: found.header.get(name) for name in DESCRIPTIONS} | {"cases_physics_sha256": found.header["cases"]}]
-    with journal.begin(folder / RECORDS, dict(found.header)) as log:
-        for row in found.rows:
+    origins = [{name: results.header.get(name) for name in DESCRIPTIONS} | {"cases_physics_sha256": results.header["cases"]}]
+    with journal.begin(folder / RECORDS, dict(results.header)) as log:
+        for row in results.rows:
             log.add({"record": "row", "row": dict(row)})
-        for change in found.changes:
+        for change in results.changes:
             log.add({"record": "change", "change": asdict(change)})
-        further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
+        further = dict.fromkeys(name for row in results.rows for name in row if name not in COLUMNS)
         names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
-        csv_tables.write(folder, RELEASES, found.rows, origins, (*COLUMNS, *names))
-        csv_tables.write(folder, CHANGES, found.changes, origins)
+        csv_tables.write(folder, RELEASES, results.rows, origins, (*COLUMNS, *names))
+        csv_tables.write(folder, CHANGES, results.changes, origins)
 
 
 def read(folder: Path) -> Found:

@@ -26,7 +26,7 @@ from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
 from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE, Change, Found, ReleasesHeader, Row
-from bodycheck.studies.tradeoff.front import COLUMNS
+from bodycheck.studies.tradeoff.measurements import COLUMNS
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -121,7 +121,7 @@ def study(
     plan.check(cases, {}, integrators, timesteps)
     integrators = [Method.parse(spelling, 0.0).name for spelling in integrators]
     questions = [Question("figures", case.name, case.text, tuple(integrators), tuple(timesteps)) for case in cases]
-    there = kept(engine)
+    installed = kept(engine)
     obtained = _obtained(engine, versions, questions, jobs, bar)
     with bar("measuring", len(questions) * sum(isinstance(one, Environment) for one in obtained.values())) as progress:
         asked = [(one, question) for one in obtained.values() if isinstance(one, Environment) for question in questions]
@@ -133,9 +133,9 @@ def study(
     order_questions = list(dict.fromkeys(_convergences(found_changes, {case.name: case for case in cases}, obtained)))
     with bar("observing orders", len(order_questions)) as progress:
         observed = release_answers.ask(order_questions, jobs, progress)
-    orders = {(one.version, asked.name, *asked.integrators): found for (one, asked), found in observed.by_question.items()}
+    orders = {(one.version, asked.name, *asked.integrators): answer for (one, asked), answer in observed.by_question.items()}
     tally = Tally(
-        sum(isinstance(one, Environment) and one.version not in there for one in obtained.values()),
+        sum(isinstance(one, Environment) and one.version not in installed for one in obtained.values()),
         figures.measured + observed.measured,
         figures.known + observed.known,
     )
@@ -175,15 +175,15 @@ def kept(engine: str) -> Mapping[str, Environment]:
 
 def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question], jobs: int, bar: Bar) -> Releases:
     """Return the environments of versions. Those with cached answers are not checked; the others are checked or made."""
-    there = kept(engine)
+    installed = kept(engine)
     left = [
         version
         for version in versions
-        if version not in there or not release_answers.known([(there[version], question) for question in questions])
+        if version not in installed or not release_answers.known([(installed[version], question) for question in questions])
     ]
     with bar("obtaining", len(left)) as progress:
-        made = fetch_environments.obtain_all(engine, left, jobs, progress)
-    return {version: made.get(version) or there[version] for version in versions}
+        fetched = fetch_environments.obtain_all(engine, left, jobs, progress)
+    return {version: fetched.get(version) or installed[version] for version in versions}
 
 
 def changes(rows: Sequence[Row]) -> Iterator[Change]:
@@ -195,8 +195,8 @@ def changes(rows: Sequence[Row]) -> Iterator[Change]:
     for row in rows:
         if row["status"] != UNOBTAINABLE and row["timestep"] is not None:
             methods[RunKey.of_row(row)].append(row)
-    for key, own in methods.items():
-        for before, after in pairwise(own):
+    for key, method_rows in methods.items():
+        for before, after in pairwise(method_rows):
             for change in baseline.changes(key, dict(before), dict(after)):
                 yield _without_orders(change, before["version"], after["version"])
 
@@ -272,10 +272,10 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
 
 
 def _convergences(
-    found: Sequence[Change], cases: Mapping[str, Case], obtained: Releases
+    figure_changes: Sequence[Change], cases: Mapping[str, Case], obtained: Releases
 ) -> Iterator[tuple[Environment, Question]]:
     """Yield the questions on convergence to both releases between which a figure changed."""
-    for change in found:
+    for change in figure_changes:
         for version in (change.from_version, change.to_version):
             one = obtained[version]
             if change.quantity != STATUS and isinstance(one, Environment):
@@ -293,5 +293,5 @@ def _with_orders(change: Change, answers: Mapping[tuple[str, ...], Answer]) -> C
 def _order(change: Change, answer: Answer | None) -> tuple[float | None, str]:
     """Return the order in the quantity of a change, and the scheme of its method."""
     orders: dict[str, Order] = {} if answer is None else {order.quantity: order for order in answer.orders}
-    own = orders.get(QUANTITIES.get(change.quantity, ""))
-    return (own.order if own else None), next((order.scheme for order in orders.values()), "")
+    of_quantity = orders.get(QUANTITIES.get(change.quantity, ""))
+    return (of_quantity.order if of_quantity else None), next((order.scheme for order in orders.values()), "")

@@ -1,4 +1,4 @@
-"""What the report of the tradeoff study says of batches: never a cost without the error that comes with it."""
+"""The part of the tradeoff report about batches: never a cost without the error that comes with it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.key import RunKey
-from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
+from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row, method_of
 
 #: Lines by method.
 Lines = Mapping[RunKey, Line]
@@ -61,18 +61,18 @@ def charts(case: CaseMeasurements, lines: Lines) -> tuple[Chart, ...]:
         return ()
     quantity = QUANTITIES[ERRORS[case.primary][0]]
     worst = f"{quantity.title}, the worst of all scenes"
-    drawn = [lines[_method(row)] for row in rows]
+    drawn = [lines[method_of(row)] for row in rows]
     methods = list(dict.fromkeys(drawn))
     alt = f"over the number of scenes in a batch, on log scales, for {count(len(methods), 'method')}."
-    found = []
+    shown = []
     for title, label, column, factor in (
         ("Time per step and scene in batches", "Time per step and scene, us", "time_per_step", 1e6),
         (f"{worst} in batches", f"{worst}, {quantity.unit}", ERRORS[case.primary][1], 1.0),
     ):
-        own = [row for row in rows if row.get(column)]
-        if own:
-            found.append(Chart(title, _diagram(own, lines, column, factor, label, case.primary), f"{label}, {alt}"))
-    return tuple(found)
+        measured = [row for row in rows if row.get(column)]
+        if measured:
+            shown.append(Chart(title, _diagram(measured, lines, column, factor, label, case.primary), f"{label}, {alt}"))
+    return tuple(shown)
 
 
 def table(case: CaseMeasurements) -> Table:
@@ -124,26 +124,22 @@ def _microseconds(value: float | None) -> Entry:
     return Entry("–") if value is None else Entry(number(1e6 * value, 3), value)
 
 
-def _method(row: Row) -> RunKey:
-    return RunKey.of_method(row["engine"], row["integrator"])
-
-
 def _diagram(rows: Sequence[Row], lines: Lines, column: str, factor: float, label: str, quantity: str) -> Spec:
     """Return a chart of a column of batches, times a factor, over the number of scenes, with a curve for each method and step.
 
     The tooltip of each point has the time and the errors. The parameter `hidden` holds the labels of methods switched off.
     """
-    drawn = list(dict.fromkeys(lines[_method(row)] for row in rows))
+    drawn = list(dict.fromkeys(lines[method_of(row)] for row in rows))
     scale = {"type": "log", "nice": False, "padding": 12}
-    own, worst = ERRORS[quantity]
+    of_case, worst = ERRORS[quantity]
     values: list[dict[str, Any]] = [
         {
-            "method": lines[_method(row)].label,
+            "method": lines[method_of(row)].label,
             "step": row["timestep"],
             "scenes": row["batch"],
             "value": next(iter(rounded([factor * row[column]]))),
             "time": next(iter(rounded([1e6 * row["time_per_step"]]))),
-            "own": row.get(own),
+            "own": row.get(of_case),
             "worst": row.get(worst),
         }
         for row in rows

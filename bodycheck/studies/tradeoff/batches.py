@@ -1,8 +1,13 @@
-"""What a step of one scene costs, and how large its error is, where an engine steps many scenes at once.
+"""The cost of a step of one scene, and its error, in an engine that steps many scenes at once.
 
 A batch has the scene of a case and copies of it that are turned about the vertical. It is run over the whole duration, and its
 cost and its errors are those of the same run. No measurement needs more memory for more samples, because states are compared
 and forgotten block by block.
+
+Nothing in the scenes of a batch has a horizontal direction: gravity is vertical, and so is the normal of the plane; drag and
+Coulomb friction oppose the motion. The truths of the copies are therefore that of the scene, turned likewise. Inclined planes
+and pushes have a direction, and their scenes have no batches. The copies have other numbers, so that no result of one serves
+for another one, but they are as difficult.
 """
 
 import time
@@ -28,8 +33,10 @@ from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply, rotate
 from bodycheck.reference.mechanisms.mechanism import alone
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Quaternion, Scene, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
@@ -38,9 +45,9 @@ from bodycheck.running import campaign
 from bodycheck.running.engines import home
 from bodycheck.running.instants import sampling_steps
 from bodycheck.running.simulation import AdapterFault, outcome_of
-from bodycheck.studies.cost import ROUNDS, summarise
-from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
-from bodycheck.studies.tradeoff.turned import errors, turned
+from bodycheck.studies.cost import ROUNDS
+from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS
+from bodycheck.studies.tradeoff.study import NO_COSTS, cost_columns
 
 #: Most states of all scenes that are in memory at a time: 26 MiB.
 MOST_STATES = 1 << 18
@@ -53,6 +60,12 @@ ENOUGH_S = 1.0
 
 #: Most time (s) of stepping of one batch; one that would take longer is not run to its end.
 MOST_S = 100.0
+
+#: Why bodies that touch have no copies, except one that lies flat on a level plane.
+NOT_TURNED = "the scenes of a batch are turned about the vertical, and bodies that touch are not turned"
+
+#: The seed of the angles.
+SEED = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +81,7 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class Ran:
-    """What was measured of a batch.
+    """The measurements of a batch.
 
     Attributes
     ----------
@@ -134,15 +147,15 @@ def rows(
     Rows have the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`. The function `progress` is called with a text after
     each batch; the other parameters are those of `plan`.
     """
-    found = []
+    batch_rows = []
     with pool.caller(run, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home) as call:
         for batch in batches:
             ran = call(batch)
             truth = results.truth(batch.case.name, batch.method.timestep)
             assert isinstance(truth, Truth)  # the batch has its trajectory
-            found.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
+            batch_rows.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
             progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · in batches of {batch.scenes}")
-    return found
+    return batch_rows
 
 
 def rows_alike(*tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -157,7 +170,7 @@ def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator
     nearest: dict[object, float] = {}
     for verdict in completed:
         key, step = verdict.run.key.over_steps, verdict.run.method.timestep
-        nearest[key] = min(nearest.get(key, step), step, key=lambda own: abs(np.log(own / DEFAULT_TIMESTEP)))
+        nearest[key] = min(nearest.get(key, step), step, key=lambda other: abs(np.log(other / DEFAULT_TIMESTEP)))
     for verdict in completed:
         step = verdict.run.method.timestep
         if step in timesteps or (not timesteps and step == nearest[verdict.run.key.over_steps]):
@@ -169,20 +182,15 @@ def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]
     case = replace(batch.case, expectations=())  # they are of single runs
     run = Run(case.name, batch.engine, engine.version, batch.method, ran.outcome, scene=case.scene)
     (row,) = judgement.records([judgement.verdict(case, truth, run)])
-    row |= dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS, *BATCH_COLUMNS))
+    row |= {**NO_COSTS, **dict.fromkeys(BATCH_COLUMNS)}
     row |= {"batch": batch.scenes, "device": engine.device, "precision": engine.precision, "failed_scenes": ran.failed}
     if not isinstance(ran.outcome, Completed):
         return row
-    own, step = offers.integrator_of(engine, batch.method), summarise(np.array(ran.times))
+    integrator, steps = offers.integrator_of(engine, batch.method), ran.outcome.steps * batch.scenes
+    costs = cost_columns(np.array(ran.times), np.array(ran.processor_times), batch.method.timestep, steps)
     return row | {
-        "wall_time": step.median * ran.outcome.steps * batch.scenes,
-        "time_per_step": step.median,
-        "realtime_factor": batch.method.timestep / step.median,
-        "time_per_step_low": step.low,
-        "time_per_step_high": step.high,
-        "evaluations": own.evaluations if own is not None else None,
-        "cost": step.median / batch.method.timestep,
-        "processor_time_per_step": summarise(np.array(ran.processor_times)).median,
+        **costs,
+        "evaluations": integrator.evaluations if integrator is not None else None,
         "setup_time": ran.setup,
         "worst_position_error": ran.position_error,
         "worst_attitude_error": ran.attitude_error,
@@ -219,9 +227,11 @@ def _measured(batch: Batch) -> Ran:
     simulation = offers.prepare(adapter, scenes, batch.method)
     setup = time.perf_counter() - start
     passes = [_pass(simulation, batch, steps)]
-    while passes[0] is not None and len(passes) < ROUNDS and sum(one.seconds for one in passes if one) < ENOUGH_S:
+    while (
+        passes[0] is not None and len(passes) < ROUNDS and sum(run_pass.seconds for run_pass in passes if run_pass) < ENOUGH_S
+    ):
         passes.append(_pass(offers.prepare(adapter, scenes, batch.method), batch, steps))
-    complete = [one for one in passes if one is not None]
+    complete = [run_pass for run_pass in passes if run_pass is not None]
     if not complete:
         return Ran(TimedOut(MOST_S, f"stopped, because the batch would take more than {MOST_S:g} s"))
     first, taken = complete[0], int(steps[-1]) * batch.scenes
@@ -229,15 +239,15 @@ def _measured(batch: Batch) -> Ran:
         outcome: Outcome = Diverged(simulation.signals[0], "gave up")
     else:
         outcome = outcome_of(first.rows, simulation, batch.case.scene, batch.method, steps, first.seconds)
-    held = np.isfinite(first.position_error) & np.isfinite(first.attitude_error)
+    sound = np.isfinite(first.position_error) & np.isfinite(first.attitude_error)
     return Ran(
         outcome,
-        times=tuple(one.seconds / taken for one in complete),
-        processor_times=tuple(one.processor_seconds / taken for one in complete),
+        times=tuple(run_pass.seconds / taken for run_pass in complete),
+        processor_times=tuple(run_pass.processor_seconds / taken for run_pass in complete),
         setup=setup,
-        position_error=float(first.position_error[held].max()) if held.any() else None,
-        attitude_error=float(first.attitude_error[held].max()) if held.any() else None,
-        failed=int((~held).sum()),
+        position_error=float(first.position_error[sound].max()) if sound.any() else None,
+        attitude_error=float(first.attitude_error[sound].max()) if sound.any() else None,
+        failed=int((~sound).sum()),
     )
 
 
@@ -246,27 +256,63 @@ def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
     strides = np.diff(steps, prepend=0)
     stride = max(1, int(strides.max(initial=0)))
     size = max(1, min(MOST_STATES, MOST_STEPS // stride) // batch.scenes)
-    made = _Pass(np.empty((len(steps), 13)), *np.zeros((2, batch.scenes)))
+    run_pass = _Pass(np.empty((len(steps), 13)), *np.zeros((2, batch.scenes)))
     for first in range(0, len(strides), size):
         part = slice(first, first + size)
         with np.errstate(all="ignore"):  # scenes that overflow are judged by their states
             processor, start = time.process_time(), time.perf_counter()
             states = np.asarray(simulation.advance(strides[part]), dtype=np.float64)
-            made.seconds += time.perf_counter() - start
-            made.processor_seconds += time.process_time() - processor
+            run_pass.seconds += time.perf_counter() - start
+            run_pass.processor_seconds += time.process_time() - processor
             if states.shape != (batch.scenes, len(strides[part]), 1, 13):
                 raise AdapterFault(f"its states have the shape {states.shape}")
-            made.rows[part] = states[0, :, 0]
-            position, attitude = errors(states[:, :, 0], _between(batch.truth, part))
-            made.position_error = np.maximum(made.position_error, position.max(axis=1))
-            made.attitude_error = np.maximum(made.attitude_error, attitude.max(axis=1))
+            run_pass.rows[part] = states[0, :, 0]
+            position, attitude = errors(states[:, :, 0], batch.truth.part(part))
+            run_pass.position_error = np.maximum(run_pass.position_error, position.max(axis=1))
+            run_pass.attitude_error = np.maximum(run_pass.attitude_error, attitude.max(axis=1))
         done = int(steps[part][-1])
-        if made.seconds * (int(steps[-1]) / max(1, done)) > MOST_S and done:
+        if run_pass.seconds * (int(steps[-1]) / max(1, done)) > MOST_S and done:
             return None
-    return made
+    return run_pass
 
 
-def _between(truth: Trajectory, part: slice) -> Trajectory:
-    """Return a part of a trajectory."""
-    series = truth.t, truth.position, truth.quaternion, truth.velocity, truth.angular_velocity
-    return Trajectory(*(values[part] for values in series))
+def turns(count: int) -> Array:
+    """Return quaternions (count, 4), w x y z, of turns about the vertical by any angles; the first is no turn."""
+    halves = np.random.default_rng(SEED).uniform(0.0, np.pi, count)
+    halves[0] = 0.0
+    nothing = np.zeros(count)
+    return np.column_stack([np.cos(halves), nothing, nothing, np.sin(halves)])
+
+
+def turned(scene: Scene, count: int) -> list[Scene]:
+    """Return a scene and copies of it that are turned about the vertical, `count` scenes in all. Raises `SceneUnsupported`."""
+    if touches(scene):
+        raise SceneUnsupported(NOT_TURNED)
+    initial, by = scene.initial, turns(count)
+    position, velocity = (rotate(by, np.array(part)).tolist() for part in (initial.position, initial.velocity))
+    quaternion = multiply(by, np.array(initial.quaternion)).tolist()
+    copies = [
+        replace(scene, initial=replace(initial, position=vector_of(p), quaternion=_quaternion(q), velocity=vector_of(v)))
+        for p, q, v in zip(position, quaternion, velocity, strict=True)
+    ]
+    return [scene, *copies[1:]]
+
+
+def errors(states: Array, truth: Trajectory) -> tuple[Array, Array]:
+    """Return the position errors (m) and the attitude errors (rad) of turned scenes, both (scenes, n).
+
+    Parameters
+    ----------
+    states
+        The states (scenes, n, 13) of the scenes that `turned` returns.
+    truth
+        The truth of the scene itself at the n instants.
+    """
+    back = conjugate(turns(len(states)))[:, None]
+    apart = rotate(back, states[..., :3]) - truth.position
+    return np.linalg.norm(apart, axis=-1), geodesic_angle(multiply(back, states[..., 3:7]), truth.quaternion)
+
+
+def _quaternion(components: list[float]) -> Quaternion:
+    w, x, y, z = components
+    return w, x, y, z

@@ -50,14 +50,14 @@ def tradeoff(
     check_has_folder(figures, out)
     sizes = batch_sizes("--batch", batch)
     tables.check(view, printing.RUNS, printing.METHODS, printing.BATCHES)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
-        results = carry_out(made, timestep, sizes, Output(out, figures, quiet))
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as runs:
+        results = carry_out(runs, timestep, sizes, Output(out, figures, quiet))
     if json:
         terminal.print_json({"rows": results.tables["tradeoff"].rows, "orders": results.tables["orders"].rows})
     elif not quiet:
         printing.print_tradeoff(results.rows, results.orders, view)
     say_where(out, quiet)
-    return FAILED if made.engine_failed else OK
+    return FAILED if runs.engine_failed else OK
 
 
 #: The commands of the study.

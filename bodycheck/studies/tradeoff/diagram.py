@@ -9,7 +9,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, bound
 from bodycheck.reports.series import rounded
 from bodycheck.results.key import RunKey
-from bodycheck.studies.tradeoff.front import Measured
+from bodycheck.studies.tradeoff.measurements import Measured
 
 #: Significant digits of stored costs, so that different measured costs remain different.
 COST_DIGITS = 6
@@ -82,13 +82,13 @@ def _columns(points: Sequence[Measured], lines: Mapping[RunKey, Line]) -> list[d
     return [
         {
             "method": method,
-            "timestep": [point.timestep for point in own],
-            "cost": rounded((point.cost for point in own), COST_DIGITS),
-            "low": rounded((point.cost_low for point in own), COST_DIGITS),
-            "high": rounded((point.cost_high for point in own), COST_DIGITS),
-            "error": rounded(point.error for point in own),
+            "timestep": [point.timestep for point in method_points],
+            "cost": rounded((point.cost for point in method_points), COST_DIGITS),
+            "low": rounded((point.cost_low for point in method_points), COST_DIGITS),
+            "high": rounded((point.cost_high for point in method_points), COST_DIGITS),
+            "error": rounded(point.error for point in method_points),
         }
-        for method, own in methods.items()
+        for method, method_points in methods.items()
     ]
 
 
@@ -107,13 +107,13 @@ def _curves(lines: Sequence[Line]) -> Spec:
 
 def _front() -> list[Spec]:
     """Return layers with the front as steps under the curves, and with rings around its points."""
-    own, ink = [{"filter": "datum.front"}], {"color": {"value": INK}}
+    on_front, ink = [{"filter": "datum.front"}], {"color": {"value": INK}}
     order = {"field": "cost", "type": "quantitative"}
     step = {"type": "line", "interpolate": "step-after", "strokeWidth": 6, "opacity": 0.13}
     ring = {"type": "point", "filled": False, "size": 130, "strokeWidth": 1.2, "opacity": 0.75}
     return [
-        {"transform": own, "mark": step | QUIET, "encoding": {**ink, "order": order}},
-        {"transform": own, "mark": ring | QUIET, "encoding": ink},
+        {"transform": on_front, "mark": step | QUIET, "encoding": {**ink, "order": order}},
+        {"transform": on_front, "mark": ring | QUIET, "encoding": ink},
     ]
 
 

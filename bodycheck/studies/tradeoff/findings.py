@@ -10,8 +10,7 @@ from bodycheck.reports.quantities import bound, count, listing, milliseconds, nu
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, same_algorithm
 from bodycheck.results.key import RunKey
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff.front import Measured
-from bodycheck.studies.tradeoff.measurements import CaseMeasurements
+from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Measured
 
 #: An observed order is lower than claimed if even its largest value is lower by more than this.
 ORDER_TOLERANCE = 0.25
@@ -98,8 +97,8 @@ def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
         text = f"None of {observed} of attitude and position is lower than claimed by more than {ORDER_TOLERANCE:g}."
         return [Finding("Order", text)]
     groups: dict[object, list[RunKey]] = defaultdict(list)
-    for method, own in short.items():
-        groups[_likeness(own)].append(method)
+    for method, places in short.items():
+        groups[_likeness(places)].append(method)
     return [_short([lines[method] for method in methods], short[methods[0]]) for methods in groups.values()]
 
 
@@ -112,11 +111,11 @@ def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
     """Return a finding about methods that share the cases and orders of `places`."""
     quantities: dict[str, list[str]] = defaultdict(list)
     for quantity in CLAIMED:
-        own = sorted(order.order or 0.0 for _, order in places if order.quantity == quantity)
-        if own:
-            quantities[_range([f"{order:.2f}" for order in own])].append(quantity)
+        observed_orders = sorted(order.order or 0.0 for _, order in places if order.quantity == quantity)
+        if observed_orders:
+            quantities[_range([f"{order:.2f}" for order in observed_orders])].append(quantity)
     observed = listing([f"{orders} in {listing(names)}" for orders, names in quantities.items()])
-    worst, order = max(places, key=lambda place: (place[1].claimed or 0) - (place[1].order or 0.0))
+    worst, order = max(places, key=lambda item: (item[1].claimed or 0) - (item[1].order or 0.0))
     return Finding(
         "Order",
         f"{_names(methods)} {verb(len(methods), 'has', 'have')} an observed order of {observed} "
@@ -183,9 +182,9 @@ def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
     for case in cases:
         for order in case.orders:
             has_floor = order.quantity in CLAIMED and order.floor is not None and order.horizon is None
-            own = _own_points(case, order) if has_floor else []
-            if own and (least := min(point.error for point in own)) > LEAST_FLOOR:
-                finest = min(point.timestep for point in own)
+            points = _own_points(case, order) if has_floor else []
+            if points and (least := min(point.error for point in points)) > LEAST_FLOOR:
+                finest = min(point.timestep for point in points)
                 floors[order.engine, order.quantity, order.floor_cause][case.name].append((order.method, least, finest))
     return [_floor(quantity, cause, by_case, lines) for (_, quantity, cause), by_case in floors.items()]
 
@@ -208,23 +207,23 @@ def _more_floors(cases: int) -> str:
 
 
 def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    found: list[Finding] = []
+    sentences: list[Finding] = []
     for quantity in CLAIMED:
-        own = [case for case in cases if case.primary == quantity]
+        of_quantity = [case for case in cases if case.primary == quantity]
         # Limits with the same cheapest runs share a finding: it names the lowest of them, or the highest that no run keeps.
         by_winners: dict[object, Finding] = {}
-        for error in ROUND_ERRORS if own else ():
-            ranked = {case.name: _ranking(case.points(quantity), error) for case in own}
+        for error in ROUND_ERRORS if of_quantity else ():
+            ranked = {case.name: _ranking(case.points(quantity), error) for case in of_quantity}
             kept = {name: ranking for name, ranking in ranked.items() if ranking}
             winners = tuple((name, ranking[0]) for name, ranking in kept.items())
             if not kept:
-                by_winners.setdefault(winners, _none_keeps(quantity, error, len(own)))
-            elif len(own) == 1:
-                by_winners[winners] = _cheapest_of_one(quantity, error, own[0].name, kept[own[0].name], lines)
+                by_winners.setdefault(winners, _none_keeps(quantity, error, len(of_quantity)))
+            elif len(of_quantity) == 1:
+                by_winners[winners] = _cheapest_of_one(quantity, error, of_quantity[0].name, kept[of_quantity[0].name], lines)
             else:
-                by_winners[winners] = _cheapest_of_many(quantity, error, len(own), kept, lines)
-        found += by_winners.values()
-    return found
+                by_winners[winners] = _cheapest_of_many(quantity, error, len(of_quantity), kept, lines)
+        sentences += by_winners.values()
+    return sentences
 
 
 def _ranking(points: Sequence[Measured], error: float) -> list[Measured]:

@@ -24,7 +24,7 @@ from bodycheck.studies.tradeoff.rows import RUNS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeoffResults(StudyResults):
-    """What errors cost with each method, and the orders at which they vanish.
+    """The costs of errors with each method, and the orders at which the errors vanish.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ def tradeoff(
         As `bodycheck.run`.
     """
     each = arguments.listed(cases)
-    given = arguments.given_cases(each)
+    selected = arguments.given_cases(each)
     selection = Selection(
         cases=(),
         engines=(engines := arguments.names("--engine", engine)),
@@ -114,5 +114,5 @@ def tradeoff(
     sizes = batch_sizes("--batch", map(str, (batch,) if isinstance(batch, int | str) else batch))
     command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps, batch=sizes)
     folder = arguments.path("--out", out)
-    with ran_of(given, selection, study.plan, folder, command, quiet=True) as made:
-        return carry_out(made, timesteps, sizes, Output(folder))
+    with ran_of(selected, selection, study.plan, folder, command, quiet=True) as runs:
+        return carry_out(runs, timesteps, sizes, Output(folder))

@@ -1,4 +1,4 @@
-"""The measurements of one case of the tradeoff study, in the form that its report needs."""
+"""The measurements of one case of the tradeoff study, in the form that its report needs, and their Pareto front."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,13 +11,60 @@ from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
 from bodycheck.results.key import RunKey
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff.front import COLUMNS, Measured, measured, pareto
 
 #: A row of the tradeoff study.
 Row = Mapping[str, Any]
 
 #: Columns of the cost.
 COSTS = {"cost", "time_per_step_low", "time_per_step_high"}
+
+#: The columns with the error of a quantity; the second column is for scenes with friction or drag.
+COLUMNS = {
+    "attitude": ("attitude_error",),
+    "position": ("position_error",),
+    "energy": ("energy_drift", "energy_error"),
+    "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
+}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measured method. `error` is in the quantity's unit, `cost` is the computing time (s) per simulated second."""
+
+    engine: str
+    version: str
+    integrator: str
+    timestep: float
+    error: float
+    cost: float
+    cost_low: float
+    cost_high: float
+
+    @property
+    def method(self) -> RunKey:
+        """The key of the engine and the method, over all cases and time steps."""
+        return RunKey.of_method(self.engine, self.integrator)
+
+
+def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
+    """Return the methods that no other method surpasses in both error and cost, the cheapest first."""
+    front: list[Measured] = []
+    for method in sorted(measured(rows, quantity), key=lambda method: (method.cost, method.error)):
+        if not front or method.error < front[-1].error:
+            front.append(method)
+    return front
+
+
+def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
+    """Return the methods of those rows that have both an error of a quantity and a cost."""
+    methods = []
+    for row in rows:
+        errors = [row[column] for column in COLUMNS[quantity] if row.get(column) is not None]
+        if errors and row["cost"] is not None:
+            low, high = (row[column] / row["timestep"] for column in ("time_per_step_low", "time_per_step_high"))
+            names = row["engine"], row["version"], row["integrator"]
+            methods.append(Measured(*names, row["timestep"], errors[0], row["cost"], low, high))
+    return methods
 
 
 def apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
@@ -37,13 +84,13 @@ class CaseMeasurements:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Return the quantities of `convergence.UNITS` in which any run has an error above the truth's own."""
-        found = {}
+        by_name = {}
         for name in UNITS:
             errors = [point.error for point in measured(self._complete, name)]
             if any(error > self.truth_error(name) for error in errors):
                 column = next(column for column in COLUMNS[name] if any(column in row for row in self._complete))
-                found[name] = QUANTITIES[column]
-        return found
+                by_name[name] = QUANTITIES[column]
+        return by_name
 
     @property
     def primary(self) -> str | None:
@@ -79,12 +126,12 @@ class CaseMeasurements:
 
     def coarsest(self, method: RunKey) -> Row | None:
         """Return the row of a method's completed run with the largest time step, or None. Schemes are identified there."""
-        own = [row for row in self._complete if _method(row) == method]
-        return max(own, key=lambda row: float(row["timestep"]), default=None)
+        method_rows = [row for row in self._complete if method_of(row) == method]
+        return max(method_rows, key=lambda row: float(row["timestep"]), default=None)
 
     @cached_property
     def _by_run(self) -> Mapping[tuple[RunKey, float], Row]:
-        return {(_method(row), row["timestep"]): row for row in reversed(self._complete)}
+        return {(method_of(row), row["timestep"]): row for row in reversed(self._complete)}
 
     @cached_property
     def _complete(self) -> Sequence[dict[str, Any]]:
@@ -93,7 +140,8 @@ class CaseMeasurements:
         return [row for row in known if row["status"] == "ok" and row.keys() >= COSTS]
 
 
-def _method(row: Row) -> RunKey:
+def method_of(row: Row) -> RunKey:
+    """Return the key of the engine and the method of a row, over all cases and time steps."""
     return RunKey.of_method(row["engine"], row["integrator"])
 
 

@@ -19,8 +19,7 @@ from bodycheck.studies.tradeoff import batch_page
 from bodycheck.studies.tradeoff import findings as tradeoff_summary
 from bodycheck.studies.tradeoff.diagram import diagram
 from bodycheck.studies.tradeoff.findings import falls_short
-from bodycheck.studies.tradeoff.front import Measured
-from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row, apart
+from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Measured, Row, apart, method_of
 
 #: Lines by method with any time step, as a curve goes through all time steps.
 Lines = Mapping[RunKey, Line]
@@ -73,10 +72,10 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
     for order in orders:
         orders_by_case[order.case].append(order)
     cases = [
-        CaseMeasurements(name, tuple(own), tuple(orders_by_case[name]), tuple(batches_by_case[name]))
-        for name, own in by_case.items()
+        CaseMeasurements(name, tuple(case_rows), tuple(orders_by_case[name]), tuple(batches_by_case[name]))
+        for name, case_rows in by_case.items()
     ]
-    lines = _lines(rows)
+    lines = assign(method_of(row) for row in rows)
     return StudyReport(
         title="What accuracy costs",
         headline=_headline(cases, lines),
@@ -86,10 +85,6 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
         parts=tuple(_part(case, lines) for case in cases),
         reading=(*READING, *(batch_page.READING if in_batches else ())),
     )
-
-
-def _lines(rows: Sequence[Row]) -> Lines:
-    return assign(RunKey.of_method(row["engine"], row["integrator"]) for row in rows)
 
 
 def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:
@@ -138,7 +133,7 @@ def _failures(rows: Sequence[Row]) -> tuple[str, ...]:
             steps[row["status"]][f"{row['engine']} {row['integrator']}"].append(row["timestep"])
     return tuple(
         f"Runs with the status {status} have no results: "
-        + "; ".join(f"{method} at {_steps(own)}" for method, own in methods.items())
+        + "; ".join(f"{method} at {_steps(timesteps)}" for method, timesteps in methods.items())
         + "."
         for status, methods in steps.items()
     )
@@ -177,7 +172,11 @@ def _orders(case: CaseMeasurements) -> Table:
     for order in case.orders:
         methods[order.method][order.quantity] = order
     ordered = [name for name in UNITS if name in case.quantities]
-    floored = [name for name in ordered if any(name in own and own[name].floor is not None for own in methods.values())]
+    floored = [
+        name
+        for name in ordered
+        if any(name in by_quantity and by_quantity[name].floor is not None for by_quantity in methods.values())
+    ]
     schemes = any(order.nearest_scheme for order in case.orders)
     words = ("Engine", "Integrator", *(("Scheme",) if schemes else ()))
     figures = (
@@ -187,16 +186,16 @@ def _orders(case: CaseMeasurements) -> Table:
         *(f"{_title(name)} floor, {_unit(name)}" for name in floored),
     )
     rows = []
-    for own in methods.values():
-        first = next(iter(own.values()))
+    for by_quantity in methods.values():
+        first = next(iter(by_quantity.values()))
         named = Entry(first.scheme_in_words or "not identified"), _figure(first.scheme_residual)
         scheme, residual = (named[:1], named[1:]) if schemes else ((), ())
         claimed = Entry("–") if first.claimed is None else Entry(str(first.claimed), first.claimed)
-        observed = [_observed(own.get(name)) for name in ordered]
-        floors = [_floor(own.get(name), case.truth_error(name)) for name in floored]
+        observed = [_observed(by_quantity.get(name)) for name in ordered]
+        floors = [_floor(by_quantity.get(name), case.truth_error(name)) for name in floored]
         names = Entry(f"{first.engine} {first.version}".rstrip()), Entry(first.integrator)
         rows.append((*names, *scheme, *residual, claimed, *observed, *floors))
-    short = tuple(any(falls_short(case, order) for order in own.values()) for own in methods.values())
+    short = tuple(any(falls_short(case, order) for order in by_quantity.values()) for by_quantity in methods.values())
     return Table(
         columns=words + figures,
         numeric=(False,) * len(words) + (True,) * len(figures),

@@ -13,6 +13,7 @@ from bodycheck.judging.schemes.convergence import observe_convergence
 from bodycheck.judging.schemes.identification import identify
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed
@@ -21,9 +22,12 @@ from bodycheck.running import campaign
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff.front import COLUMNS
-from bodycheck.studies.tradeoff.ladder import ladder
+from bodycheck.studies.timesteps import ladder
+from bodycheck.studies.tradeoff.measurements import COLUMNS
 from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
+
+#: The columns of a run whose cost is not known.
+NO_COSTS: Mapping[str, Any] = dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS))
 
 
 def plan(
@@ -82,20 +86,20 @@ def price(
         A function that is called with a text after each case.
     """
     costs: dict[Task, Measured | Crashed | TimedOut] = {}
-    for name, own in _by_case(verdicts).items():
-        tasks = {_task(results.cases[name], verdict): verdict for verdict in own if verdict.discrepancy is not None}
+    for name, case_verdicts in _by_case(verdicts).items():
+        tasks = {_task(results.cases[name], verdict): verdict for verdict in case_verdicts if verdict.discrepancy is not None}
         stretches = [_stretch(task, verdict) for task, verdict in tasks.items()]
         costs |= dict(zip(tasks, measure(stretches, campaign.TIME_LIMIT_S), strict=True))
         progress(f"{name} · costs")
     rows = judgement.records(verdicts)
     for row, verdict in zip(rows, verdicts, strict=True):
-        found = costs.get(_task(results.cases[verdict.run.case], verdict))
+        cost = costs.get(_task(results.cases[verdict.run.case], verdict))
         claims = _claims(engines[verdict.run.engine], verdict.run.key)
-        row |= _costs(row, found if isinstance(found, Measured) else None, claims.evaluations)
+        row |= _costs(row, cost if isinstance(cost, Measured) else None, claims.evaluations)
         engine = engines[verdict.run.engine]
         row |= dict.fromkeys(BATCH_COLUMNS) | {"device": engine.device, "precision": engine.precision}
-        if isinstance(found, Crashed | TimedOut):
-            row["reason"] = row["reason"] or f"its cost could not be measured: {found.reason}"
+        if isinstance(cost, Crashed | TimedOut):
+            row["reason"] = row["reason"] or f"its cost could not be measured: {cost.reason}"
     return rows
 
 
@@ -110,36 +114,49 @@ def _stretch(task: Task, verdict: Verdict) -> Stretch:
 
 def _claims(engine: Engine, key: RunKey) -> Integrator:
     """Return the integrator of a run, with the order and the evaluations that its engine claims."""
-    own = integrator_of(engine, key.method)
-    assert own is not None  # it was run
-    return own
+    integrator = integrator_of(engine, key.method)
+    assert integrator is not None  # it was run
+    return integrator
 
 
-def _costs(row: Mapping[str, Any], found: Measured | None, evaluations: int | None) -> dict[str, Any]:
+def _costs(row: Mapping[str, Any], measured: Measured | None, evaluations: int | None) -> dict[str, Any]:
     """Return the cost columns of a row. The times of the run itself are left out, because other runs disturbed them."""
-    empty = dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS))
-    if found is None:
-        return empty
-    step = summarise(found.times)
+    if measured is None:
+        return dict(NO_COSTS)
+    costs = cost_columns(measured.times, measured.processor_times, row["timestep"], row["steps"])
+    more = {"evaluations": evaluations, "setup_time": measured.setup, "engine_share": measured.engine_share}
+    return {**NO_COSTS, **costs, **more}
+
+
+def cost_columns(times: Array, processor_times: Array, timestep: float, steps: int) -> dict[str, float]:
+    """Return the columns that follow from the times of rounds alone.
+
+    Parameters
+    ----------
+    times, processor_times
+        The time (s) and the processor time (s) per step, or per step and scene, of each round.
+    timestep
+        The time step (s).
+    steps
+        The number of all steps, of all scenes together.
+    """
+    step = summarise(times)
     return {
-        "wall_time": step.median * row["steps"],
+        "wall_time": step.median * steps,
         "time_per_step": step.median,
-        "realtime_factor": row["timestep"] / step.median,
+        "realtime_factor": timestep / step.median,
         "time_per_step_low": step.low,
         "time_per_step_high": step.high,
-        "evaluations": evaluations,
-        "cost": step.median / row["timestep"],
-        "processor_time_per_step": summarise(found.processor_times).median,
-        "setup_time": found.setup,
-        "engine_share": found.engine_share,
+        "cost": step.median / timestep,
+        "processor_time_per_step": summarise(processor_times).median,
     }
 
 
 def _by_case(verdicts: Iterable[Verdict]) -> dict[str, list[Verdict]]:
-    found: dict[str, list[Verdict]] = defaultdict(list)
+    by_case: dict[str, list[Verdict]] = defaultdict(list)
     for verdict in verdicts:
-        found[verdict.run.case].append(verdict)
-    return found
+        by_case[verdict.run.case].append(verdict)
+    return by_case
 
 
 def orders(
@@ -161,17 +178,17 @@ def orders(
     progress
         A function that is called with a text after each case.
     """
-    found: list[Order] = []
-    for name, own in _by_case(verdicts).items():
+    observed: list[Order] = []
+    for name, case_verdicts in _by_case(verdicts).items():
         methods: dict[RunKey, list[Verdict]] = defaultdict(list)
-        for verdict in own:
+        for verdict in case_verdicts:
             if verdict.discrepancy is not None:
                 methods[verdict.run.key.over_steps].append(verdict)
         for key, runs in methods.items():
             runs.sort(key=lambda verdict: -verdict.run.method.timestep)
-            found += _orders_of(results, results.cases[name], runs, engines[key.engine])
+            observed += _orders_of(results, results.cases[name], runs, engines[key.engine])
         progress(f"{name} · orders")
-    return found
+    return observed
 
 
 def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine: Engine) -> Iterator[Order]:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from bodycheck.studies.audit.class_rows import CLASSES, Classes, ClassRow
 from bodycheck.studies.audit.classes import measure, tasks
+from bodycheck.studies.audit.rows import CLASSES, Classes, ClassRow
 from tests.support.campaigns import records
 
 METHODS = ("Euler", "RK4", "semi-implicit-euler", "rk4", "closed-form")

@@ -13,7 +13,7 @@ import pytest
 from bodycheck.errors import BadFolder, BadInput
 from bodycheck.running.members.executors.own import Own
 from bodycheck.running.members.executors.shards import Shard
-from bodycheck.studies.ensemble.execution import gathering
+from bodycheck.studies.ensemble.execution.result_tables import gather
 from bodycheck.studies.ensemble.findings import stored
 from tests.support.ensembles import CASE, EULER, write
 from tests.support.processes import calls_here
@@ -53,7 +53,7 @@ def chunk_file(folder: Path, kind: str) -> Path:
 def test_a_chunk_that_lacks_a_file_is_not_done(share: Path, whole: Path, tmp_path: Path, kind: str) -> None:
     chunk_file(share, kind).unlink()
     with pytest.raises(BadFolder, match="members 0 to 23 were not run in mujoco"):
-        gathering.gather([share], tmp_path / "out")
+        gather([share], tmp_path / "out")
     check_same(run(brick(members=MEMBERS), share, Own(1)), whole)
 
 
@@ -79,7 +79,7 @@ def test_rows_of_other_members_are_refused(
     path = chunk_file(share, kind)
     changed(path, change)
     with pytest.raises(BadFolder, match=rf"{path.name}: damaged: .*; remove it, and run the same command again"):
-        gathering.gather([share], tmp_path / "out")
+        gather([share], tmp_path / "out")
 
 
 @pytest.mark.parametrize(
@@ -95,14 +95,14 @@ def test_trajectories_of_others_are_refused(share: Path, tmp_path: Path, change:
     path = chunk_file(share, "trajectories")
     changed(path, change)
     with pytest.raises(BadFolder, match=rf"{path.name}: damaged: .*; remove it and the file of runs beside it"):
-        gathering.gather([share], tmp_path / "out")
+        gather([share], tmp_path / "out")
 
 
 def test_a_chunk_without_statistics_is_gathered(share: Path, whole: Path, tmp_path: Path) -> None:
     """Whoever wrote the file: figures that no run has are then columns, too."""
     path = chunk_file(share, "runs")
     pq.write_table(pq.read_table(path), path, write_statistics=False)
-    gathered = gathering.gather([share], tmp_path / "out")
+    gathered = gather([share], tmp_path / "out")
     (ours,), (theirs,) = (sorted(folder.glob("runs/mujoco/thrown/*.parquet")) for folder in (gathered, whole))
     known = [name for name in pq.read_table(theirs).column_names if name != "wall_time"]
     assert pq.read_table(ours).select(known).equals(pq.read_table(theirs).select(known))

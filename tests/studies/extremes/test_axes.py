@@ -13,7 +13,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.casefile.grammar import ExtremesTable
 from bodycheck.reference.inertia import principal_moments, satisfies_triangle_inequality
 from bodycheck.reference.scene import Body, Brick
-from bodycheck.studies.extremes.points import points
+from bodycheck.studies.extremes.study import points
 from tests.support.cases import OF_ONE_BODY
 
 GOOD = """\

@@ -12,8 +12,7 @@ from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import NoTruth
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
-from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
-from bodycheck.studies.extremes.growth import growth
+from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, growth
 from bodycheck.studies.extremes.study import follow
 from bodycheck.studies.extremes.symptoms import flips, gyration
 from tests.support.cases import shortened

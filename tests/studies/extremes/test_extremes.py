@@ -27,9 +27,8 @@ from bodycheck.studies.extremes import study as extremes
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.outcome_map import LETTERS
 from bodycheck.studies.extremes.page import present
-from bodycheck.studies.extremes.points import points
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
-from bodycheck.studies.extremes.study import follow
+from bodycheck.studies.extremes.study import follow, points
 from tests.support.campaigns import header, records
 from tests.support.cases import OF_ONE_BODY, STEADY_SPIN, a_case
 from tests.support.commands import Done, as_process, bodycheck

@@ -20,7 +20,7 @@ from bodycheck.running import campaign
 from bodycheck.running.plan import plan
 from bodycheck.studies import cost
 from bodycheck.studies.recommend import study, wording
-from bodycheck.studies.recommend.answers import UNSEEN
+from bodycheck.studies.recommend.measuring import UNSEEN
 from bodycheck.studies.recommend.page import present
 from bodycheck.studies.recommend.rows import ANSWERS, STEPS, Recommendation
 from bodycheck.studies.recommend.search import answer

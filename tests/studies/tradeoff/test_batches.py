@@ -24,10 +24,9 @@ from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.studies import cost
 from bodycheck.studies.tradeoff import batch_page, batches
 from bodycheck.studies.tradeoff import study as tradeoff
-from bodycheck.studies.tradeoff.batches import Batch
+from bodycheck.studies.tradeoff.batches import NOT_TURNED, Batch, errors, turned
 from bodycheck.studies.tradeoff.page import present
 from bodycheck.studies.tradeoff.rows import ORDERS, RUNS
-from bodycheck.studies.tradeoff.turned import NOT_TURNED, errors, turned
 from tests.support import campaigns
 from tests.support.cases import OF_ONE_BODY, TOUCHING, a_case, shortened
 from tests.support.commands import bodycheck

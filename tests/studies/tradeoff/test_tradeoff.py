@@ -21,10 +21,9 @@ from bodycheck.running import campaign
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.orders import Order
-from bodycheck.studies.spin import fastest_spin
+from bodycheck.studies.timesteps import fastest_spin, fitted, ladder
 from bodycheck.studies.tradeoff import study as tradeoff
-from bodycheck.studies.tradeoff.front import measured, pareto
-from bodycheck.studies.tradeoff.ladder import fitted, ladder
+from bodycheck.studies.tradeoff.measurements import measured, pareto
 from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS, ORDERS, RUNS
 from tests.support import campaigns
 from tests.support.campaigns import records

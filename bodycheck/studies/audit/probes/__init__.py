@@ -3,19 +3,13 @@
 from collections.abc import Mapping
 
 from bodycheck.studies.audit.probe import Probe
-from bodycheck.studies.audit.probes.damping import damping
-from bodycheck.studies.audit.probes.energy import energy
-from bodycheck.studies.audit.probes.gravity import gravity
-from bodycheck.studies.audit.probes.gyroscopic import gyroscopic
-from bodycheck.studies.audit.probes.limits import limits
-from bodycheck.studies.audit.probes.precision import precision
+from bodycheck.studies.audit.probes.damping import damping, energy
+from bodycheck.studies.audit.probes.falling import gravity, precision, time_base
+from bodycheck.studies.audit.probes.limits import limits, turning
 from bodycheck.studies.audit.probes.representation import representation
-from bodycheck.studies.audit.probes.resets import resets
 from bodycheck.studies.audit.probes.returned_states import returned_states
-from bodycheck.studies.audit.probes.scales import scales
-from bodycheck.studies.audit.probes.sleeping import sleeping
-from bodycheck.studies.audit.probes.time_base import time_base
-from bodycheck.studies.audit.probes.turning import turning
+from bodycheck.studies.audit.probes.stopping import resets, sleeping
+from bodycheck.studies.audit.probes.tumbling import gyroscopic, scales
 
 #: The probes by name, in the order in which they are made.
 PROBES: Mapping[str, Probe] = {

@@ -1,7 +1,7 @@
-"""In which columns and frames a method returns its states, found from two steps of a sphere that flies and spins.
+"""The columns and frames in which a method returns its states, and flights in the columns and frames of the contract.
 
-Nothing of it is taken from the states alone: the velocity is compared with the displacement in a step, and the angular velocity
-with the turn.
+They are found from two steps of a sphere that flies and spins. Nothing is taken from the states alone: the velocity is compared
+with the displacement in a step, and the angular velocity with the turn.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,12 +26,12 @@ NEAR = 0.1
 
 @dataclass(frozen=True)
 class Convention:
-    """How a method returns its states.
+    """The columns and frames in which a method returns its states.
 
     Parameters
     ----------
     columns
-        The place of each of the 13 columns of the contract among those that are returned.
+        The index of each of the 13 columns of the contract among those that are returned.
     conjugate
         Whether the quaternion takes world components to body components.
     velocity_in_body, spin_in_world
@@ -58,8 +58,18 @@ def in_contract(states: Array, known: Convention) -> Array:
     return np.concatenate([states[:, :3], attitude, velocity, spin], axis=1)
 
 
+def watch(pilot: Pilot, flight: Flight) -> Array | NotFlown:
+    """Return the states (n, 13) of a flight in the columns and frames of the contract, however the method returns them."""
+    known, flown = convention(pilot), pilot.recall(flight)
+    if isinstance(flown, NotFlown):
+        return flown
+    if not np.isfinite(flown.states).all():
+        return NotFlown("its states are not numbers")
+    return flown.states if isinstance(known, NotFlown) else in_contract(flown.states, known)
+
+
 def convention(pilot: Pilot) -> Convention | NotFlown:
-    """Return how a method returns its states, or why it cannot be told."""
+    """Return the convention of a method, or why it cannot be determined."""
     flown = pilot.recall(Flight(Scene(SPHERE, LAUNCH), pilot.timestep, (1, 1)))
     if isinstance(flown, NotFlown):
         return flown
@@ -72,11 +82,11 @@ def convention(pilot: Pilot) -> Convention | NotFlown:
 def _told(states: bytes) -> Convention | NotFlown:
     """Return the convention by the states (2, 13) of the launch after its two steps, which all probes of a method share."""
     first, second = np.frombuffer(states).reshape(2, 13)
-    place = min(permutations(range(3)), key=lambda order: float(np.abs(first[list(order)] - LAUNCH.position).sum()))
+    axes = min(permutations(range(3)), key=lambda order: float(np.abs(first[list(order)] - LAUNCH.position).sum()))
     order, inverse = _attitude(normalise(first[3:7]))
     attitude = normalise(np.array([first[order], second[order]]))
     attitude = conjugate(attitude) if inverse else attitude
-    motion = second[list(place)] - first[list(place)]
+    motion = second[list(axes)] - first[list(axes)]
     relative = multiply(conjugate(attitude[0]), attitude[1])
     turn = relative[1:] * np.copysign(1.0, relative[0])
     choices = _velocities(second[7:], attitude[1], motion, turn)
@@ -84,7 +94,7 @@ def _told(states: bytes) -> Convention | NotFlown:
     if not error < NEAR:
         return NotFlown("the velocities that it returns are along no axes of its motion")
     return Convention(
-        (*place, *order, *columns),
+        (*axes, *order, *columns),
         inverse,
         velocity_in_body,
         spin_in_world,
@@ -109,13 +119,13 @@ def _attitude(returned: Array) -> tuple[list[int], bool]:
 def _velocities(
     returned: Array, attitude: Array, motion: Array, turn: Array
 ) -> Iterator[tuple[float, tuple[int, ...], bool, bool]]:
-    """Yield for velocities (6,) how far they are from a motion, which columns they are, and whether in the other frames."""
+    """Yield the distance of velocities (6,) from a motion, their columns, and whether they are in the other frames."""
     velocities = [(motion, False), (rotate(conjugate(attitude), motion), True)]
     spins = [(turn, False), (rotate(attitude, turn), True)]
     for first, second in ((0, 3), (3, 0)):
         off, order, in_body = min(_fits(returned[first : first + 3], velocities), key=lambda fit: fit[0])
         off_spin, order_spin, in_world = min(_fits(returned[second : second + 3], spins), key=lambda fit: fit[0])
-        columns = (*(7 + first + place for place in order), *(7 + second + place for place in order_spin))
+        columns = (*(7 + first + column for column in order), *(7 + second + column for column in order_spin))
         yield max(off, off_spin), columns, in_body, in_world
 
 

@@ -1,21 +1,26 @@
-"""The probe of damping: how fast a sphere in uniform motion loses speed and spin.
+"""Probes of what is lost: damping, by which a sphere in uniform motion loses speed and spin, and the energy of a top.
 
 The speed u of a sphere that nothing acts on is constant. By a law of damping du/dt = -(c + k u) u the rate -d(ln u)/dt is
 c + k u, and it is measured at two speeds. What a scheme loses by its truncation error vanishes with the time step, and what is
 lost by a law of damping does not; so the rates are measured with twice the time step too, and extrapolated to none.
+
+A symmetrical top gains or loses the same rotational energy in every step of a scheme, because of its symmetry, so that nothing
+oscillates. What the damping that was found takes is not counted again.
 """
 
 from dataclasses import dataclass
+from math import expm1, log, tau
 from typing import Literal
 
 import numpy as np
 
+from bodycheck.reference.scene import Scene, State
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
-from bodycheck.studies.audit.probe import Finding, Property
-from bodycheck.studies.audit.probes.answers import not_probed, watch
-from bodycheck.studies.audit.probes.precision import roundoff
-from bodycheck.studies.audit.probes.scenes import coast
+from bodycheck.studies.audit.probe import Finding, Property, not_probed
+from bodycheck.studies.audit.probes.conventions import watch
+from bodycheck.studies.audit.probes.falling import roundoff
+from bodycheck.studies.audit.probes.scenes import TOP, coast
 
 #: Speeds in m/s, and spins in rad/s, of the launches.
 SLOW, FAST = 1.0, 8.0
@@ -34,6 +39,18 @@ SHARE = 0.002
 
 #: The part of a coefficient that is left with half a time step. It is 1 of a law, and half or less of a truncation error.
 LASTS = 0.6
+
+#: The spin of the top: one turn a second (rad/s).
+TOP_SPIN = (0.6 * tau, 0.0, 0.8 * tau)
+
+#: The number of its turns, and of samples.
+TURNS, SAMPLES = 2, 20
+
+#: The relative change of the energy in a step, in units of roundoff, that rounding explains.
+ENERGY_ROUNDINGS = 4
+
+#: The part of the loss to damping by which the measured damping may be off.
+DAMPING_OFF = 0.01
 
 #: The columns of the velocity and the angular velocity.
 Columns = Literal["velocity", "angular velocity"]
@@ -69,15 +86,15 @@ def damping(pilot: Pilot) -> tuple[Finding, ...]:
     )
 
 
-def law(pilot: Pilot, of: Columns) -> Law | NotFlown:
+def law(pilot: Pilot, which: Columns) -> Law | NotFlown:
     """Return the law by which a method damps the velocity or the angular velocity."""
-    here = _rates(pilot, of, 1)
+    here = _rates(pilot, which, 1)
     if isinstance(here, NotFlown):
         return here
     allowed = ROUNDINGS * roundoff(pilot) / max(SHORTEST, pilot.timestep)
     if float(np.abs(here[0]).max()) <= allowed:
         return Law()
-    coarser = _rates(pilot, of, 2)
+    coarser = _rates(pilot, which, 2)
     if isinstance(coarser, NotFlown):
         return coarser
     # The rates of double steps have half the rounding, and so twice the others less them 2.5 times that.
@@ -98,29 +115,60 @@ def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
     return float(rates[0]) - quadratic * float(speeds[0]), quadratic
 
 
-def _rates(pilot: Pilot, of: Columns, multiple: int) -> Array | NotFlown:
+def _rates(pilot: Pilot, which: Columns, multiple: int) -> Array | NotFlown:
     """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with a multiple of the time step."""
-    found, timestep = [], multiple * max(SHORTEST, pilot.timestep)
+    rates, timestep = [], multiple * max(SHORTEST, pilot.timestep)
     for speed in (SLOW, FAST):
         states = watch(pilot, Flight(coast(speed, speed), timestep, (1,) * STEPS))
         if isinstance(states, NotFlown):
             return states
-        speeds = np.linalg.norm(states[:, PLACES[of]], axis=1)
+        speeds = np.linalg.norm(states[:, PLACES[which]], axis=1)
         if not speeds.min() > 0.0:
-            return NotFlown(f"the {of} vanishes")
+            return NotFlown(f"the {which} vanishes")
         duration = (STEPS - 1) * timestep
-        found.append((-np.log(speeds[-1] / speeds[0]) / duration, np.trapezoid(speeds) / (STEPS - 1)))
-    return np.array(found).T
+        rates.append((-np.log(speeds[-1] / speeds[0]) / duration, np.trapezoid(speeds) / (STEPS - 1)))
+    return np.array(rates).T
 
 
-def _findings(pilot: Pilot, of: Columns, linear: Property, unit: str) -> tuple[Finding, ...]:
-    own, name = law(pilot, of), f"damping: of the {of}"
-    if isinstance(own, NotFlown):
-        return not_probed(name, own.reason, linear, "quadratic-damping")
-    return (_finding(linear, name, own.linear, "1/s"), _finding("quadratic-damping", name, own.quadratic, unit))
+def _findings(pilot: Pilot, which: Columns, linear: Property, unit: str) -> tuple[Finding, ...]:
+    damping_law, name = law(pilot, which), f"damping: of the {which}"
+    if isinstance(damping_law, NotFlown):
+        return not_probed(name, damping_law.reason, linear, "quadratic-damping")
+    return (_finding(linear, name, damping_law.linear, "1/s"), _finding("quadratic-damping", name, damping_law.quadratic, unit))
 
 
 def _finding(which: Property, name: str, coefficient: float, unit: str) -> Finding:
     if not coefficient:
         return Finding(which, name, "none", expected="0")
     return Finding(which, name, "found", coefficient, unit, "0")
+
+
+def spinning_top(pilot: Pilot) -> Flight:
+    """Return the flight of the top."""
+    steps = max(1, round(TURNS / SAMPLES / pilot.timestep))
+    return Flight(Scene(TOP, State(angular_velocity=TOP_SPIN)), pilot.timestep, (steps,) * SAMPLES)
+
+
+def energy(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return a finding of energy-per-turn."""
+    flight = spinning_top(pilot)
+    states, damped = watch(pilot, flight), law(pilot, "angular velocity")
+    for result in (states, damped):
+        if isinstance(result, NotFlown):
+            return not_probed("energy", result.reason, "energy-per-turn")
+    assert not isinstance(states, NotFlown)
+    assert not isinstance(damped, NotFlown)
+    times = np.array([0, *np.cumsum(flight.strides)]) * pilot.timestep
+    spins = np.concatenate([[TOP_SPIN], states[:, 10:]])
+    rates = np.linalg.norm(spins, axis=1)
+    turns = float(np.trapezoid(rates, times)) / tau
+    lost = 2 * damped.loss(rates, times)
+    change = log(_energy(spins[-1]) / _energy(spins[0])) + lost
+    allowed = ENERGY_ROUNDINGS * roundoff(pilot) * sum(flight.strides) + DAMPING_OFF * abs(lost)
+    if not abs(change) > allowed:
+        return (Finding("energy-per-turn", "energy", "none", expected="0"),)
+    return (Finding("energy-per-turn", "energy", "found", expm1(change / turns), "", "0"),)
+
+
+def _energy(spin: Array) -> float:
+    return float(np.array(TOP.moments) @ spin**2) / 2

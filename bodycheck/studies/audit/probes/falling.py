@@ -1,4 +1,8 @@
-"""A body that falls, and how its displacement in a step follows from its velocities.
+"""Probes by a body that falls: of precision, of the time base, and of gravity.
+
+- precision: the number of binary digits that the numbers of a falling body have;
+- time base: whether a step lasts as long as it should;
+- gravity: substeps, and whether a step moves the body before gravity acts on it.
 
 In each step of h' seconds the height changes by h' ((1 - a) v_old + a v_new): with a = 1 the velocity is advanced before the
 position, with a = 0 after it, and with a = 1/2 the displacement is of second order. With n equal substeps, of which each
@@ -10,20 +14,38 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.scene import Scene, State
 from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
-from bodycheck.studies.audit.probes.answers import watch
+from bodycheck.studies.audit.probe import Finding, not_probed
+from bodycheck.studies.audit.probes.conventions import watch
 from bodycheck.studies.audit.probes.scenes import SPHERE
 
+#: The number of steps of the fall.
 STEPS = 64
 
 #: The launch is not a number of single precision, nor slow enough for a body to be put to sleep.
 LAUNCH = State((0.0, 0.0, 0.1), velocity=(0.0, 0.0, -1.1))
 
+#: Binary digits of the significands of single and double precision.
+SINGLE, DOUBLE = 24, 53
+
+#: The least number of changes of a value that tell. One of double precision fits into single precision once in 2^29.
+ENOUGH = 8
+
+#: The largest relative deviation, in units of roundoff, that rounding explains: the heights of 64 steps are fitted.
+TIME_ROUNDINGS = 1000
+
+#: The largest relative deviation of a number of substeps from an integer.
+NEAR_INTEGER = 0.02
+
+#: The largest number of substeps that can be told from a displacement of second order.
+MOST_SUBSTEPS = 50
+
 
 @dataclass(frozen=True)
 class Fall:
-    """How a body falls.
+    """The fall of a body: the time for which it moves in a step, and how its displacement follows from its velocities.
 
     Parameters
     ----------
@@ -47,7 +69,7 @@ def fall(timestep: float) -> Flight:
 
 
 def falling(pilot: Pilot) -> Fall | NotFlown:
-    """Return how a body falls, from a fit to displacements and velocities, so that neither gravity nor damping matters."""
+    """Return the fall of a body, by a fit to displacements and velocities, so that neither gravity nor damping matters."""
     states = watch(pilot, fall(pilot.timestep))
     if isinstance(states, NotFlown):
         return states
@@ -63,3 +85,70 @@ def falling(pilot: Pilot) -> Fall | NotFlown:
     if not residual < 0.01 * pilot.timestep * change:
         return NotFlown("the displacement in a step is not a mean of its two velocities")
     return Fall(timestep, 0.5 + part / timestep, 10 * residual / float(np.abs(moved).max()) + uneven)
+
+
+def precision(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return a finding of single-precision."""
+    digits = significand(pilot)
+    if isinstance(digits, NotFlown):
+        return not_probed("precision", digits.reason, "single-precision")
+    if digits == SINGLE:
+        return (Finding("single-precision", "precision", "found", SINGLE, "binary digits", str(DOUBLE)),)
+    return (Finding("single-precision", "precision", "none", expected=str(DOUBLE)),)
+
+
+def significand(pilot: Pilot) -> int | NotFlown:
+    """Return the number of binary digits, that of single or of double precision, in which a method keeps its states.
+
+    A body falls, and all its heights or all its velocities are numbers of single precision if they are kept in it. Both are
+    looked at because an adapter may convert one of them in double precision.
+    """
+    flown = pilot.recall(fall(pilot.timestep))
+    if isinstance(flown, NotFlown):
+        return flown
+    values = flown.states[:, [*range(3), *range(7, 13)]]
+    varied = (values[1:] != values[:-1]).sum(axis=0) >= ENOUGH
+    if not varied.any():
+        return NotFlown("the body does not fall")
+    with np.errstate(over="ignore"):
+        single = (values == values.astype(np.float32)).all(axis=0)
+    return SINGLE if (varied & single).any() else DOUBLE
+
+
+def roundoff(pilot: Pilot) -> float:
+    """Return the unit roundoff of a method: that of the precision found, or the adapter's if that is larger."""
+    return max(pilot.roundoff, ROUNDOFF["float32"] if significand(pilot) == SINGLE else 0.0)
+
+
+def time_base(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return a finding of time-base: the displacement in a step divided by velocity and time step, less 1."""
+    seen = falling(pilot)
+    if isinstance(seen, NotFlown):
+        return not_probed("time base", seen.reason, "time-base")
+    off = seen.timestep / pilot.timestep - 1
+    wrong = abs(off) > max(TIME_ROUNDINGS * roundoff(pilot), seen.uncertainty)
+    return (Finding("time-base", "time base", "found" if wrong else "none", off if wrong else None, "", "0"),)
+
+
+def gravity(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return findings of substeps and gravity-after-position."""
+    seen = falling(pilot)
+    if isinstance(seen, NotFlown):
+        return not_probed("gravity", seen.reason, "substeps", "gravity-after-position")
+    lead = 2 * seen.weight - 1
+    after = lead < -1 / MOST_SUBSTEPS
+    words = "gravity: a step moves the body by its old velocity" if after else "gravity"
+    return _substeps(lead), Finding("gravity-after-position", words, "found" if after else "none")
+
+
+def _substeps(lead: float) -> Finding:
+    """Return the finding of substeps, the number of which is 1 / |2 a - 1| for the weight a of the new velocity."""
+    if abs(lead) <= 1 / MOST_SUBSTEPS:
+        reason = "the displacement in a step is of second order, and so it is with any number of substeps"
+        return not_probed("gravity", reason, "substeps")[0]
+    number = 1 / abs(lead)
+    if abs(number / round(number) - 1) > NEAR_INTEGER:
+        reason = f"the new velocity has the weight {lead / 2 + 0.5:.3g} in the displacement, which is that of no equal substeps"
+        return not_probed("gravity", reason, "substeps")[0]
+    several = round(number) > 1
+    return Finding("substeps", "gravity", "found" if several else "none", round(number) if several else None, "", "1")

@@ -44,7 +44,7 @@ LEAST_RATIO = 2.0
 
 @dataclass(frozen=True)
 class Difference:
-    """How far a quantity of one motion is from that of another, at several instants with several time steps.
+    """The differences of a quantity of two motions, at several instants with several time steps.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Difference:
 
     @property
     def vanishes(self) -> bool:
-        """Whether the difference tends to zero with the time step, or to no more than rounding.
+        """True if the difference tends to zero with the time step, or to no more than rounding.
 
         What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order. A term of
         higher order is opposed to the difference, and shrinks slowly where the order grows from 1 to 2 within the time steps.
@@ -110,15 +110,15 @@ def _finding(pilot: Pilot, plain: Array | NotFlown, given: Representation) -> Fi
         )
         words = f"its states are not numbers with steps of {', '.join(f'{step:g} s' for step in steps)}"
         return Finding("representation", f"representation: {given.name}: {words}", "found", expected="0")
-    found = differences(there, plain, pilot.timestep, pilot.roundoff)
-    lasting = [difference for difference in found if difference.excess > 1 and not difference.vanishes]
-    vanishing = [difference for difference in found if difference.excess > 1 and difference.vanishes]
+    quantities = differences(there, plain, pilot.timestep, pilot.roundoff)
+    lasting = [difference for difference in quantities if difference.excess > 1 and not difference.vanishes]
+    vanishing = [difference for difference in quantities if difference.excess > 1 and difference.vanishes]
     if lasting:
         return _said(given, lasting[0], "found", "differs, and does not vanish with the time step")
     if vanishing:
         first = vanishing[0]
         return _said(given, first, "found", f"differs, and vanishes with the time step with order {first.order:.1f}")
-    return _said(given, found[0], "none", "the same motion to rounding")
+    return _said(given, quantities[0], "none", "the same motion to rounding")
 
 
 def _said(given: Representation, difference: Difference, verdict: Literal["found", "none"], words: str) -> Finding:
@@ -129,14 +129,14 @@ def _said(given: Representation, difference: Difference, verdict: Literal["found
 
 def _flown(pilot: Pilot, given: Representation) -> Array | NotFlown:
     """Return the states (steps, instants, 13) of the centre of mass and the principal axes, the largest time step first."""
-    scene, found = started(given, SCENE), []
+    scene, motions = started(given, SCENE), []
     for multiple in MULTIPLES:
         strides = (LONGEST_STEPS // SAMPLES * MULTIPLES[0] // multiple,) * SAMPLES
         result = pilot.fly(Flight(scene, multiple * pilot.timestep, strides, given.links))
         if isinstance(result, NotFlown):
             return result
-        found.append(along_principal_axes(given, result.states))
-    return np.array(found)
+        motions.append(along_principal_axes(given, result.states))
+    return np.array(motions)
 
 
 def differences(one: Array, other: Array, timestep: float, roundoff: float) -> Sequence[Difference]:

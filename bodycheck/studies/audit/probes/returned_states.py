@@ -3,11 +3,10 @@
 import numpy as np
 
 from bodycheck.studies.audit.flights import NotFlown, Pilot
-from bodycheck.studies.audit.probe import Finding
-from bodycheck.studies.audit.probes.answers import not_probed
+from bodycheck.studies.audit.probe import Finding, not_probed
 from bodycheck.studies.audit.probes.conventions import Convention, convention
-from bodycheck.studies.audit.probes.energy import spinning_top
-from bodycheck.studies.audit.probes.precision import roundoff
+from bodycheck.studies.audit.probes.damping import spinning_top
+from bodycheck.studies.audit.probes.falling import roundoff
 
 #: The largest deviation of a norm from 1, in units of roundoff, that rounding explains.
 ROUNDINGS = 16
@@ -51,7 +50,7 @@ def _norm(pilot: Pilot) -> Finding:
     if isinstance(flown, NotFlown):
         return not_probed("returned states", flown.reason, "quaternion-norm")[0]
     off = flown.quaternion_norm_error
-    found = off > ROUNDINGS * roundoff(pilot)
+    wrong = off > ROUNDINGS * roundoff(pilot)
     duration = sum(spinning_top(pilot).strides) * pilot.timestep
     words = f"returned states: the largest deviation of a norm from 1 in {duration:.3g} s of a top that turns once a second"
-    return Finding("quaternion-norm", words, "found" if found else "none", off if found else None, "", "0")
+    return Finding("quaternion-norm", words, "found" if wrong else "none", off if wrong else None, "", "0")

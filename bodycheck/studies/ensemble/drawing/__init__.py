@@ -1,4 +1,4 @@
 """The source of members.
 
-`sobol` has the points, `draws` the distributions, `tables` what users give, and `members` makes scenes and cases of all of it.
+`draws` maps points of sequences to distributions, `tables` reads what users give, and `members` makes scenes and cases of both.
 """

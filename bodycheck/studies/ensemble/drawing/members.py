@@ -77,15 +77,15 @@ class Source:
 
 def _grouped(read: Mapping[str, Array], vectors: Sequence[str]) -> dict[str, Array]:
     """Return columns with those that are all components of a vector put together."""
-    made = dict[str, Array]()
+    grouped = dict[str, Array]()
     for name, column in read.items():
         whole = name.rpartition(".")[0]
         if whole not in vectors:
-            made[name] = column
-        elif whole not in made:
+            grouped[name] = column
+        elif whole not in grouped:
             size = sum(other.rpartition(".")[0] == whole for other in read)
-            made[whole] = np.stack([read[f"{whole}.{place}"] for place in range(size)], axis=1)
-    return made
+            grouped[whole] = np.stack([read[f"{whole}.{component}"] for component in range(size)], axis=1)
+    return grouped
 
 
 def of_columns(case: Case, columns: Mapping[str, Array]) -> dict[str, Array]:
@@ -180,7 +180,7 @@ def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | 
         like = _member(case, document, whole, 0, first)
         if isinstance(like.scene, Scene) and variable(like.scene):
             return vary(like.scene, {QUICK[key]: array for key, array in whole.items()})
-    return [_member(case, document, whole, place, first + place) for place in range(_count(whole))]
+    return [_member(case, document, whole, index, first + index) for index in range(len(next(iter(whole.values()))))]
 
 
 def text(case: Case, source: Source, member: int) -> str:
@@ -192,9 +192,9 @@ def text(case: Case, source: Source, member: int) -> str:
     return _member(case, document, whole, 0, member).text
 
 
-def _member(case: Case, document: dict[str, Any], whole: Mapping[str, Array], place: int, member: int) -> Case:
+def _member(case: Case, document: dict[str, Any], whole: Mapping[str, Array], index: int, member: int) -> Case:
     """Return one member as a case of its own."""
-    content = written(member_document(document, whole, place, member))
+    content = written(member_document(document, whole, index, member))
     try:
         return parse_stored(content, case.name)
     except CaseFaults as error:
@@ -211,12 +211,8 @@ def _wholes(case: Case, document: dict[str, Any], values: Mapping[str, Array]) -
 
 def _check_outside(case: Case, document: dict[str, Any], whole: Mapping[str, Array], first: int) -> None:
     """Make the members that may be no valid cases, which says what is wrong with them."""
-    for place in np.flatnonzero(outside(whole, document)).tolist():
-        _member(case, document, whole, place, first + place)
-
-
-def _count(whole: Mapping[str, Array]) -> int:
-    return len(next(iter(whole.values())))
+    for index in np.flatnonzero(outside(whole, document)).tolist():
+        _member(case, document, whole, index, first + index)
 
 
 def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -224,20 +220,20 @@ def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple
 
     Raises `BadInput` for a column that is no number of the case, and for two that are about the same quantity.
     """
-    known, found = keys(document), dict[str, Key]()
+    known, read_keys = keys(document), dict[str, Key]()
     for name in columns:
         whole = known.get(name.rpartition(".")[0])
         try:
             if whole is not None and set(whole.names) <= set(columns):
-                found[whole.text] = whole
+                read_keys[whole.text] = whole
             else:
-                found[name] = find(name, document, known)
+                read_keys[name] = find(name, document, known)
         except Unknown as error:
             raise BadInput(f"{path}: the column {name}: {error}") from error
-        if name in found and found[name].components is not None:
-            raise BadInput(f"{path}: the column {name} is that of a vector; allowed: {', '.join(found[name].names)}")
-    for one, other in combinations(found.values(), 2):
+        if name in read_keys and read_keys[name].components is not None:
+            raise BadInput(f"{path}: the column {name} is that of a vector; allowed: {', '.join(read_keys[name].names)}")
+    for one, other in combinations(read_keys.values(), 2):
         if one.is_about(other):
             raise BadInput(f"{path}: has columns for {one.text} and for {other.text}; allowed: one of them")
-    names = tuple(name for key in found.values() for name in key.names)
-    return names, tuple(text for text, key in found.items() if key.components is not None)
+    names = tuple(name for key in read_keys.values() for name in key.names)
+    return names, tuple(text for text, key in read_keys.items() if key.components is not None)

@@ -115,8 +115,8 @@ def _faults_of(path: Path) -> Iterator[None]:
     except reading.Refused as error:
         raise BadInput(f"{path}: {error.reason}") from error
     except (OSError, ValueError, MemoryError, pa.ArrowException) as error:
-        told = (str(error).splitlines() or [type(error).__name__])[0]
-        raise BadInput(f"{path}: cannot be read as a table: {told:.200}") from error
+        words = (str(error).splitlines() or [type(error).__name__])[0]
+        raise BadInput(f"{path}: cannot be read as a table: {words:.200}") from error
 
 
 def _is_numeric(kind: pa.DataType) -> bool:
@@ -128,8 +128,8 @@ def _numbers(path: Path, name: str, column: pa.ChunkedArray, first: int) -> Arra
     numbers = np.asarray(column.cast(pa.float64(), safe=False).fill_null(np.nan).to_numpy())
     wrong = np.flatnonzero(~np.isfinite(numbers))
     if wrong.size:
-        place = int(wrong[0])
-        raise BadInput(f"{path}: member {first + place} has no finite number in the column {name}; allowed: finite numbers")
+        index = int(wrong[0])
+        raise BadInput(f"{path}: member {first + index} has no finite number in the column {name}; allowed: finite numbers")
     return numbers
 
 

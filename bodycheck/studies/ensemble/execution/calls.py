@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadInput
@@ -21,14 +23,14 @@ from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import NoTruth, Truth
-from bodycheck.results.outcome import Completed
+from bodycheck.results.outcome import Completed, Unsupported
 from bodycheck.running.instants import sampling_steps
 from bodycheck.running.members.blocks import Flown
 from bodycheck.running.members.chunk_workers import Role
 from bodycheck.running.members.chunks import Work
 from bodycheck.running.members.member_runs import Stored
 from bodycheck.studies.ensemble.drawing import members
-from bodycheck.studies.ensemble.execution import remarkable, truths
+from bodycheck.studies.ensemble.execution import truths
 
 #: Most failed runs of a method in a block whose trajectories are kept.
 MOST_FAILURES = 20
@@ -151,22 +153,22 @@ _last_drawn, _last_truths = _Last(), _Last()
 def _drawn(work: Work, block: range) -> Drawn:
     if _last_drawn.key != (key := (work.identity, block)):
         values = work.source.values(block.start, len(block))
-        made = members.scenes(case_of(work.case), values, block.start)
-        _last_drawn.value = Drawn(_columns(values), made if isinstance(made, Scenes) else tuple(made))
+        scenes = members.scenes(case_of(work.case), values, block.start)
+        _last_drawn.value = Drawn(_columns(values), scenes if isinstance(scenes, Scenes) else tuple(scenes))
         _last_drawn.key = key
-    found: Drawn = _last_drawn.value
-    return found
+    drawn: Drawn = _last_drawn.value
+    return drawn
 
 
 def _columns(values: Mapping[str, Array]) -> dict[str, Array]:
     """Return drawn values, arrays (m,) and (m, k), as arrays (m,) by the names of columns."""
-    found = {}
+    columns = {}
     for key, array in values.items():
         if array.ndim == 1:
-            found[key] = array
+            columns[key] = array
         else:
-            found |= {f"{key}.{place}": array[:, place] for place in range(array.shape[1])}
-    return found
+            columns |= {f"{key}.{component}": array[:, component] for component in range(array.shape[1])}
+    return columns
 
 
 def _truths(work: Work, block: range, timestep: float) -> tuple[Flights | tuple[Truth | NoTruth, ...], float]:
@@ -174,32 +176,34 @@ def _truths(work: Work, block: range, timestep: float) -> tuple[Flights | tuple[
     if _last_truths.key == (key := (work.identity, block, timestep)):
         return _last_truths.value, 0.0
     start = time.perf_counter()
-    found = _drawn(work, block).members
+    scenes = _drawn(work, block).members
     _last_truths.key = None  # what is computed next takes the place of what is there
-    if isinstance(found, Scenes):
-        _last_truths.value = flights(found, truths.times(case_of(work.case), timestep))
+    if isinstance(scenes, Scenes):
+        _last_truths.value = flights(scenes, truths.times(case_of(work.case), timestep))
     else:
-        _last_truths.value = tuple(truths.of_case(case, timestep) for case in found)
+        _last_truths.value = tuple(truths.of_case(case, timestep) for case in scenes)
     _last_truths.key = key
     return _last_truths.value, time.perf_counter() - start
 
 
 def _judged(work: Work, block: range, flown: Flown) -> Judged:
-    case, found = case_of(work.case), _drawn(work, block).members
+    case, scenes = case_of(work.case), _drawn(work, block).members
     of_block, seconds = _truths(work, block, flown.method.timestep)
-    if isinstance(found, Scenes) and isinstance(of_block, Flights):
-        columns = judging.judged(found, of_block, flown, flown.method, case.expectations, work.today)
+    if isinstance(scenes, Scenes) and isinstance(of_block, Flights):
+        columns = judging.judged(scenes, of_block, flown, flown.method, case.expectations, work.today)
         columns |= _costs_together(columns["status"], flown)
     else:
-        assert not isinstance(found, Scenes)
+        assert not isinstance(scenes, Scenes)
         assert not isinstance(of_block, Flights)
-        columns = judging.one_by_one(found, of_block, flown, work.today)
+        columns = judging.one_by_one(scenes, of_block, flown, work.today)
         columns |= _costs_each(columns["status"], flown)
-    bad = remarkable.failed(pa.array(columns["status"], pa.string()), pa.array(columns["passed"], pa.bool_()))
+    bad = failed_runs(pa.array(columns["status"], pa.string()), pa.array(columns["passed"], pa.bool_()))
     distances = ((name, distance_from_ideal(name, columns[name])) for name in FIGURES)
-    worst = {name: told for name, own in distances if (told := remarkable.worst(own, block)) is not None}
+    worst = {
+        name: extreme for name, figure_distances in distances if (extreme := worst_member(figure_distances, block)) is not None
+    }
     sample = {member for member in block if member % work.sample == 0}
-    sampled = sample | {block[place] for place in np.flatnonzero(bad)[:MOST_FAILURES].tolist()}
+    sampled = sample | {block[index] for index in np.flatnonzero(bad)[:MOST_FAILURES].tolist()}
     wanted = sorted(sampled | {member for _, member in worst.values()})
     motions = {member: flown.trajectory(member - block.start) for member in wanted}
     kept = {member: _copied(motion) for member, motion in motions.items() if motion is not None}
@@ -222,10 +226,27 @@ def _costs_together(status: Any, flown: Flown) -> dict[str, Any]:
 def _costs_each(status: Any, flown: Flown) -> dict[str, Any]:
     """Return steps and wall times (m,) of completed runs that were stepped one by one."""
     steps, wall_times = np.full(len(status), None, dtype=object), np.full(len(status), np.nan)
-    for place, outcome in flown.ended.items():
-        if isinstance(outcome, Completed) and status[place] == Completed.status:
-            steps[place], wall_times[place] = outcome.steps, outcome.wall_time
+    for index, outcome in flown.ended.items():
+        if isinstance(outcome, Completed) and status[index] == Completed.status:
+            steps[index], wall_times[index] = outcome.steps, outcome.wall_time
     return {"steps": steps, "wall_time": wall_times}
+
+
+def failed_runs(status: pa.Array, passed: pa.Array) -> NDArray[np.bool_]:
+    """Return flags (n,) of the runs that failed: their status is neither ok nor unsupported, or they have not passed."""
+    fine = pc.is_in(status, value_set=pa.array([Completed.status, Unsupported.status]))
+    return np.asarray(~fine.to_numpy(zero_copy_only=False) | ~passed.fill_null(True).to_numpy(zero_copy_only=False))
+
+
+def worst_member(distances: Array, members: Any) -> tuple[float, int] | None:
+    """Return the largest of the distances (n,) of some members (n,) from the ideal value, and the first member with it.
+
+    None if all are NaN, which is no value.
+    """
+    if np.isnan(distances).all():
+        return None
+    index = int(np.nanargmax(distances))
+    return float(distances[index]), int(members[index])
 
 
 #: What worker processes of the reference do.

@@ -49,7 +49,7 @@ from bodycheck.studies.ensemble.execution.calls import (
 
 
 @dataclass
-class _Made:
+class _Output:
     """The files written for a chunk, and the contents of its receipt.
 
     Attributes
@@ -57,9 +57,9 @@ class _Made:
     tables
         The tables of each block, by kind.
     kept
-        The trajectories that are kept, by the place of the method and the member.
+        The trajectories that are kept, by the index of the method and the member.
     worst
-        The worst member so far, with the distance from the ideal value, by the place of the method and the figure.
+        The worst member so far, with the distance from the ideal value, by the index of the method and the figure.
     always
         Those of `kept` that are kept whether they are the worst or not.
     failed, engine_seconds, truth_seconds
@@ -74,14 +74,14 @@ class _Made:
     engine_seconds: float = 0.0
     truth_seconds: float = 0.0
 
-    def keep(self, place: int, rows: Judged) -> None:
-        """Keep the trajectories of a block with the method at a place, and forget those that are the worst no more."""
-        self.kept |= {(place, member): motion for member, motion in rows.trajectories.items()}
-        self.always |= {(place, member) for member in rows.sampled}
-        for name, told in rows.worst.items():
-            if (place, name) not in self.worst or told[0] > self.worst[place, name][0]:
-                self.worst[place, name] = told
-        wanted = self.always | {(own, member) for (own, _), (_, member) in self.worst.items()}
+    def keep(self, index: int, rows: Judged) -> None:
+        """Keep the trajectories of a block with a method, given by its index, and forget those that are the worst no more."""
+        self.kept |= {(index, member): motion for member, motion in rows.trajectories.items()}
+        self.always |= {(index, member) for member in rows.sampled}
+        for name, extreme in rows.worst.items():
+            if (index, name) not in self.worst or extreme[0] > self.worst[index, name][0]:
+                self.worst[index, name] = extreme
+        wanted = self.always | {(method, member) for (method, _), (_, member) in self.worst.items()}
         self.kept = {key: motion for key, motion in self.kept.items() if key in wanted}
 
 
@@ -101,25 +101,25 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
     """
     start = time.perf_counter()
     _check_versions(chunk)
-    made = _Made()
+    output = _Output()
     for block in chunk.blocks:
-        _add_block(made, chunk, block)
-    made.tables[TRAJECTORIES] = [_trajectories(chunk, made)]
+        _add_block(output, chunk, block)
+    output.tables[TRAJECTORIES] = [_trajectories(chunk, output)]
     chunk_workers.check()
     for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
-        if made.tables[kind]:
-            chunk_files.write(folder, chunk, kind, made.tables[kind])
+        if output.tables[kind]:
+            chunk_files.write(folder, chunk, kind, output.tables[kind])
     return Receipt(
         chunk.name,
         chunk.share.engine,
         chunk.first,
         chunk.count,
         chunk.rows,
-        made.failed,
+        output.failed,
         time.perf_counter() - start,
-        made.engine_seconds,
-        made.truth_seconds,
-        chunk_files.digest(made.tables[RUNS]),
+        output.engine_seconds,
+        output.truth_seconds,
+        chunk_files.digest(output.tables[RUNS]),
     )
 
 
@@ -133,43 +133,43 @@ def _check_versions(chunk: Chunk) -> None:
     versions.check({name: chunk.share.version}, {name: records[name].version}, "a worker")
 
 
-def _add_block(made: _Made, chunk: Chunk, block: range) -> None:
+def _add_block(output: _Output, chunk: Chunk, block: range) -> None:
     """Fly and judge a block with all methods, and add what is written of it."""
     work, share = chunk.work, chunk.share
     drawn: Drawn = _ask(chunk, Drawing(work, block))
     judged: list[Judged] = []
-    for place, method in enumerate(share.methods):
+    for index, method in enumerate(share.methods):
         flown = _flown(chunk, block, drawn, method)
         rows: Judged = _ask(chunk, Judging(work, block, flown))
-        made.keep(place, rows)
-        made.engine_seconds += flown.wall_time
-        made.truth_seconds += rows.seconds
-        made.failed += rows.failures
+        output.keep(index, rows)
+        output.engine_seconds += flown.wall_time
+        output.truth_seconds += rows.seconds
+        output.failed += rows.failures
         judged.append(rows)
-    told = {"engine": share.engine, "version": share.version}
+    constant = {"engine": share.engine, "version": share.version}
     spellings: list[dict[str, str | float]] = [
         {"integrator": method.name, "timestep": method.timestep} for method in share.methods
     ]
     columns = [rows.columns for rows in judged]
-    made.tables[RUNS].append(_table(chunk, block, columns, spellings, told, RUN_SCHEMA))
+    output.tables[RUNS].append(_table(chunk, block, columns, spellings, constant, RUN_SCHEMA))
     if share.truths_of:
         columns = [_ask(chunk, TruthTable(work, block, timestep)) for timestep in share.truths_of]
         steps: list[dict[str, str | float]] = [{"timestep": timestep} for timestep in share.truths_of]
-        made.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
+        output.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
         schema = chunk_files.member_schema(work.source.names)
-        made.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
+        output.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
 
 
 def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
     """Ask the worker process of the reference. Raises `BadInput` for a member that is no case, and `Failed`."""
     work = chunk.work
-    found = chunk_workers.call(JUDGE, None, work.limit, work.memory)(question)
-    if isinstance(found, Refused):
-        raise BadInput(found.text)
-    if isinstance(found, Crashed | TimedOut):
+    answer = chunk_workers.call(JUDGE, None, work.limit, work.memory)(question)
+    if isinstance(answer, Refused):
+        raise BadInput(answer.text)
+    if isinstance(answer, Crashed | TimedOut):
         members = f"members {question.block.start} to {question.block.stop - 1}"
-        raise Failed(f"the reference fails for {members} of {case_of(work.case).name}: {found.reason}")
-    return found
+        raise Failed(f"the reference fails for {members} of {case_of(work.case).name}: {answer.reason}")
+    return answer
 
 
 def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
@@ -182,13 +182,13 @@ def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | 
 
     def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
         if last - first == len(block):
-            found = chunk_workers.call(FLYING, share.engine, work.limit, work.memory)(flight)
+            runs = chunk_workers.call(FLYING, share.engine, work.limit, work.memory)(flight)
         else:
             limit = limit_of(last - first, len(block), work.limit)
             with chunk_workers.single(FLYING, share.engine, limit, work.memory) as call:
-                found = call(flight.part(first, last))
-        assert isinstance(found, Flown | Stored | Crashed | TimedOut)
-        return found
+                runs = call(flight.part(first, last))
+        assert isinstance(runs, Flown | Stored | Crashed | TimedOut)
+        return runs
 
     return joined(flight, in_halves(attempt, 0, len(block)))
 
@@ -197,7 +197,7 @@ def _table(
     chunk: Chunk,
     block: range,
     columns: Sequence[Mapping[str, Any]],
-    told: Sequence[Mapping[str, str | float]],
+    each_row: Sequence[Mapping[str, str | float]],
     constant: Mapping[str, str],
     schema: Any,
 ) -> Any:
@@ -209,7 +209,7 @@ def _table(
         The chunk and the members.
     columns
         The columns (m,) by name, for each of the rows of a member.
-    told
+    each_row
         What each of these rows has in all members.
     constant
         What all rows have.
@@ -219,26 +219,28 @@ def _table(
     m, each = len(block), len(columns)
     together: dict[str, Any] = {"case": case_of(chunk.work.case).name, **constant}
     together["member"] = np.repeat(np.asarray(block), each)
-    together |= {name: [one[name] for one in told] * m for name in told[0]}
+    together |= {name: [one[name] for one in each_row] * m for name in each_row[0]}
     for name in columns[0]:
         together[name] = np.stack([one[name] for one in columns], axis=1).ravel()
     return chunk_files.table(together, schema)
 
 
-def _trajectories(chunk: Chunk, made: _Made) -> Any:
+def _trajectories(chunk: Chunk, output: _Output) -> Any:
     """Return the table of the trajectories that are kept, in the order of members and methods."""
     parts: dict[str, list[Any]] = {field.name: [] for field in TRAJECTORY_SCHEMA}
     case = case_of(chunk.work.case)
     names = [body.name for body in case.scene.bodies] if isinstance(case.scene, Mechanism) else [""]
-    for place, member in sorted(made.kept, key=lambda key: (key[1], key[0])):
-        motion, method = made.kept[place, member], chunk.share.methods[place]
-        told: dict[str, Any] = {"case": case.name, "engine": chunk.share.engine, "integrator": method.name}
-        told |= {"timestep": method.timestep, "member": member, "kept": ""}
+    for index, member in sorted(output.kept, key=lambda key: (key[1], key[0])):
+        motion, method = output.kept[index, member], chunk.share.methods[index]
+        labels: dict[str, Any] = {"case": case.name, "engine": chunk.share.engine, "integrator": method.name}
+        labels |= {"timestep": method.timestep, "member": member, "kept": ""}
         for body, name in enumerate(names):
-            own = motion.body(body) if isinstance(case.scene, Mechanism) else motion
-            states = np.hstack([own.position, own.quaternion, own.velocity, own.angular_velocity])
-            for column, value in {**told, "body": name}.items():
-                parts[column] += [value] * len(own)
-            for column, values in {"t": own.t, **dict(zip(STATE_COLUMNS, states.T, strict=True))}.items():
+            body_motion = motion.body(body) if isinstance(case.scene, Mechanism) else motion
+            states = np.hstack(
+                [body_motion.position, body_motion.quaternion, body_motion.velocity, body_motion.angular_velocity]
+            )
+            for column, value in {**labels, "body": name}.items():
+                parts[column] += [value] * len(body_motion)
+            for column, values in {"t": body_motion.t, **dict(zip(STATE_COLUMNS, states.T, strict=True))}.items():
                 parts[column] += values.tolist()
     return chunk_files.table(parts, TRAJECTORY_SCHEMA)

@@ -67,7 +67,7 @@ def of_case(case: Case, timestep: float) -> Truth | NoTruth:
 
 
 def columns(
-    case: Case, drawn: Mapping[str, Array], block: range, timestep: float, found: Flights | tuple[Truth | NoTruth, ...]
+    case: Case, drawn: Mapping[str, Array], block: range, timestep: float, block_truths: Flights | tuple[Truth | NoTruth, ...]
 ) -> dict[str, Any]:
     """Return what is stored of the truths of a block, as columns (m,) by name.
 
@@ -79,17 +79,17 @@ def columns(
         The drawn numbers (m,) of the members, by the names of their columns.
     block, timestep
         The members, and the time step (s).
-    found
+    block_truths
         Their truths.
     """
-    made = _of_flights(found) if isinstance(found, Flights) else _of_cases(found)
-    made |= {"witnessed": np.zeros(len(block), dtype=bool), "witness_difference": np.full(len(block), np.nan)}
-    for place, member in enumerate(block):
+    by_name = _of_flights(block_truths) if isinstance(block_truths, Flights) else _of_cases(block_truths)
+    by_name |= {"witnessed": np.zeros(len(block), dtype=bool), "witness_difference": np.full(len(block), np.nan)}
+    for index, member in enumerate(block):
         if member % VOUCHED == 0:
-            own = {name: float(values[place]) for name, values in drawn.items()}
-            for name, value in _vouched(case, own, member, timestep).items():
-                made[name][place] = value
-    return made
+            numbers = {name: float(values[index]) for name, values in drawn.items()}
+            for name, value in _vouched(case, numbers, member, timestep).items():
+                by_name[name][index] = value
+    return by_name
 
 
 def prepare(group: None) -> None:
@@ -102,22 +102,25 @@ def vouch(question: Vouching) -> dict[str, Any]:
     return _vouched(parse_stored(question.case, "the case"), question.drawn, question.member, question.timestep)
 
 
-def _of_flights(found: Flights) -> dict[str, Any]:
+def _of_flights(block_truths: Flights) -> dict[str, Any]:
     return {
-        "model": np.array([f"closed form: {form}" for form in found.forms], dtype=object),
-        "reason": np.full(len(found.forms), "", dtype=object),
-        **{column: getattr(found.bounds, name).max(axis=-1) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
+        "model": np.array([f"closed form: {form}" for form in block_truths.forms], dtype=object),
+        "reason": np.full(len(block_truths.forms), "", dtype=object),
+        **{column: getattr(block_truths.bounds, name).max(axis=-1) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
     }
 
 
-def _of_cases(found: tuple[Truth | NoTruth, ...]) -> dict[str, Any]:
+def _of_cases(block_truths: tuple[Truth | NoTruth, ...]) -> dict[str, Any]:
     def largest(one: Truth | NoTruth, name: str) -> float:
         return np.nan if isinstance(one, NoTruth) else float(getattr(one.bounds, name).max())
 
     return {
-        "model": np.array(["" if isinstance(one, NoTruth) else one.model for one in found], dtype=object),
-        "reason": np.array([one.reason if isinstance(one, NoTruth) else "" for one in found], dtype=object),
-        **{column: np.array([largest(one, name) for one in found]) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
+        "model": np.array(["" if isinstance(one, NoTruth) else one.model for one in block_truths], dtype=object),
+        "reason": np.array([one.reason if isinstance(one, NoTruth) else "" for one in block_truths], dtype=object),
+        **{
+            column: np.array([largest(one, name) for one in block_truths])
+            for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)
+        },
     }
 
 
@@ -128,18 +131,22 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
     the file of its own has it.
     """
     columns = {name: np.array([value]) for name, value in drawn.items()}
-    made = members.scenes(case, members.of_columns(case, columns), member)
-    scene = made.like if isinstance(made, Scenes) else made[0].scene
-    instants = times(case if isinstance(made, Scenes) else made[0], timestep)
+    scenes = members.scenes(case, members.of_columns(case, columns), member)
+    scene = scenes.like if isinstance(scenes, Scenes) else scenes[0].scene
+    instants = times(case if isinstance(scenes, Scenes) else scenes[0], timestep)
     try:
         if isinstance(scene, Mechanism):
             return _vouched_mechanism(scene, instants)
-        found = computed(scene, instants)
+        computed_truth = computed(scene, instants)
     except (NotModelled, OutOfReach):
         return {}
-    motion, bounds = _first(flights(made, instants)) if isinstance(made, Scenes) else (found.truth.trajectory, found.own)
+    motion, bounds = (
+        _first(flights(scenes, instants))
+        if isinstance(scenes, Scenes)
+        else (computed_truth.truth.trajectory, computed_truth.own)
+    )
     way, whole, apart = as_way("", motion, bounds), bounds, []
-    for witness in found.witnesses:
+    for witness in computed_truth.witnesses:
         whole = whole.plus(excess(scene, motion, bounds, witness))
         apart += [float(difference.max()) for name, difference in distances(way, witness).items() if name == "error"]
     return {
@@ -156,11 +163,11 @@ def _vouched_mechanism(mechanism: Mechanism, instants: Array) -> dict[str, Any]:
     return {**largest, "witnessed": True}
 
 
-def _first(found: Flights) -> tuple[Trajectory, Bounds]:
+def _first(several: Flights) -> tuple[Trajectory, Bounds]:
     """Return the motion of the first of several scenes, with the bounds of its errors."""
-    whole = found.trajectory
+    whole = several.trajectory
     states = (whole.position[0], whole.quaternion[0], whole.velocity[0], whole.angular_velocity[0])
-    return Trajectory(whole.t, *states), Bounds(*(getattr(found.bounds, name)[0] for name in NAMES))
+    return Trajectory(whole.t, *states), Bounds(*(getattr(several.bounds, name)[0] for name in NAMES))
 
 
 #: What worker processes do that compare truths with witnesses.

@@ -86,7 +86,7 @@ class Distribution:
     Attributes
     ----------
     method
-        The place of the method.
+        The index of the method.
     figure
         The name of the figure.
     count
@@ -129,9 +129,9 @@ class Figure:
     edges
         The ends of the bins of the histograms (b + 1,); empty if no method has a value other than zero.
     distributions
-        The distributions by the places of the methods.
+        The distributions by the indices of the methods.
     best
-        By the places of the methods, the share of the members in which the method has the smallest value of all methods; equal
+        By the indices of the methods, the share of the members in which the method has the smallest value of all methods; equal
         ones share it. Empty if there is one method.
     truth
         The median and the largest bound of the truth's own error in the figure; None where it is not known.
@@ -170,41 +170,46 @@ class Aggregates:
 
     @property
     def ranked(self) -> list[int]:
-        """The places of the methods that were run, the best first: fewest failures, then the smallest 99 % quantile."""
+        """The indices of the methods that were run, the best first: fewest failures, then the smallest 99 % quantile."""
         figure = self.figures.get(self.ranking)
 
-        def badness(place: int) -> tuple[float, float]:
-            failed, own = self.methods[place].failed, figure.distributions.get(place) if figure else None
-            return (failed.value if failed else 1.0, own.quantiles["q99"] if own else np.inf)
+        def badness(index: int) -> tuple[float, float]:
+            failed, distribution = self.methods[index].failed, figure.distributions.get(index) if figure else None
+            return (failed.value if failed else 1.0, distribution.quantiles["q99"] if distribution else np.inf)
 
-        return sorted((place for place, method in enumerate(self.methods) if method.members), key=badness)
+        return sorted((index for index, method in enumerate(self.methods) if method.members), key=badness)
 
     def rows(self) -> list[Row]:
         """Return the rows of ensemble.csv: method by method, and its figures in the order of results."""
-        found = []
-        for place, method in enumerate(self.methods):
+        rows = []
+        for index, method in enumerate(self.methods):
             if method.members:
-                names = [name for name, figure in self.figures.items() if place in figure.distributions]
-                found += [self.row(place, name) for name in names or ("",)]
-        return found
+                names = [name for name, figure in self.figures.items() if index in figure.distributions]
+                rows += [self.row(index, name) for name in names or ("",)]
+        return rows
 
-    def row(self, place: int, name: str) -> Row:
+    def row(self, index: int, name: str) -> Row:
         """Return the row of a method that was run and a figure; that of the failures alone if it has no such figure."""
-        method, figure = self.methods[place], self.figures.get(name)
+        method, figure = self.methods[index], self.figures.get(name)
         assert method.failed is not None  # it has members
         shares = (method.failed.value, method.failed.low, method.failed.high)
         alone = Row(self.case, *_names(method.engine_method), method.members, *shares)
-        own = figure.distributions.get(place) if figure is not None else None
-        if own is None:
+        distribution = figure.distributions.get(index) if figure is not None else None
+        if distribution is None:
             return alone
-        found: dict[str, Any] = {"figure": name, **own.quantiles, "max": own.largest, "worst_member": own.worst}
-        return replace(alone, **found)
+        more: dict[str, Any] = {
+            "figure": name,
+            **distribution.quantiles,
+            "max": distribution.largest,
+            "worst_member": distribution.worst,
+        }
+        return replace(alone, **more)
 
 
 def aggregate(ensemble: Ensemble) -> Aggregates:
     """Return the aggregates of an ensemble."""
     times = _wall_times(ensemble)
-    methods = tuple(_method(ensemble, place, times[place]) for place in range(len(ensemble.methods)))
+    methods = tuple(_method(ensemble, index, times[index]) for index in range(len(ensemble.methods)))
     names = [name for name in FIGURES if name in ensemble.figures and not FIGURES[name].of_truth]
     figures = {name: figure for name in names if (figure := _figure(ensemble, name)).distributions}
     named = [name for name in RANKING if name in figures]
@@ -214,7 +219,9 @@ def aggregate(ensemble: Ensemble) -> Aggregates:
 
 def _is_measured(figure: Figure) -> bool:
     """Return whether a figure has a value above the truth's own error, so that it is more than rounding."""
-    return max(own.largest for own in figure.distributions.values()) > (figure.truth[1] if figure.truth is not None else 0.0)
+    return max(distribution.largest for distribution in figure.distributions.values()) > (
+        figure.truth[1] if figure.truth is not None else 0.0
+    )
 
 
 def _names(by: EngineMethod) -> tuple[str, str, str, float]:
@@ -227,27 +234,31 @@ def _wall_times(ensemble: Ensemble) -> list[float]:
     return [float(np.nansum(row)) for row in ensemble.column("wall_time")]
 
 
-def _method(ensemble: Ensemble, place: int, wall_time: float) -> Method:
-    supported = ensemble.supported[place]
-    places = {way: np.flatnonzero(here) for way, here in _ways(ensemble, place).items() if here.any()}
-    reasons = ensemble.reasons(place, [int(own[0]) for own in places.values()])
-    told = {way: reasons.get(int(own[0]), "") for way, own in places.items()}
-    ways = [Way(way, len(own), int(ensemble.members[own[0]]), told[way]) for way, own in places.items() if way != UNSUPPORTED]
+def _method(ensemble: Ensemble, index: int, wall_time: float) -> Method:
+    supported = ensemble.supported[index]
+    places = {way: np.flatnonzero(here) for way, here in _ways(ensemble, index).items() if here.any()}
+    reasons = ensemble.reasons(index, [int(members_of_way[0]) for members_of_way in places.values()])
+    why = {way: reasons.get(int(members_of_way[0]), "") for way, members_of_way in places.items()}
+    ways = [
+        Way(way, len(members_of_way), int(ensemble.members[members_of_way[0]]), why[way])
+        for way, members_of_way in places.items()
+        if way != UNSUPPORTED
+    ]
     return Method(
-        engine_method=ensemble.methods[place],
+        engine_method=ensemble.methods[index],
         members=int(np.count_nonzero(supported)),
-        unsupported=told.get(UNSUPPORTED, ""),
-        failed=share(ensemble.failed[place][supported], ensemble.sequence[supported]) if supported.any() else None,
+        unsupported=why.get(UNSUPPORTED, ""),
+        failed=share(ensemble.failed[index][supported], ensemble.sequence[supported]) if supported.any() else None,
         ways=tuple(sorted(ways, key=lambda way: -way.count)),
         wall_time=wall_time,
     )
 
 
-def _ways(ensemble: Ensemble, place: int) -> dict[str, Flags]:
+def _ways(ensemble: Ensemble, index: int) -> dict[str, Flags]:
     """Return whether each member (n,) failed with a method in some way, by its name; `UNSUPPORTED` is one of them."""
-    found = {status: ensemble.status[place] == code for code, status in enumerate(ensemble.statuses)}
-    ok = found.pop(OK, np.zeros(len(ensemble.members), np.bool_))
-    return {**found, BROKEN: ok & ensemble.broken[place]}
+    by_status = {status: ensemble.status[index] == code for code, status in enumerate(ensemble.statuses)}
+    ok = by_status.pop(OK, np.zeros(len(ensemble.members), np.bool_))
+    return {**by_status, BROKEN: ok & ensemble.broken[index]}
 
 
 def _figure(ensemble: Ensemble, name: str) -> Figure:
@@ -255,8 +266,8 @@ def _figure(ensemble: Ensemble, name: str) -> Figure:
     edges = _edges(values)
     there = ~np.isnan(values)
     distributions = {
-        place: _distribution(ensemble, place, name, values[place], edges)
-        for place in np.flatnonzero(there.any(axis=1)).tolist()
+        index: _distribution(ensemble, index, name, values[index], edges)
+        for index in np.flatnonzero(there.any(axis=1)).tolist()
     }
     best = _best(values, [*distributions]) if len(distributions) > 1 else {}
     bounded = FIGURES[name].bounded_by
@@ -272,25 +283,25 @@ def _bound(ensemble: Ensemble, name: str) -> tuple[float, float] | None:
     return float(quantiles(known, [0.5])[0]), float(known.max())
 
 
-def _distribution(ensemble: Ensemble, place: int, name: str, column: Array, edges: Array) -> Distribution:
+def _distribution(ensemble: Ensemble, index: int, name: str, column: Array, edges: Array) -> Distribution:
     """Return the distribution of a method's figure, whose values (n,) are NaN for members that do not have it."""
     there = ~np.isnan(column)
     values, members = column[there], ensemble.members[there]
-    found = dict(zip(QUANTILES, quantiles(values, [*QUANTILES.values()]).tolist(), strict=True))
+    method_quantiles = dict(zip(QUANTILES, quantiles(values, [*QUANTILES.values()]).tolist(), strict=True))
     sequence = ensemble.sequence[there]
     positive = np.log10(values[np.isfinite(values) & (values > 0)])
     return Distribution(
-        method=place,
+        method=index,
         figure=name,
         count=len(values),
-        quantiles=found,
+        quantiles=method_quantiles,
         intervals={one: quantile_interval(values, sequence, QUANTILES[one]) for one in WITH_INTERVALS},
         largest=float(values.max()),
         worst=int(members[np.argmax(values)]),
         zeros=int(np.count_nonzero(values == 0)),
         histogram=np.histogram(positive, np.log10(edges))[0] if edges.size else np.zeros(0, np.int64),
         tail=_tail(
-            values, int(np.count_nonzero(ensemble.supported[place])), int(np.count_nonzero(ensemble.failed[place] & ~there))
+            values, int(np.count_nonzero(ensemble.supported[index])), int(np.count_nonzero(ensemble.failed[index] & ~there))
         ),
     )
 
@@ -322,11 +333,11 @@ def _best(values: Array, places: Sequence[int]) -> dict[int, float]:
 
     Members without a value of any method are not counted.
     """
-    own = np.where(np.isnan(values[places]), np.inf, values[places])
-    smallest = own.min(axis=0)
+    method_values = np.where(np.isnan(values[places]), np.inf, values[places])
+    smallest = method_values.min(axis=0)
     counted = np.isfinite(smallest)
     if not counted.any():
         return {}
-    won = (own == smallest) & counted
+    won = (method_values == smallest) & counted
     shares = (won / np.maximum(won.sum(axis=0), 1)).sum(axis=1) / np.count_nonzero(counted)
     return dict(zip(places, shares.tolist(), strict=True))

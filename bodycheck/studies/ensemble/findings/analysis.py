@@ -54,29 +54,29 @@ class Analysis:
 
 def analyse(ensemble: Ensemble) -> Analysis:
     """Return what the runs of an ensemble say. One column of them is in memory at a time."""
-    found = aggregate(ensemble)
-    drawn = tuple(name for name in PLOTTED if name in found.figures and found.figures[name].edges.size)
-    of = tuple(dependences(ensemble, numbers(ensemble), drawn))
-    return Analysis(found, of, _maps(ensemble, found, of))
+    aggregates = aggregate(ensemble)
+    drawn = tuple(name for name in PLOTTED if name in aggregates.figures and aggregates.figures[name].edges.size)
+    figure_dependences = tuple(dependences(ensemble, numbers(ensemble), drawn))
+    return Analysis(aggregates, figure_dependences, _maps(ensemble, aggregates, figure_dependences))
 
 
-def _maps(ensemble: Ensemble, found: Aggregates, of: Sequence[Dependence]) -> tuple[Map, ...]:
+def _maps(ensemble: Ensemble, aggregates: Aggregates, figure_dependences: Sequence[Dependence]) -> tuple[Map, ...]:
     """Return the map of failures, if there are any, and the map of the figure that methods are ranked by."""
-    worst_first = found.ranked[::-1]
-    failing = [place for place in worst_first if found.methods[place].ways]
-    figure = found.figures.get(found.ranking)
-    having = [place for place in worst_first if figure is not None and place in figure.distributions and figure.edges.size]
-    by_figure = _two([one for one in of if one.figure == found.ranking])
-    by_failure = _two([one for one in of if one.figure == FAILURE]) or by_figure
+    worst_first = aggregates.ranked[::-1]
+    failing = [index for index in worst_first if aggregates.methods[index].ways]
+    figure = aggregates.figures.get(aggregates.ranking)
+    having = [index for index in worst_first if figure is not None and index in figure.distributions and figure.edges.size]
+    by_figure = _two([one for one in figure_dependences if one.figure == aggregates.ranking])
+    by_failure = _two([one for one in figure_dependences if one.figure == FAILURE]) or by_figure
     drawn = []
     if failing and by_failure is not None:
         drawn.append(maps.made(ensemble, FAILURE, by_failure, failing[:MOST_MAPS]))
     if having and by_figure is not None:
-        drawn.append(maps.made(ensemble, found.ranking, by_figure, having[:MOST_MAPS]))
+        drawn.append(maps.made(ensemble, aggregates.ranking, by_figure, having[:MOST_MAPS]))
     return tuple(drawn)
 
 
-def _two(found: Sequence[Dependence]) -> tuple[str, str] | None:
+def _two(figure_dependences: Sequence[Dependence]) -> tuple[str, str] | None:
     """Return the two numbers with the strongest dependences; None if there are fewer."""
-    names = strongest(found)
+    names = strongest(figure_dependences)
     return (names[0], names[1]) if len(names) == 2 else None

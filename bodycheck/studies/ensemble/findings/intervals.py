@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from bodycheck.reference.trajectory import Array
-
-#: The number of sequences that members are drawn from.
-SEQUENCES = 16
+from bodycheck.studies.ensemble.drawing.draws import SEQUENCES
 
 #: The probability with which an interval contains the true value.
 CONFIDENCE = 0.95
@@ -51,15 +49,15 @@ def share(having: NDArray[np.bool_], sequence: NDArray[Any]) -> Share:
     """
     total = np.bincount(sequence, minlength=SEQUENCES)
     count = np.bincount(sequence[having], minlength=SEQUENCES)
-    members, found = int(total.sum()), int(count.sum())
+    members, having_it = int(total.sum()), int(count.sum())
     extreme = min(1.0, RULE_OF_THREE / members)
-    if not found:
+    if not having_it:
         return Share(0.0, 0.0, extreme)
-    if found == members:
+    if having_it == members:
         return Share(1.0, 1.0 - extreme, 1.0)
     there = total > 0
     half = _half_width(count[there] / total[there])
-    value = found / members
+    value = having_it / members
     return Share(value, max(0.0, value - half), min(1.0, value + half))
 
 
@@ -96,8 +94,8 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> Array:
     Beside infinite values, which cannot be interpolated, a quantile is the larger neighbour.
     """
     with np.errstate(invalid="ignore"):
-        found = np.quantile(values, probabilities)
-    return np.asarray(np.where(np.isnan(found), np.quantile(values, probabilities, method="higher"), found))
+        interpolated = np.quantile(values, probabilities)
+    return np.asarray(np.where(np.isnan(interpolated), np.quantile(values, probabilities, method="higher"), interpolated))
 
 
 def _half_width(shares: Array) -> float:

@@ -27,12 +27,12 @@ class Map:
         The names of the numbers.
     x_edges, y_edges
         The ends of the cells along each of them (a + 1,), (b + 1,).
-    of
+    figure
         `FAILURE`, or the name of a figure.
     members
-        By the place of the method, the number of members in each cell (b, a) that were run, or have the figure.
+        By the index of the method, the number of members in each cell (b, a) that were run, or have the figure.
     values
-        By the place of the method, the share of the members in each cell (b, a) that failed, or the geometric mean of the
+        By the index of the method, the share of the members in each cell (b, a) that failed, or the geometric mean of the
         figure; NaN in cells without members.
     """
 
@@ -40,42 +40,42 @@ class Map:
     y: str
     x_edges: Array
     y_edges: Array
-    of: str
+    figure: str
     members: dict[int, NDArray[np.int64]]
     values: dict[int, Array]
 
 
-def made(ensemble: Ensemble, of: str, over: tuple[str, str], places: Sequence[int]) -> Map:
+def made(ensemble: Ensemble, figure: str, over: tuple[str, str], places: Sequence[int]) -> Map:
     """Return the map of the failures or a figure of some methods.
 
     Parameters
     ----------
     ensemble
         The ensemble.
-    of
+    figure
         `FAILURE`, or the name of a figure.
     over
         The names of two drawn numbers, or of lengths of drawn vectors.
     places
-        The places of the methods.
+        The indices of the methods.
     """
-    given = numbers(ensemble, len(ensemble.members), over)
-    x, y = (given[name] for name in over)
+    drawn = numbers(ensemble, len(ensemble.members), over)
+    x, y = (drawn[name] for name in over)
     cells = int(np.clip((len(x) / MEMBERS_OF_CELL) ** 0.5, 1, MOST_CELLS))
     x_edges, y_edges = _edges(x, cells), _edges(y, cells)
     cell = _cell(y, y_edges) * cells + _cell(x, x_edges)
-    values = None if of == FAILURE else logarithms(ensemble.column(of)[list(places)])
-    members, found = {}, {}
-    for row, place in enumerate(places):
-        own = np.where(ensemble.supported[place], ensemble.failed[place], np.nan) if values is None else values[row]
-        there = np.isfinite(own)
+    values = None if figure == FAILURE else logarithms(ensemble.column(figure)[list(places)])
+    members, means = {}, {}
+    for row, index in enumerate(places):
+        method_values = np.where(ensemble.supported[index], ensemble.failed[index], np.nan) if values is None else values[row]
+        there = np.isfinite(method_values)
         count = np.bincount(cell[there], minlength=cells * cells)
-        total = np.bincount(cell[there], own[there], minlength=cells * cells)
+        total = np.bincount(cell[there], method_values[there], minlength=cells * cells)
         with np.errstate(invalid="ignore", divide="ignore"):
             mean = total / count
-        members[place] = count.reshape(cells, cells)
-        found[place] = (mean if values is None else 10.0**mean).reshape(cells, cells)
-    return Map(*over, x_edges, y_edges, of, members, found)
+        members[index] = count.reshape(cells, cells)
+        means[index] = (mean if values is None else 10.0**mean).reshape(cells, cells)
+    return Map(*over, x_edges, y_edges, figure, members, means)
 
 
 def _edges(values: Array, cells: int) -> Array:

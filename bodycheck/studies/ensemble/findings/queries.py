@@ -128,19 +128,19 @@ def _files(folder: Path) -> dict[str, list[Path]]:
         raise BadFolder(f"{folder}: there is no such folder")
     root = folder.resolve()
     reading.refuse_links(root)
-    found = {name: sorted(_parquet(root / name)) for name in VIEWS}
-    if not found["runs"]:
+    by_table = {name: sorted(_parquet(root / name)) for name in VIEWS}
+    if not by_table["runs"]:
         raise BadFolder(
             f"{folder}: has no Parquet files in runs/, as `bodycheck ensemble --out` writes them when it is complete"
         )
-    return {name: paths for name, paths in found.items() if paths}
+    return {name: paths for name, paths in by_table.items() if paths}
 
 
 def _parquet(folder: Path) -> Iterator[Path]:
     """Yield the Parquet files in a folder at any depth. Raises `BadFolder` for one that is not a regular file."""
-    for place, _, names in os.walk(folder):
+    for inside, _, names in os.walk(folder):
         for name in names:
-            path = Path(place, name)
+            path = Path(inside, name)
             if path.suffix == ".parquet":
                 if not stat.S_ISREG(path.lstat().st_mode):
                     raise BadFolder(f"{path}: is not a regular file")
@@ -188,14 +188,14 @@ def _rows(cursor: "duckdb.DuckDBPyConnection") -> Iterator[tuple[Any, ...]]:
 
 def _different(names: list[str]) -> tuple[str, ...]:
     """Return names of columns, of which those that stand before have a number behind them: a, a_2."""
-    found: dict[str, None] = {}
+    different: dict[str, None] = {}
     for name in names:
-        number, own = 1, name
-        while own in found:
+        number, numbered = 1, name
+        while numbered in different:
             number += 1
-            own = f"{name}_{number}"
-        found[own] = None
-    return tuple(found)
+            numbered = f"{name}_{number}"
+        different[numbered] = None
+    return tuple(different)
 
 
 def _printable(text: object) -> str:

@@ -44,7 +44,7 @@ class Dependence:
     Attributes
     ----------
     method
-        The place of the method.
+        The index of the method.
     figure
         The name of the figure, or `FAILURE`.
     number
@@ -80,44 +80,46 @@ def numbers(ensemble: Ensemble, most: int = MOST_MEMBERS, only: Collection[str] 
         key, _, last = name.rpartition(".")
         if last.isdecimal() and not key.endswith("quaternion"):
             vectors.setdefault(f"|{key}|", []).append(name)
-    sources = {name: [name] for name in ensemble.drawn} | {name: own for name, own in vectors.items() if len(own) > 1}
-    found = {}
-    for name, own in sources.items():
+    sources = {name: [name] for name in ensemble.drawn} | {
+        name: components_of for name, components_of in vectors.items() if len(components_of) > 1
+    }
+    drawn = {}
+    for name, components_of in sources.items():
         if only and name not in only:
             continue
-        components = [ensemble.values(one)[:most].copy() for one in own]
+        components = [ensemble.values(one)[:most].copy() for one in components_of]
         values = _length(components) if name in vectors else components[0]
         if _varies(values):
-            found[name] = values
-    return found
+            drawn[name] = values
+    return drawn
 
 
-def dependences(ensemble: Ensemble, given: Mapping[str, Array], figures: tuple[str, ...]) -> list[Dependence]:
+def dependences(ensemble: Ensemble, drawn: Mapping[str, Array], figures: tuple[str, ...]) -> list[Dependence]:
     """Return how figures of all methods depend on numbers; `FAILURE` is looked at besides, where enough members failed.
 
     Parameters
     ----------
     ensemble
         The ensemble.
-    given
+    drawn
         Numbers by name, each of the same first members (k,).
     figures
         The names of the figures.
     """
-    if not given:
+    if not drawn:
         return []
-    members = len(next(iter(given.values())))
-    ranks = {name: rankdata(values) for name, values in given.items()}
-    found: list[Dependence] = []
-    for place in range(len(ensemble.methods)):
-        failed, made = ensemble.failed[place, :members], ensemble.supported[place, :members]
-        if LEAST_FAILED <= np.count_nonzero(failed) <= np.count_nonzero(made) - LEAST_FAILED:
-            found += _dependences(place, FAILURE, np.where(made, failed, np.nan), ranks)
+    members = len(next(iter(drawn.values())))
+    ranks = {name: rankdata(values) for name, values in drawn.items()}
+    figure_dependences: list[Dependence] = []
+    for index in range(len(ensemble.methods)):
+        failed, was_run = ensemble.failed[index, :members], ensemble.supported[index, :members]
+        if LEAST_FAILED <= np.count_nonzero(failed) <= np.count_nonzero(was_run) - LEAST_FAILED:
+            figure_dependences += _dependences(index, FAILURE, np.where(was_run, failed, np.nan), ranks)
     for figure in figures:
         values = logarithms(ensemble.column(figure)[:, :members])
-        for place, own in enumerate(values):
-            found += _dependences(place, figure, own, ranks)
-    return found
+        for index, method_values in enumerate(values):
+            figure_dependences += _dependences(index, figure, method_values, ranks)
+    return figure_dependences
 
 
 def logarithms(values: Array) -> Array:
@@ -132,13 +134,13 @@ def logarithms(values: Array) -> Array:
     return np.where(np.isfinite(logs), logs, np.nan)
 
 
-def strongest(found: Sequence[Dependence], most: int = 2) -> list[str]:
+def strongest(all_dependences: Sequence[Dependence], most: int = 2) -> list[str]:
     """Return the names of the numbers with the largest share of the variance, summed over methods and figures.
 
     Of the length of a vector and its components, which say much of each other, there are not both.
     """
     shares: dict[str, float] = {}
-    for one in found:
+    for one in all_dependences:
         shares[one.number] = shares.get(one.number, 0.0) + one.share
     chosen: list[str] = []
     for name in sorted(shares, key=lambda name: -shares[name]):
@@ -173,17 +175,19 @@ def binned(ranks: Array, bins: int) -> NDArray[np.int64]:
     return np.minimum((ranks - 0.5) * bins // len(ranks), bins - 1).astype(np.int64)
 
 
-def _dependences(place: int, figure: str, values: Array, ranks: Mapping[str, Array]) -> list[Dependence]:
+def _dependences(index: int, figure: str, values: Array, ranks: Mapping[str, Array]) -> list[Dependence]:
     there = np.isfinite(values)
-    own = values[there]
-    if np.count_nonzero(there) < 2 * LEAST_OF_BIN or not _varies(own):
+    having = values[there]
+    if np.count_nonzero(there) < 2 * LEAST_OF_BIN or not _varies(having):
         return []
-    own_ranks = rankdata(own)
-    found = []
+    own_ranks = rankdata(having)
+    figure_dependences = []
     for name, whole in ranks.items():
-        of = whole if there.all() else rankdata(whole[there])
-        found.append(Dependence(place, figure, name, _correlation(of, own_ranks), first_order(of, own)))
-    return found
+        number_ranks = whole if there.all() else rankdata(whole[there])
+        figure_dependences.append(
+            Dependence(index, figure, name, _correlation(number_ranks, own_ranks), first_order(number_ranks, having))
+        )
+    return figure_dependences
 
 
 def _correlation(one: Array, other: Array) -> float:

@@ -20,7 +20,7 @@ from bodycheck.adapters.method import Method
 from bodycheck.errors import BadFolder
 from bodycheck.reference.trajectory import Array
 from bodycheck.results.key import RunKey
-from bodycheck.studies.ensemble.findings.intervals import SEQUENCES
+from bodycheck.studies.ensemble.drawing.draws import SEQUENCES
 
 #: Folders of an ensemble: of runs by engine and case, and of members by case.
 RUNS, MEMBERS = "runs", "members"
@@ -130,7 +130,7 @@ class Ensemble:
 
     def reasons(self, method: int, places: Sequence[int]) -> dict[int, str]:
         """Return the reasons of some runs of a method, given by the places of their members; a run without one is left out."""
-        found: dict[int, str] = {}
+        by_member: dict[int, str] = {}
         for path, codes, where in self.parts:
             wanted = np.flatnonzero((codes == method) & np.isin(where, places))
             if not wanted.size:
@@ -138,9 +138,9 @@ class Ensemble:
             first = 0
             for batch in _batches(path, ("reason",)):
                 here = wanted[(wanted >= first) & (wanted < first + len(batch))]
-                found |= {int(where[row]): str(batch.column(0)[int(row) - first].as_py() or "") for row in here}
+                by_member |= {int(where[row]): str(batch.column(0)[int(row) - first].as_py() or "") for row in here}
                 first += len(batch)
-        return found
+        return by_member
 
     def _has(self, status: str) -> Flags:
         if status not in self.statuses:
@@ -198,7 +198,7 @@ def read(folder: Path, case: str, engines: Sequence[str] = ()) -> Ensemble:
 
 def _order(known: Mapping[EngineMethod, int], engines: Sequence[str]) -> tuple[EngineMethod, ...]:
     """Return methods in the order of engines; those of one engine stay in the order in which they were met."""
-    ranks = {name: place for place, name in enumerate(engines)}
+    ranks = {name: index for index, name in enumerate(engines)}
     return tuple(sorted(known, key=lambda method: (ranks.get(method.engine, len(ranks)), method.engine, known[method])))
 
 
@@ -212,26 +212,26 @@ def _table(path: Path, members: NDArray[np.int64], known: dict[EngineMethod, int
 
 
 def _codes(path: Path, batch: Any, known: dict[EngineMethod, int]) -> Codes:
-    """Return the place of the method of each row among those that are known. Raises `BadFolder` for too many."""
-    columns = [_encoded(batch.column(1 + place)) for place in range(len(METHOD))]
+    """Return the index of the method of each row among those that are known. Raises `BadFolder` for too many."""
+    columns = [_encoded(batch.column(1 + index)) for index in range(len(METHOD))]
     rows = np.zeros(len(batch), np.int64)
     for indices, values in columns:
         rows = rows * max(1, len(values)) + indices
     different, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
-    own = np.empty(len(different), np.int16)
-    for place in np.argsort(first):  # in the order of the rows
-        engine, version, integrator, timestep = (values[indices[first[place]]] for indices, values in columns)
+    method_codes = np.empty(len(different), np.int16)
+    for index in np.argsort(first):  # in the order of the rows
+        engine, version, integrator, timestep = (values[indices[first[index]]] for indices, values in columns)
         method = EngineMethod(str(engine), str(version), str(integrator), float(timestep))
         if method not in known and len(known) == MOST_METHODS:
             raise BadFolder(f"{path}: has more than {MOST_METHODS} methods")
-        own[place] = known.setdefault(method, len(known))
-    return own[inverse.reshape(-1)]
+        method_codes[index] = known.setdefault(method, len(known))
+    return method_codes[inverse.reshape(-1)]
 
 
 def _encoded(column: Any) -> tuple[NDArray[np.int64], list[Any]]:
     """Return a column as its different values, and the place of the value of each row among them."""
-    found = column if pa.types.is_dictionary(column.type) else column.dictionary_encode(null_encoding="encode")
-    return found.indices.to_numpy(zero_copy_only=False).astype(np.int64), found.dictionary.to_pylist()
+    encoded = column if pa.types.is_dictionary(column.type) else column.dictionary_encode(null_encoding="encode")
+    return encoded.indices.to_numpy(zero_copy_only=False).astype(np.int64), encoded.dictionary.to_pylist()
 
 
 def _outcomes(
@@ -245,9 +245,9 @@ def _outcomes(
         for batch in _batches(path, ("status", "passed")):
             last = first + len(batch)
             indices, values = _encoded(batch.column(0))
-            own = np.array([names.setdefault(str(value), len(names)) for value in values], np.int8)
+            status_codes = np.array([names.setdefault(str(value), len(names)) for value in values], np.int8)
             where = codes[first:last], places[first:last]
-            status[where] = own[indices]
+            status[where] = status_codes[indices]
             broken[where] = ~batch.column(1).fill_null(True).to_numpy(zero_copy_only=False)
             first = last
     return tuple(names), status, broken

@@ -49,7 +49,7 @@ class Way:
         The status that was expected.
     value
         The value of the figure; None for a status.
-    told
+    explanation
         A sentence on where the limit comes from.
     severity
         What ways are sorted by, the worst first.
@@ -61,7 +61,7 @@ class Way:
     limit: Limit | None = None
     expected: str = OK
     value: float | None = None
-    told: str = ""
+    explanation: str = ""
     severity: tuple[int, float] = (0, 0.0)
 
     @property
@@ -90,25 +90,25 @@ def chosen(case: Case, ensemble: Ensemble) -> list[tuple[Way, tuple[Way, ...]]]:
     Of each method these are the first member with each status that was not expected, the member that breaks each expectation
     the most, and the one with the largest value of each figure. At most `MOST_FILES` are returned.
     """
-    found: dict[int, list[Way]] = {}
+    by_member: dict[int, list[Way]] = {}
     for way in sorted(ways(case, ensemble), key=lambda one: one.severity):
-        found.setdefault(way.member, []).append(way)
-    return [(first, tuple(others)) for first, *others in list(found.values())[:MOST_FILES]]
+        by_member.setdefault(way.member, []).append(way)
+    return [(first, tuple(others)) for first, *others in list(by_member.values())[:MOST_FILES]]
 
 
 def ways(case: Case, ensemble: Ensemble) -> Iterator[Way]:
     """Yield all ways in which members fail, each with its worst member."""
     expectations = [_concerning(case, by) for by in ensemble.methods]
-    for place, by in enumerate(ensemble.methods):
-        yield from _statuses(ensemble, place, by, expectations[place])
+    for index, by in enumerate(ensemble.methods):
+        yield from _statuses(ensemble, index, by, expectations[index])
     for name, figure in FIGURES.items():
         if name not in ensemble.figures or not figure.limited or figure.ideal:
             continue
         values = ensemble.column(name)
-        for place, by in enumerate(ensemble.methods):
-            for limit in (limit for one in expectations[place] for limit in one.limits if limit.name == name):
-                yield from _breach(ensemble, by, values[place], limit)
-            yield from _largest(ensemble, by, values[place], name)
+        for index, by in enumerate(ensemble.methods):
+            for limit in (limit for one in expectations[index] for limit in one.limits if limit.name == name):
+                yield from _breach(ensemble, by, values[index], limit)
+            yield from _largest(ensemble, by, values[index], name)
 
 
 def _concerning(case: Case, by: EngineMethod) -> list[Expectation]:
@@ -117,11 +117,11 @@ def _concerning(case: Case, by: EngineMethod) -> list[Expectation]:
     return [one for one in case.expectations if one.concerns(by.engine, method) and not one.known]
 
 
-def _statuses(ensemble: Ensemble, place: int, by: EngineMethod, expectations: Sequence[Expectation]) -> Iterator[Way]:
+def _statuses(ensemble: Ensemble, index: int, by: EngineMethod, expectations: Sequence[Expectation]) -> Iterator[Way]:
     """Yield a way for each status that was not expected, with the first member that has it."""
     expected = next((one.status for one in expectations if one.status != OK), OK)
     for code, status in enumerate(ensemble.statuses):
-        having: Any = ensemble.status[place] == code
+        having: Any = ensemble.status[index] == code
         if having.any() and status not in (expected, Unsupported.status):
             yield Way(int(ensemble.members[np.argmax(having)]), by, status, expected=expected)
 
@@ -136,9 +136,9 @@ def _breach(ensemble: Ensemble, by: EngineMethod, values: Array, limit: Limit) -
     if np.isnan(excess).all():
         return
     worst = int(np.nanargmax(excess))
-    told = f"The case expects {limit.text}."
+    explanation = f"The case expects {limit.text}."
     value = float(values[worst])
-    yield Way(int(ensemble.members[worst]), by, OK, limit, OK, value, told, (1, -float(excess[worst])))
+    yield Way(int(ensemble.members[worst]), by, OK, limit, OK, value, explanation, (1, -float(excess[worst])))
 
 
 def _largest(ensemble: Ensemble, by: EngineMethod, values: Array, name: str) -> Iterator[Way]:
@@ -152,9 +152,9 @@ def _largest(ensemble: Ensemble, by: EngineMethod, values: Array, name: str) -> 
     limit = _below(bound, value)
     if limit is None:
         return
-    told = f"{HIGH:.0%} of {len(known)} members have at most {high:.3g}{unit(name)}."
+    explanation = f"{HIGH:.0%} of {len(known)} members have at most {high:.3g}{unit(name)}."
     severity = (2, -value / high if high else -inf)
-    yield Way(int(ensemble.members[worst]), by, OK, Limit(name, None, limit), OK, value, told, severity)
+    yield Way(int(ensemble.members[worst]), by, OK, Limit(name, None, limit), OK, value, explanation, severity)
 
 
 def _below(bound: float, value: float) -> float | None:

@@ -27,17 +27,17 @@ FAINT = 0.18
 def histogram(figure: Figure, lines: Sequence[Line]) -> Spec:
     """Return the chart of the histograms of a figure of all methods over a log scale: the share of the members in each bin.
 
-    lines: by the places of the methods.
+    lines: by the indices of the methods.
     """
     quantity = QUANTITIES[figure.name]
     centres = rounded(np.sqrt(figure.edges[:-1] * figure.edges[1:]))
     rows = [
         {
-            "method": lines[place].label,
+            "method": lines[index].label,
             "value": centres,
-            "share": rounded(own.histogram / max(1, own.count)),
+            "share": rounded(distribution.histogram / max(1, distribution.count)),
         }
-        for place, own in figure.distributions.items()
+        for index, distribution in figure.distributions.items()
     ]
     y = {
         "field": "share",
@@ -52,14 +52,14 @@ def histogram(figure: Figure, lines: Sequence[Line]) -> Spec:
 def tail(figure: Figure, lines: Sequence[Line]) -> Spec:
     """Return the chart of the share of members with a larger value, or without any, on log scales.
 
-    lines: by the places of the methods.
+    lines: by the indices of the methods.
     """
     quantity = QUANTITIES[figure.name]
     rows = []
-    for place, own in figure.distributions.items():
-        values, shares = own.tail
+    for index, distribution in figure.distributions.items():
+        values, shares = distribution.tail
         drawn = np.isfinite(values) & (values > 0)
-        rows.append({"method": lines[place].label, "value": rounded(values[drawn]), "share": rounded(shares[drawn])})
+        rows.append({"method": lines[index].label, "value": rounded(values[drawn]), "share": rounded(shares[drawn])})
     y = {
         "field": "share",
         "type": "quantitative",
@@ -70,11 +70,11 @@ def tail(figure: Figure, lines: Sequence[Line]) -> Spec:
     return _over_values(quantity, rows, y, _drawn(figure, lines), "share of the members with as much or more", {})
 
 
-def failure_map(drawn: Map, place: int) -> Spec:
+def failure_map(drawn: Map, index: int) -> Spec:
     """Return the map of a method: cells with the share of failed members, or with the mean of a figure."""
-    of_failures = drawn.of == FAILURE
-    cells = _cells(drawn, place)
-    title = "Share of the members that failed" if of_failures else f"Mean {QUANTITIES[drawn.of].label.lower()}"
+    of_failures = drawn.figure == FAILURE
+    cells = _cells(drawn, index)
+    title = "Share of the members that failed" if of_failures else f"Mean {QUANTITIES[drawn.figure].label.lower()}"
     colour: dict[str, Any] = {
         "field": "value",
         "type": "quantitative",
@@ -116,7 +116,7 @@ def failure_map(drawn: Map, place: int) -> Spec:
 
 
 def _over_values(
-    quantity: Quantity, rows: list[dict[str, Any]], y: Spec, lines: Sequence[Line], of: str, options: dict[str, str]
+    quantity: Quantity, rows: list[dict[str, Any]], y: Spec, lines: Sequence[Line], share_title: str, options: dict[str, str]
 ) -> Spec:
     """Return a chart of shares over the values of a figure, with a line for each method and a tooltip at the nearest point."""
     x = {
@@ -130,7 +130,7 @@ def _over_values(
     tooltip = [
         {"field": "method", "type": "nominal"},
         {"field": "value", "type": "quantitative", "title": quantity.label.lower(), "format": ".4~g"},
-        {"field": "share", "type": "quantitative", "title": of, "format": ".4~g"},
+        {"field": "share", "type": "quantitative", "title": share_title, "format": ".4~g"},
     ]
     line = {"type": "line", "clip": True, "aria": False, "tooltip": None} | options
     style = {channel: method_scale(channel, lines) for channel in ("strokeDash", "strokeWidth")}
@@ -149,12 +149,12 @@ def _over_values(
 
 
 def _drawn(figure: Figure, lines: Sequence[Line]) -> list[Line]:
-    return [lines[place] for place in figure.distributions]
+    return [lines[index] for index in figure.distributions]
 
 
-def _cells(drawn: Map, place: int) -> list[dict[str, Any]]:
+def _cells(drawn: Map, index: int) -> list[dict[str, Any]]:
     """Return the cells of a map that have members, each with its ends."""
-    count, values = drawn.members[place], drawn.values[place]
+    count, values = drawn.members[index], drawn.values[index]
     x, y = rounded(drawn.x_edges), rounded(drawn.y_edges)
     return [
         {

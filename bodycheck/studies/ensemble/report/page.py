@@ -34,7 +34,7 @@ from bodycheck.studies.ensemble.report.page_tables import (
 #: The names of the parts.
 METHODS, ERRORS, CAUSES, WORST = "methods", "distributions", "causes", "worst"
 
-#: A largest value this many times the 99 % quantile is told as one that stands out.
+#: A largest value stands out if it is this many times the 99 % quantile.
 OUTLYING = 10.0
 
 #: Explanations for readers.
@@ -94,45 +94,45 @@ class Material:
         return self.analysis.aggregates
 
 
-def present(found: Material) -> StudyReport:
+def present(material: Material) -> StudyReport:
     """Return the contents of the report."""
-    ensemble = found.aggregates
+    ensemble = material.aggregates
     lines = method_lines(ensemble)
-    made = [method for method in ensemble.methods if method.members]
-    parts = (_methods(ensemble, lines), _distributions(ensemble, lines), _causes(found, lines), _worst(found, lines))
+    methods = [method for method in ensemble.methods if method.members]
+    parts = (_methods(ensemble, lines), _distributions(ensemble, lines), _causes(material, lines), _worst(material, lines))
     return StudyReport(
         title=f"Ensemble of {ensemble.case}",
-        headline=_headline(ensemble, made),
-        header=found.header,
-        notices=(*missing_engines(found.header), *not_supported(_asked(found))),
-        findings=tuple(findings(found)),
+        headline=_headline(ensemble, methods),
+        header=material.header,
+        notices=(*missing_engines(material.header), *not_supported(_asked(material))),
+        findings=tuple(findings(material)),
         parts=tuple(part for part in parts if part.charts or part.tables or part.animations),
         reading=READING,
     )
 
 
-def findings(found: Material) -> list[Finding]:
+def findings(material: Material) -> list[Finding]:
     """Return the findings: failures, the ranking, members that stand out, and what errors depend on."""
-    lines = method_lines(found.aggregates)
+    lines = method_lines(material.aggregates)
     return [
-        *_failures(found.aggregates, lines),
-        *_ranking(found.aggregates, lines),
-        *_outliers(found.aggregates, lines),
-        *_dependences(found, lines),
+        *_failures(material.aggregates, lines),
+        *_ranking(material.aggregates, lines),
+        *_outliers(material.aggregates, lines),
+        *_dependences(material, lines),
     ]
 
 
-def _headline(ensemble: Aggregates, made: Sequence[Method]) -> str:
-    runs = sum(method.members for method in made)
-    failed = sum(way.count for method in made for way in method.ways)
-    of = f"{count(ensemble.members, 'member')} with {count(len(made), 'method')}"
-    return f"{of}: {failed} of {count(runs, 'run')} failed" if failed else f"{of}: no run failed"
+def _headline(ensemble: Aggregates, methods: Sequence[Method]) -> str:
+    runs = sum(method.members for method in methods)
+    failed = sum(way.count for method in methods for way in method.ways)
+    size = f"{count(ensemble.members, 'member')} with {count(len(methods), 'method')}"
+    return f"{size}: {failed} of {count(runs, 'run')} failed" if failed else f"{size}: no run failed"
 
 
-def _asked(found: Material) -> list[Asked]:
+def _asked(material: Material) -> list[Asked]:
     return [
-        Asked(found.kind, method.engine_method.engine, method.engine_method.version, method.unsupported)
-        for method in found.aggregates.methods
+        Asked(material.kind, method.engine_method.engine, method.engine_method.version, method.unsupported)
+        for method in material.aggregates.methods
     ]
 
 
@@ -143,10 +143,10 @@ def _failures(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
         if method.failed and method.failed.value > 0
     ]
     sound = [method for method in ensemble.methods if method.failed and not method.failed.value]
-    told = []
+    sentences = []
     for method, line in sorted(failing, key=lambda one: -_failed(one[0]))[:MOST_NAMES]:
         ways = listing([f"{way.count} {way.name}" for way in method.ways])
-        told.append(
+        sentences.append(
             Finding(
                 "Failures",
                 f"{line.label} fails in {share_text(method)} of the members: {ways}. Member {method.ways[0].first} is the "
@@ -160,8 +160,10 @@ def _failures(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
         methods = listing(
             [line.label for method, line in zip(ensemble.methods, lines, strict=True) if method in sound], 4, "method"
         )
-        told.append(Finding("No failures", f"No member failed with {methods}: the probability is at most {percent(bound)}."))
-    return told
+        sentences.append(
+            Finding("No failures", f"No member failed with {methods}: the probability is at most {percent(bound)}.")
+        )
+    return sentences
 
 
 def _failed(method: Method) -> float:
@@ -175,15 +177,17 @@ def _ranking(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
         return []
     quantity = QUANTITIES[figure.name]
 
-    def told(place: int) -> str:
-        method, own = ensemble.methods[place], figure.distributions.get(place)
+    def in_words(index: int) -> str:
+        method, distribution = ensemble.methods[index], figure.distributions.get(index)
         failing = f"{percent(_failed(method))} failed" if _failed(method) else "none failed"
-        return f"{lines[place].label} ({failing}" + (
-            f", 99 % up to {quantity.with_unit(own.quantiles['q99'])})" if own else ")"
+        return f"{lines[index].label} ({failing}" + (
+            f", 99 % up to {quantity.with_unit(distribution.quantiles['q99'])})" if distribution else ")"
         )
 
     title = quantity.title.lower()
-    text = f"By failures and then the {title}, the best method is {told(ranked[0])}, and the last is {told(ranked[-1])}."
+    text = (
+        f"By failures and then the {title}, the best method is {in_words(ranked[0])}, and the last is {in_words(ranked[-1])}."
+    )
     wins = max(figure.best, key=figure.best.__getitem__) if figure.best else None
     most = (
         f" {lines[wins].label} has the smallest {title} in {percent(figure.best[wins])} of the members."
@@ -198,34 +202,33 @@ def _outliers(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
     figure = ensemble.figures.get(ensemble.ranking)
     if figure is None:
         return []
-    own = max(figure.distributions.values(), key=lambda one: one.largest)
-    quantity, most = QUANTITIES[figure.name], own.quantiles["q99"]
-    factor = own.largest / most if most else 0.0
+    extreme = max(figure.distributions.values(), key=lambda one: one.largest)
+    quantity, most = QUANTITIES[figure.name], extreme.quantiles["q99"]
+    factor = extreme.largest / most if most else 0.0
     stands = f", {number(factor, 2)} times its 99 % quantile" if factor >= OUTLYING else ""
-    text = (
-        f"The largest {quantity.title.lower()} is {quantity.with_unit(own.largest)}, with {lines[own.method].label} in member "
-    )
-    return [Finding("Worst member", f"{text}{own.worst}{stands}. See ", WORST, ".")]
+    text = f"The largest {quantity.title.lower()} is {quantity.with_unit(extreme.largest)}"
+    where = f"with {lines[extreme.method].label} in member {extreme.worst}"
+    return [Finding("Worst member", f"{text}, {where}{stands}. See ", WORST, ".")]
 
 
-def _dependences(found: Material, lines: Sequence[Line]) -> list[Finding]:
+def _dependences(material: Material, lines: Sequence[Line]) -> list[Finding]:
     """Return a sentence for the failures and one for the ranking figure: the number that each method depends on most."""
-    told = []
-    for figure in (FAILURE, found.aggregates.ranking):
+    sentences = []
+    for figure in (FAILURE, material.aggregates.ranking):
         strongest: dict[str, list[Dependence]] = defaultdict(list)
-        for place in range(len(lines)):
-            own = [one for one in found.analysis.dependences if (one.method, one.figure) == (place, figure)]
-            if own and (first := max(own, key=lambda one: one.share)).share >= RELEVANT:
+        for index in range(len(lines)):
+            of_method = [one for one in material.analysis.dependences if (one.method, one.figure) == (index, figure)]
+            if of_method and (first := max(of_method, key=lambda one: one.share)).share >= RELEVANT:
                 strongest[first.number].append(first)
         what = "Whether a member fails" if figure == FAILURE else f"The {QUANTITIES[figure].title.lower()}" if figure else ""
-        for name, own in strongest.items():
-            shares = sorted(one.share for one in own)
+        for name, on_number in strongest.items():
+            shares = sorted(one.share for one in on_number)
             explains = " to ".join(dict.fromkeys((percent(shares[0]), percent(shares[-1]))))
-            methods = listing([lines[one.method].label for one in own], MOST_NAMES, "method")
-            told.append(
+            methods = listing([lines[one.method].label for one in on_number], MOST_NAMES, "method")
+            sentences.append(
                 Finding("Causes", f"{what} depends most on {name} with {methods}: it explains {explains} of the variance.")
             )
-    return told
+    return sentences
 
 
 def _methods(ensemble: Aggregates, lines: Sequence[Line]) -> Part:
@@ -239,19 +242,21 @@ def _distributions(ensemble: Aggregates, lines: Sequence[Line]) -> Part:
     drawn = [ensemble.figures[name] for name in PLOTTED if name in ensemble.figures and ensemble.figures[name].edges.size]
     shown = tuple(chart for figure in drawn for chart in _charts(figure, lines))
     tables = tuple((QUANTITIES[name].label, figure_table(figure, lines)) for name, figure in ensemble.figures.items())
-    there = [line for place, line in enumerate(lines) if any(place in figure.distributions for figure in drawn)]
+    there = [line for index, line in enumerate(lines) if any(index in figure.distributions for figure in drawn)]
     return Part(ERRORS, "Distribution of errors", (), shown, tables, tuple(there))
 
 
 def _charts(figure: Figure, lines: Sequence[Line]) -> list[Chart]:
     quantity = QUANTITIES[figure.name]
     ends = [
-        f"{lines[place].label} from {number(own.quantiles['q05'], 3)} to {number(own.quantiles['q95'], 3)}"
-        for place, own in figure.distributions.items()
+        f"{lines[index].label} from {number(distribution.quantiles['q05'], 3)} to {number(distribution.quantiles['q95'], 3)}"
+        for index, distribution in figure.distributions.items()
     ]
-    of = f"{quantity.title.lower()} of the members on a log scale; nine tenths are, in {quantity.unit or 'relative units'}, for"
-    what = f"{of} {listing(ends, 6, 'method')}."
-    zeros = [lines[place].label for place, own in figure.distributions.items() if own.zeros]
+    subject = (
+        f"{quantity.title.lower()} of the members on a log scale; nine tenths are, in {quantity.unit or 'relative units'}, for"
+    )
+    what = f"{subject} {listing(ends, 6, 'method')}."
+    zeros = [lines[index].label for index, distribution in figure.distributions.items() if distribution.zeros]
     notes = [f"Errors of zero, which are not drawn, occur with {listing(zeros, MOST_NAMES, 'method')}."] if zeros else []
     if figure.truth is not None:
         median, largest = (quantity.with_unit(value) for value in figure.truth)
@@ -262,28 +267,28 @@ def _charts(figure: Figure, lines: Sequence[Line]) -> list[Chart]:
     ]
 
 
-def _causes(found: Material, lines: Sequence[Line]) -> Part:
+def _causes(material: Material, lines: Sequence[Line]) -> Part:
     texts = []
-    if found.aggregates.members > MOST_MEMBERS:
+    if material.aggregates.members > MOST_MEMBERS:
         texts.append(f"The table is computed from the first {MOST_MEMBERS} members; the maps show all of them.")
-    maps = tuple(_map(drawn, place, lines) for drawn in found.analysis.maps for place in drawn.values)
-    shown = dependence_table(found.analysis.dependences, lines)
+    maps = tuple(_map(drawn, index, lines) for drawn in material.analysis.maps for index in drawn.values)
+    shown = dependence_table(material.analysis.dependences, lines)
     return Part(CAUSES, "What errors depend on", tuple(texts), maps, (("Strongest dependences", shown),) if shown.rows else ())
 
 
-def _map(drawn: Map, place: int, lines: Sequence[Line]) -> Chart:
-    what = "Failures" if drawn.of == FAILURE else f"{QUANTITIES[drawn.of].title}"
-    alt = f"Map of the {what.lower()} of {lines[place].label} over {drawn.x} and {drawn.y}."
-    return Chart(f"{what}: {lines[place].label}", charts.failure_map(drawn, place), alt)
+def _map(drawn: Map, index: int, lines: Sequence[Line]) -> Chart:
+    what = "Failures" if drawn.figure == FAILURE else f"{QUANTITIES[drawn.figure].title}"
+    alt = f"Map of the {what.lower()} of {lines[index].label} over {drawn.x} and {drawn.y}."
+    return Chart(f"{what}: {lines[index].label}", charts.failure_map(drawn, index), alt)
 
 
-def _worst(found: Material, lines: Sequence[Line]) -> Part:
-    files = [file for file in found.files if file.name]
+def _worst(material: Material, lines: Sequence[Line]) -> Part:
+    files = [file for file in material.files if file.name]
     text = (
         f"{count(len(files), 'case file')} in the folder worst {verb(len(files), 'has', 'have')} a member that was made "
         "simpler while it fails in the same way. The command bodycheck run FILE runs it by itself."
     )
-    table = worst_table(found.aggregates, lines)
+    table = worst_table(material.aggregates, lines)
     tables = [("Worst member of each method", table)] if table.rows else []
-    tables += [("Case files of worst members", file_table(found.files))] if found.files else []
-    return Part(WORST, "Worst members", (text,) if files else (), (), tuple(tables), (), found.animations)
+    tables += [("Case files of worst members", file_table(material.files))] if material.files else []
+    return Part(WORST, "Worst members", (text,) if files else (), (), tuple(tables), (), material.animations)

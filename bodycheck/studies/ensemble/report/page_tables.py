@@ -39,23 +39,23 @@ def method_table(ensemble: Aggregates, lines: Sequence[Line]) -> Table:
     quantity = QUANTITIES[ensemble.ranking] if figure is not None else None
     heads = (f"Median {quantity.label.lower()}", "99 %", "Largest", "Smallest in") if quantity is not None else ()
     rows = []
-    for place in ensemble.ranked:
-        method = ensemble.methods[place]
+    for index in ensemble.ranked:
+        method = ensemble.methods[index]
         assert method.failed is not None  # it has members
         cells = [Entry(str(method.members), method.members), _share(method.failed.value)]
         cells += [Entry(f"{percent(method.failed.low)} to {percent(method.failed.high)}", method.failed.high)]
         if figure is not None:
-            cells += _quantiles(figure.distributions.get(place), ("q50", "q99"), with_intervals=False)
-            cells += [_share(figure.best[place]) if place in figure.best else Entry("–")]
+            cells += _quantiles(figure.distributions.get(index), ("q50", "q99"), with_intervals=False)
+            cells += [_share(figure.best[index]) if index in figure.best else Entry("–")]
         each = 1e6 * method.wall_time / method.members
-        rows.append((*_key(lines[place], method), *cells, Entry(number(each, 3), each)))
+        rows.append((*_key(lines[index], method), *cells, Entry(number(each, 3), each)))
     columns = (*KEYS, "Members", "Failed", "Interval", *heads, "Time per member, µs")
     notes = ("“Smallest in” is the share of the members in which the method has the smallest figure of all methods.",)
     return Table(
         columns=columns,
         numeric=(False,) * len(KEYS) + (True,) * (len(columns) - len(KEYS)),
         rows=tuple(rows),
-        failed=tuple(bool(ensemble.methods[place].ways) for place in ensemble.ranked),
+        failed=tuple(bool(ensemble.methods[index].ways) for index in ensemble.ranked),
         notes=notes if figure is not None and figure.best else (),
     )
 
@@ -87,12 +87,12 @@ def figure_table(figure: Figure, lines: Sequence[Line]) -> Table:
     """Return the table of the quantiles of one figure."""
     rows = tuple(
         (
-            *(Entry(text) for text in (lines[place].engine, lines[place].integrator, milliseconds(lines[place].timestep))),
-            Entry(str(own.count), own.count),
-            *_quantiles(own, ("q05", "q50", "q95", "q99")),
-            Entry(str(own.worst), own.worst),
+            *(Entry(text) for text in (lines[index].engine, lines[index].integrator, milliseconds(lines[index].timestep))),
+            Entry(str(distribution.count), distribution.count),
+            *_quantiles(distribution, ("q05", "q50", "q95", "q99")),
+            Entry(str(distribution.worst), distribution.worst),
         )
-        for place, own in figure.distributions.items()
+        for index, distribution in figure.distributions.items()
     )
     return Table(
         columns=(*KEYS, "Members", "5 %", "Median", "95 %", "99 %", "Largest", "In member"),
@@ -103,9 +103,9 @@ def figure_table(figure: Figure, lines: Sequence[Line]) -> Table:
     )
 
 
-def dependence_table(found: Sequence[Dependence], lines: Sequence[Line]) -> Table:
+def dependence_table(dependences: Sequence[Dependence], lines: Sequence[Line]) -> Table:
     """Return the table of the strongest dependences on drawn numbers."""
-    relevant = sorted((one for one in found if one.share >= RELEVANT), key=lambda one: -one.share)
+    relevant = sorted((one for one in dependences if one.share >= RELEVANT), key=lambda one: -one.share)
     shown = relevant[:MOST_DEPENDENCES]
     rows = tuple(
         (
@@ -117,7 +117,7 @@ def dependence_table(found: Sequence[Dependence], lines: Sequence[Line]) -> Tabl
         )
         for one in shown
     )
-    less = len(found) - len(shown)
+    less = len(dependences) - len(shown)
     return Table(
         columns=("Method", "Figure", "Drawn number", "Share of the variance", "Rank correlation"),
         numeric=(False, False, False, True, True),
@@ -133,12 +133,14 @@ def worst_table(ensemble: Aggregates, lines: Sequence[Line]) -> Table:
         (
             *_key(line, method),
             Entry(QUANTITIES[name].title),
-            Entry(QUANTITIES[name].with_unit(own.largest), own.largest),
-            Entry(str(own.worst), own.worst),
+            Entry(QUANTITIES[name].with_unit(distribution.largest), distribution.largest),
+            Entry(str(distribution.worst), distribution.worst),
         )
-        for place, (method, line) in enumerate(zip(ensemble.methods, lines, strict=True))
+        for index, (method, line) in enumerate(zip(ensemble.methods, lines, strict=True))
         for name, figure in ensemble.figures.items()
-        if (own := figure.distributions.get(place)) is not None and own.largest > 0 and QUANTITIES[name].bounded
+        if (distribution := figure.distributions.get(index)) is not None
+        and distribution.largest > 0
+        and QUANTITIES[name].bounded
     ]
     return Table(
         columns=(*KEYS, "Figure", "Largest", "Member"),
@@ -172,15 +174,15 @@ def _share(value: float) -> Entry:
     return Entry(percent(value), value)
 
 
-def _quantiles(own: Distribution | None, names: Sequence[str], with_intervals: bool = True) -> list[Entry]:
+def _quantiles(distribution: Distribution | None, names: Sequence[str], with_intervals: bool = True) -> list[Entry]:
     """Return the cells of quantiles, with their intervals where these are known, and of the largest value."""
-    if own is None:
+    if distribution is None:
         return [Entry("–")] * (len(names) + 1)
     cells = []
     for name in names:
-        value, interval = own.quantiles[name], own.intervals.get(name)
+        value, interval = distribution.quantiles[name], distribution.intervals.get(name)
         text = number(value, 3)
         if with_intervals and interval is not None and interval[0] < interval[1]:
             text += f" ({number(interval[0], 3)}–{number(interval[1], 3)})"
         cells.append(Entry(text, value))
-    return [*cells, Entry(number(own.largest, 3), own.largest)]
+    return [*cells, Entry(number(distribution.largest, 3), distribution.largest)]

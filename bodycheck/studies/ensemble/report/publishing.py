@@ -13,8 +13,8 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.members import compaction
 from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.header import EnsembleHeader
-from bodycheck.studies.ensemble.report import kept, page
-from bodycheck.studies.ensemble.report.reporting import Made, material
+from bodycheck.studies.ensemble.report import page
+from bodycheck.studies.ensemble.report.reporting import Made, keep_shown, material
 from bodycheck.studies.ensemble.rows import DEPENDENCES, ROWS
 from bodycheck.studies.ensemble.worst_members import playing, worst
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def write(
-    made: Made,
+    results: Made,
     folder: Path,
     case: Case,
     header: EnsembleHeader,
@@ -36,7 +36,7 @@ def write(
 
     Parameters
     ----------
-    made
+    results
         What `reporting.read` returned.
     folder
         The folder of the runs.
@@ -57,16 +57,16 @@ def write(
     NotWritten
         A file cannot be written.
     """
-    analysis, origins = made.analysis, [origin.origin(header, {case.name: case.text})]
+    analysis, origins = results.analysis, [origin.origin(header, {case.name: case.text})]
     csv_tables.write(folder, ROWS, analysis.aggregates.rows(), origins)
     csv_tables.write(folder, DEPENDENCES, analysis.dependence_rows(), origins)
-    files, animations = ((), ()) if text_of is None else _run_worst(made, folder, case, header, text_of, jobs, progress)
-    kept.write(folder, files, animations)
+    files, animations = ((), ()) if text_of is None else _run_worst(results, folder, case, header, text_of, jobs, progress)
+    keep_shown(folder, files, animations)
     reports.write_study(page.present(material(case, header, analysis, files, animations)), folder, formats)
 
 
 def _run_worst(
-    made: Made,
+    results: Made,
     folder: Path,
     case: Case,
     header: EnsembleHeader,
@@ -81,4 +81,4 @@ def _run_worst(
     del ensemble  # it is large
     files = tuple(page.File(one.way.member, one.path.name if one.path else "", one.title) for one in written)
     with temporary_folder() as runs:
-        return files, playing.animations(made.analysis.aggregates, text_of, runs, header, jobs)
+        return files, playing.animations(results.analysis.aggregates, text_of, runs, header, jobs)

@@ -1,5 +1,11 @@
-"""The findings of an ensemble and the material of its report, from its files. Nothing is run."""
+"""The findings of an ensemble and the material of its report, from its files. Nothing is run.
 
+What a report shows of runs that were made for it, the files and animations of worst members, is stored so that the report can
+be made again.
+"""
+
+import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -8,6 +14,8 @@ import numpy as np
 
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case
+from bodycheck.errors import BadFolder
+from bodycheck.files import reading, writing
 from bodycheck.reference.requirements import needs
 from bodycheck.reports.quantities import count
 from bodycheck.reports.study import Animation
@@ -17,6 +25,12 @@ from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import chosen
 from bodycheck.studies.ensemble.header import EnsembleHeader
 from bodycheck.studies.ensemble.report import page
+
+#: The file, inside the folder of an ensemble, with what its report shows of runs that were made for it.
+SHOWN = Path("worst", "report.json")
+
+#: The largest size of the file in bytes: some animations of 200 kB each.
+MAX_BYTES = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +81,10 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
     """
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     analysis = analyse(ensemble)
-    found = page.findings(material(case, header, analysis))
+    findings = page.findings(material(case, header, analysis))
     # Where a finding of the page leads to a part of it, a sentence on the terminal ends.
-    told = ((one.subject, one.before.removesuffix(" See ") if one.where else one.text) for one in found)
-    sentences = tuple(f"{subject}: {text}" for subject, text in told)
+    subjects = ((one.subject, one.before.removesuffix(" See ") if one.where else one.text) for one in findings)
+    sentences = tuple(f"{subject}: {text}" for subject, text in subjects)
     return Made(analysis, sentences, broken(ensemble, case), len(chosen(case, ensemble)))
 
 
@@ -79,18 +93,18 @@ def broken(ensemble: Ensemble, case: Case) -> tuple[str, ...]:
 
     Where no expectation concerns a method, its failures are results.
     """
-    told = []
-    for place, by in enumerate(ensemble.methods):
+    sentences = []
+    for index, by in enumerate(ensemble.methods):
         method = Method.parse(by.integrator, by.timestep)
         concerned = any(expectation.concerns(by.engine, method) for expectation in case.expectations)
-        members = np.flatnonzero(ensemble.broken[place] & ensemble.supported[place])
+        members = np.flatnonzero(ensemble.broken[index] & ensemble.supported[index])
         if concerned and members.size:
             first = int(members[0])
-            reason = ensemble.reasons(place, [first]).get(first, "")
-            of = f"{members.size} of {count(int(np.count_nonzero(ensemble.supported[place])), 'member')}"
+            reason = ensemble.reasons(index, [first]).get(first, "")
+            how_many = f"{members.size} of {count(int(np.count_nonzero(ensemble.supported[index])), 'member')}"
             named = f"{case.name}, {by.engine} {by.integrator} at {by.timestep:g} s"
-            told.append(f"{named}: {of}, the first is member {ensemble.members[first]}: {reason}")
-    return tuple(told)
+            sentences.append(f"{named}: {how_many}, the first is member {ensemble.members[first]}: {reason}")
+    return tuple(sentences)
 
 
 def material(
@@ -102,3 +116,30 @@ def material(
 ) -> page.Material:
     """Return what a report is made of. The case files of worst members and the animations are those that the report shows."""
     return page.Material(header, needs(case.scene).kind, analysis, files, animations)
+
+
+def keep_shown(folder: Path, files: Sequence[page.File], animations: Sequence[Animation]) -> None:
+    """Write the case files of worst members that a report names, and its animations. Raises `NotWritten`."""
+    content = {"files": [file._asdict() for file in files], "animations": [asdict(one) for one in animations]}
+    writing.write(folder / SHOWN, json.dumps(content, allow_nan=False).encode("ascii"), folder)
+
+
+def shown(folder: Path) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
+    """Return what `keep_shown` wrote; nothing if there is no file. Raises `BadFolder` if it is damaged."""
+    path = folder / SHOWN
+    if not path.exists():
+        return (), ()
+    try:
+        content = json.loads(reading.content(path, MAX_BYTES))
+        files = tuple(page.File(int(one["member"]), str(one["name"]), str(one["title"])) for one in content["files"])
+        return files, tuple(map(_animation, content["animations"]))
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise BadFolder(f"{path}: damaged: {type(error).__name__}: {error}") from error
+
+
+def _animation(stored: Any) -> Animation:
+    """Return an animation that was stored. Raises `TypeError` and `KeyError` for anything else."""
+    data = stored["data"]
+    if not (data is None or isinstance(data, dict)):
+        raise TypeError("the data of an animation is no object")
+    return Animation(str(stored["title"]), data, str(stored["alt"]), tuple(map(str, stored["notes"])))

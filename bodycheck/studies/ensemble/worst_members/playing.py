@@ -23,7 +23,7 @@ MOST_CHARACTERS = 200_000
 
 
 def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
-    """Return the members that are shown, each with the places of the methods that are run with it.
+    """Return the members that are shown, each with the indices of the methods that are run with it.
 
     They are the members with the largest value of the figure that methods are ranked by, those of the worst methods first. The
     methods are the one that it is the worst member of, and the best others with the same time step.
@@ -31,17 +31,17 @@ def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
     figure = ensemble.figures.get(ensemble.ranking)
     if figure is None:
         return {}
-    found: dict[int, list[int]] = {}
-    for place in reversed(ensemble.ranked):
-        own = figure.distributions.get(place)
-        if own is None or own.worst in found or len(found) == MOST_MEMBERS:
+    methods_by_member: dict[int, list[int]] = {}
+    for index in reversed(ensemble.ranked):
+        distribution = figure.distributions.get(index)
+        if distribution is None or distribution.worst in methods_by_member or len(methods_by_member) == MOST_MEMBERS:
             continue
-        step = ensemble.methods[place].engine_method.timestep
+        step = ensemble.methods[index].engine_method.timestep
         others = [
-            other for other in ensemble.ranked if other != place and ensemble.methods[other].engine_method.timestep == step
+            other for other in ensemble.ranked if other != index and ensemble.methods[other].engine_method.timestep == step
         ]
-        found[own.worst] = [place, *others[: MOST_METHODS - 1]]
-    return found
+        methods_by_member[distribution.worst] = [index, *others[: MOST_METHODS - 1]]
+    return methods_by_member
 
 
 def animations(
@@ -68,9 +68,9 @@ def animations(
     """
     members, lines = chosen(ensemble), method_lines(ensemble)
     cases = {member: parse(text_of(member), f"member {member}") for member in members}
-    keys = {place: ensemble.methods[place].engine_method.key("") for places in members.values() for place in places}
+    keys = {index: ensemble.methods[index].engine_method.key("") for places in members.values() for index in places}
     tasks = [
-        Task(cases[member], keys[place].engine, keys[place].method) for member, places in members.items() for place in places
+        Task(cases[member], keys[index].engine, keys[index].method) for member, places in members.items() for index in places
     ]
     if not tasks:
         return ()
@@ -84,14 +84,14 @@ def animations(
     title = QUANTITIES[ensemble.ranking].title.lower()
     shown = []
     for member, places in members.items():
-        own = {
-            lines[place]: verdict
-            for place in places
+        by_line = {
+            lines[index]: verdict
+            for index in places
             for verdict in verdicts
             if (verdict.run.case, verdict.run.engine, verdict.run.method)
-            == (cases[member].name, keys[place].engine, keys[place].method)
+            == (cases[member].name, keys[index].engine, keys[index].method)
         }
-        played = animated(cases[member].scene, own, truths[member], MOST_CHARACTERS)
+        played = animated(cases[member].scene, by_line, truths[member], MOST_CHARACTERS)
         if played is not None:
             heading = f"Member {member}, with the largest {title} of {lines[places[0]].label}"
             shown.append(Animation(heading, played.data, played.alt, played.notes))

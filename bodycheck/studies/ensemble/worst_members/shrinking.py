@@ -163,13 +163,13 @@ def _parts(document: Document) -> Iterator[Path]:
         for key, value in document.get(table, {}).items():
             yield table, key
             if isinstance(value, list) and key != "quaternion":
-                yield from ((table, key, place) for place, component in enumerate(value) if component != 0)
+                yield from ((table, key, index) for index, component in enumerate(value) if component != 0)
     body = document["body"]
     if "shape" in body and "inertia" in body:
         yield "body", "inertia"
     for key in ("particles", "parts"):
         if 1 < len(body.get(key, ())) <= MOST_PARTS:
-            yield from (("body", key, place) for place in range(len(body[key])))
+            yield from (("body", key, index) for index in range(len(body[key])))
 
 
 def _numbers(document: Document) -> Iterator[tuple[Path, float]]:
@@ -180,27 +180,27 @@ def _numbers(document: Document) -> Iterator[tuple[Path, float]]:
         if isinstance(value, dict):
             left += [((*path, key), one) for key, one in value.items() if key != "quaternion"]
         elif isinstance(value, list):
-            left += [((*path, place), one) for place, one in enumerate(value)]
+            left += [((*path, index), one) for index, one in enumerate(value)]
         elif isinstance(value, float | int) and value != 0:
             yield path, float(value)
 
 
 def _with(document: Document, changes: dict[Path, Any]) -> Document:
     """Return a document with other values at some places; tables that it lacks are added."""
-    made = deepcopy(document)
+    changed = deepcopy(document)
     for (*path, last), value in changes.items():
-        table: Any = made
+        table: Any = changed
         for key in path:
             table = table.setdefault(key, {}) if isinstance(table, dict) else table[key]
         table[last] = value
-    return made
+    return changed
 
 
 def _without(document: Document, parts: Sequence[Path]) -> Document:
     """Return a document without some parts; a component of a vector becomes zero."""
-    made = deepcopy(document)
+    shorter = deepcopy(document)
     for *path, last in reversed(parts):
-        table: Any = made
+        table: Any = shorter
         for key in path:
             table = table.get(key, {}) if isinstance(table, dict) else table[key]
         if isinstance(table, dict):
@@ -209,7 +209,7 @@ def _without(document: Document, parts: Sequence[Path]) -> Document:
             del table[last]
         else:
             table[last] = 0.0
-    return _tidy(made)
+    return _tidy(shorter)
 
 
 def _tidy(document: Document) -> Document:

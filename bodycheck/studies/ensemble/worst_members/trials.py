@@ -73,12 +73,12 @@ def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
     with pool.caller(_carry_out, limit, group=_group, home=engines.home) as ask:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
-            made = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
-            flown = [(place, one) for place, one in enumerate(made) if isinstance(one, Run)]
-            pairs = [(cases[place], one) for place, one in flown]
+            runs = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
+            flown = [(index, one) for index, one in enumerate(runs) if isinstance(one, Run)]
+            pairs = [(cases[index], one) for index, one in flown]
             compared = _asked(ask, lambda some: _Comparisons(tuple(some)), pairs)
-            found = dict(zip((place for place, _ in flown), compared, strict=True))
-            answers = [found.get(place, one) for place, one in enumerate(made)]
+            figures = dict(zip((index for index, _ in flown), compared, strict=True))
+            answers = [figures.get(index, one) for index, one in enumerate(runs)]
             return [one if isinstance(one, Tried) else Tried(one.status, one.reason) for one in answers]
 
         yield tried
@@ -91,10 +91,10 @@ def _asked(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], 
         answer = ask(question(items[first:last]))
         return [answer] * (last - first) if isinstance(answer, TimedOut) else answer
 
-    found: list[Any] = []
+    answers: list[Any] = []
     for _, answer in in_halves(attempt, 0, len(items)) if items else ():
-        found += [answer] if isinstance(answer, Crashed | TimedOut) else answer
-    return found
+        answers += [answer] if isinstance(answer, Crashed | TimedOut) else answer
+    return answers
 
 
 def _group(question: _Runs | _Comparisons) -> str | None:
@@ -105,16 +105,16 @@ def _carry_out(question: _Runs | _Comparisons) -> list[Run] | list[Tried]:
     """Answer a question; a worker process calls this."""
     if isinstance(question, _Runs):
         return [run(case, question.engine, question.method) for case in question.cases]
-    return [_compared(case, made) for case, made in question.runs]
+    return [_compared(case, case_run) for case, case_run in question.runs]
 
 
-def _compared(case: Case, made: Run) -> Tried:
-    outcome = made.outcome
+def _compared(case: Case, case_run: Run) -> Tried:
+    outcome = case_run.outcome
     if not isinstance(outcome, Completed):
-        return Tried(outcome.status, outcome.reason, version=made.version)
+        return Tried(outcome.status, outcome.reason, version=case_run.version)
     try:
-        known = truth(case.scene, outcome.trajectory.t, vouched=False)
+        exact = truth(case.scene, outcome.trajectory.t, vouched=False)
     except (NotModelled, OutOfReach) as error:
-        return Tried(Unsupported.status, str(error), version=made.version)
-    figures = compare(known, made).maxima()
-    return Tried(outcome.status, "", figures, floors(known, figures), made.version)
+        return Tried(Unsupported.status, str(error), version=case_run.version)
+    figures = compare(exact, case_run).maxima()
+    return Tried(outcome.status, "", figures, floors(exact, figures), case_run.version)

@@ -79,13 +79,13 @@ def write(
     progress
         Called for each member that was treated.
     """
-    found = []
+    written = []
     with trials() as tried:
         for way, others in chosen(case, ensemble):
-            made = _write_one(folder, case.name, way, others, text_of(way.member), origin, tried)
-            found += [made] if made is not None else []
+            member = _write_one(folder, case.name, way, others, text_of(way.member), origin, tried)
+            written += [member] if member is not None else []
             progress(f"worst member {way.member}")
-    return found
+    return written
 
 
 def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: str, origin: str, tried: Trials) -> Worst | None:
@@ -116,9 +116,9 @@ def _simplest(drawn: Document, way: Way, tried: Trials) -> Document:
 
     def fails(documents: Sequence[Document]) -> list[bool]:
         nonlocal over
-        made = [None] * len(documents) if over else _tried(documents, way, tried)
-        over = over or any(one is not None and one.status == TimedOut.status for one in made)
-        return [one is not None and _fails(way, one) for one in made]
+        outcomes = [None] * len(documents) if over else _tried(documents, way, tried)
+        over = over or any(one is not None and one.status == TimedOut.status for one in outcomes)
+        return [one is not None and _fails(way, one) for one in outcomes]
 
     # A run that ends its process costs a new one, so that no more of them are made than are needed.
     return shrink(drawn, fails, way.method.timestep, block=1 if way.status == Crashed.status else BLOCK)
@@ -165,14 +165,14 @@ def _tried(documents: Sequence[Document], way: Way, tried: Trials) -> list[Tried
     """Return what came of documents with the method of a way of failing; None for one that is no valid case."""
     method = Method.parse(way.method.integrator, way.method.timestep)
     cases: dict[int, Case] = {}
-    for place, document in enumerate(documents):
+    for index, document in enumerate(documents):
         try:
-            cases[place] = parse(short(document), "")
-            check_timestep(cases[place], method.timestep)
+            cases[index] = parse(short(document), "")
+            check_timestep(cases[index], method.timestep)
         except BadInput:
-            cases.pop(place, None)
-    made = dict(zip(cases, tried(way.method.engine, method, list(cases.values())), strict=True))
-    return [made.get(place) for place in range(len(documents))]
+            cases.pop(index, None)
+    outcomes = dict(zip(cases, tried(way.method.engine, method, list(cases.values())), strict=True))
+    return [outcomes.get(index) for index in range(len(documents))]
 
 
 def _title(way: Way, tried: Tried) -> str:
@@ -190,7 +190,7 @@ def _comments(case: str, way: Way, others: Sequence[Way], origin: str, simplifie
     how = "made simpler while it fails in the same way" if simplified else "as it was drawn"
     first = f"Member {way.member} of the ensemble {case} ({origin}), {how}."
     if way.limit is not None and way.value is not None:
-        there = f"In the ensemble its {way.limit.name} is {way.value:.3g}{unit(way.limit.name)}. {way.told}"
+        there = f"In the ensemble its {way.limit.name} is {way.value:.3g}{unit(way.limit.name)}. {way.explanation}"
     else:
         there = f"It is the first member whose run with this method has the status {way.status}."
     names = list(dict.fromkeys(other.name for other in others if other.name != way.name))

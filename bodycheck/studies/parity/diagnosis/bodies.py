@@ -36,14 +36,16 @@ TRACE = 1e-11
 OF_BODIES: tuple[Quantity, ...] = ("mass", "center_of_mass", "inertia")
 
 
-def faults(own: Comparison) -> Iterator[Fault]:
+def faults(comparison: Comparison) -> Iterator[Fault]:
     """Yield a fault for each number of a body that differs from the file."""
-    told = {body.name: body for body in own.reading.bodies}
-    for link in own.found.bodies.links:
-        rows = {row.quantity: row for row in own.rows if row.subject == link.name and row.quantity in OF_BODIES}
+    bodies_read = {body.name: body for body in comparison.reading.bodies}
+    for link in comparison.match.bodies.links:
+        rows = {row.quantity: row for row in comparison.rows if row.subject == link.name and row.quantity in OF_BODIES}
         wrong = [quantity for quantity, row in rows.items() if row.status == "differs" and quantity is not None]
         if wrong:
-            yield from of_body(own.found.model, link, told[link.name], wrong, set(told), max(SAME, own.tolerance))
+            yield from of_body(
+                comparison.match.model, link, bodies_read[link.name], wrong, set(bodies_read), max(SAME, comparison.tolerance)
+            )
 
 
 def of_body(
@@ -84,16 +86,16 @@ def of_body(
 def parts(model: RobotModel, body: str, kept: set[str]) -> tuple[Part, ...]:
     """Return the links of the file that belong to a body of the engine, itself first."""
     names = [link.name for link in model.links]
-    found: list[Part] = []
+    joined: list[Part] = []
     waiting: list[tuple[int, tuple[tuple[np.ndarray, np.ndarray], ...]]] = [(names.index(body), ())]
     while waiting:
-        place, welds = waiting.pop(0)
-        found.append(Part(names[place], inertial(model.links[place]), welds))
+        index, welds = waiting.pop(0)
+        joined.append(Part(names[index], inertial(model.links[index]), welds))
         for joint in model.joints:
-            if joint.parent == place and joint.type == "fixed" and names[joint.child] not in kept:
+            if joint.parent == index and joint.type == "fixed" and names[joint.child] not in kept:
                 weld = (np.asarray(joint.rotation, np.float64), np.asarray(joint.position, np.float64))
                 waiting.append((joint.child, (*welds, weld)))
-    return tuple(found)
+    return tuple(joined)
 
 
 def _cause(quantity: Quantity, engine: Inertial, truth: Inertial, wrong: list[Quantity], near: float) -> Cause:
@@ -140,7 +142,9 @@ def _is_joined_wrongly(engine: Inertial, truth: Inertial, joined: tuple[Part, ..
 
     The tensors of the links may be turned besides, which leaves the trace of their sum as it is.
     """
-    reach = max(float(np.linalg.norm(own.own.centre)) + sum(float(np.linalg.norm(at)) for _, at in own.welds) for own in joined)
+    reach = max(
+        float(np.linalg.norm(part.inertial.centre)) + sum(float(np.linalg.norm(at)) for _, at in part.welds) for part in joined
+    )
     for wrong in joined_wrongly(joined):
         size = size_of(wrong.tensor, engine.tensor)
         if (
@@ -165,13 +169,13 @@ def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, 
     if same(engine.centre, truth.centre, reach, near) or abs(engine.mass - truth.mass) > near * truth.mass:
         return False
     right = [placed(part) for part in joined]
-    for place, part in enumerate(right[1:], start=1):
+    for index, part in enumerate(right[1:], start=1):
         if part.mass:
-            others = np.sum([own.mass * own.centre for own in right if own is not part], axis=0)
+            others = np.sum([other.mass * other.centre for other in right if other is not part], axis=0)
             moved = Inertial(part.mass, (engine.mass * engine.centre - others) / part.mass, part.tensor)
-            made = joined_inertials([*right[:place], moved, *right[place + 1 :]])
-            turned = not same(made.tensor, engine.tensor, size_of(made.tensor), near)
-            if _same_trace(made, engine) and (turned or _is_turned_place(joined[place], moved.centre, near * reach)):
+            whole = joined_inertials([*right[:index], moved, *right[index + 1 :]])
+            turned = not same(whole.tensor, engine.tensor, size_of(whole.tensor), near)
+            if _same_trace(whole, engine) and (turned or _is_turned_place(joined[index], moved.centre, near * reach)):
                 return True
     return False
 
@@ -192,10 +196,10 @@ def _is_filled(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near
     What it has more is then a body by itself.
     """
     mass = engine.mass - truth.mass
-    if mass <= near * engine.mass or all(part.own.mass for part in joined):
+    if mass <= near * engine.mass or all(part.inertial.mass for part in joined):
         return False
     centre = (engine.mass * engine.centre - truth.mass * truth.centre) / mass
-    about = [own.tensor + steiner(own.mass, own.centre) for own in (engine, truth)]
+    about = [side.tensor + steiner(side.mass, side.centre) for side in (engine, truth)]
     low, middle, high = np.linalg.eigvalsh(about[0] - about[1] - steiner(mass, centre))
     return bool(low >= -near * high and low + middle >= (1 - near) * high)
 
@@ -236,7 +240,7 @@ def _read(body: ReadBody, link: RobotLink) -> Inertial:
     )
 
 
-def attributes(own: Inertial) -> dict[str, Any]:
+def attributes(body: Inertial) -> dict[str, Any]:
     """Return the attributes of a link, which have the names of the quantities."""
-    centre, tensor_ = (np.asarray(part, np.longdouble) for part in (own.centre, own.tensor))
-    return {"mass": own.mass, "center_of_mass": centre, "inertia": tensor_}
+    centre, tensor_ = (np.asarray(part, np.longdouble) for part in (body.centre, body.tensor))
+    return {"mass": body.mass, "center_of_mass": centre, "inertia": tensor_}

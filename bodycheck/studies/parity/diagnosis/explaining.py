@@ -8,10 +8,13 @@ largest part of it. What is left is looked for in what the engine computes. What
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from bodycheck.reference.robots.model import RobotModel
-from bodycheck.studies.parity.aligning import model_terms
-from bodycheck.studies.parity.comparing import Comparison, at
-from bodycheck.studies.parity.diagnosis import bodies, frames, hidden, joints, ordering, passive
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.aligning import model_terms, selected
+from bodycheck.studies.parity.comparing import Comparison, at, with_engine
+from bodycheck.studies.parity.diagnosis import bodies, frames, hidden, joints, passive
 from bodycheck.studies.parity.diagnosis.fault import Fault, changed
 from bodycheck.studies.parity.quantities import MODEL, TERMS, Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
@@ -24,19 +27,22 @@ STATES = 8
 #: The part of a difference that recomputed faults may leave.
 LEFT = 1e-7
 
+#: Difference of entries of mass matrices, relative to the roots of their diagonal, below which they are the same.
+SAME = 1e-7
+
 
 @dataclass(frozen=True, eq=False)
 class _Case:
     """A comparison at all states and at a few of them, and the faults found so far."""
 
-    own: Comparison
+    whole: Comparison
     few: Comparison
     faults: tuple[Fault, ...]
 
     def terms(self, faults: Sequence[Fault]) -> Stack:
         """Return the terms of the file's model with faults in it, at the few states."""
-        model = changed(self.few.found.bodies, faults)
-        return model_terms(model, self.few.found, self.few.motion, self.few.asked.gravity)
+        model = changed(self.few.match.bodies, faults)
+        return model_terms(model, self.few.match, self.few.motion, self.few.asked.gravity)
 
     def gap(self, quantity: Quantity, terms: Stack) -> Apart | None:
         """Return how far the engine is from terms, at the few states."""
@@ -59,36 +65,38 @@ class Diagnosis:
     model: RobotModel | None
 
 
-def diagnosed(own: Comparison) -> Diagnosis:
+def diagnosed(comparison: Comparison) -> Diagnosis:
     """Return the causes of the differences in a comparison."""
-    found = ordering.reordered(own)
-    if found is not None:
-        own = found[0]
-    if not any(row.status == "differs" for row in own.rows):
-        return Diagnosis(own.rows, None)
-    told = (*bodies.faults(own), *joints.faults(own), *frames.faults(own))
-    case = _Case(own, at(own, _places(own)), told)
+    in_true_order = reordered(comparison)
+    if in_true_order is not None:
+        comparison = in_true_order
+    if not any(row.status == "differs" for row in comparison.rows):
+        return Diagnosis(comparison.rows, None)
+    numbers_told = (*bodies.faults(comparison), *joints.faults(comparison), *frames.faults(comparison))
+    case = _Case(comparison, at(comparison, _places(comparison)), numbers_told)
     causes: dict[Quantity, Cause] = {}
-    different = [row.quantity for row in own.rows if row.quantity in TERMS and row.status == "differs"]
+    different = [row.quantity for row in comparison.rows if row.quantity in TERMS and row.status == "differs"]
     if different:
-        case, causes = _explained(case, [quantity for quantity in TERMS if quantity in different], found is not None)
-    rows = tuple(_with_causes(own.rows, case.faults, causes))
+        ordered = [quantity for quantity in TERMS if quantity in different]
+        case, causes = _explained(case, ordered, in_true_order is not None)
+    rows = [_with_cause(row, case.faults, causes) for row in comparison.rows]
     changing = [fault for fault in case.faults if fault.link or fault.joint]
-    return Diagnosis(rows, changed(own.found.bodies, changing) if changing else None)
+    model = changed(comparison.match.bodies, changing) if changing else None
+    return Diagnosis((*rows, *_rows_of_faults(case.faults, rows)), model)
 
 
-def _places(own: Comparison) -> list[int]:
-    """Return the places of a few states: those with the largest difference of each quantity, and the first ones."""
-    gaps = [apart(quantity, own.engine, own.truth, own.sizes) for quantity in TERMS]
-    worst = dict.fromkeys(gap.state for gap in gaps if gap is not None and gap.relative > own.tolerance)
-    return list(dict.fromkeys([*worst, *range(len(own.motion.states))]))[: max(STATES, len(worst))]
+def _places(comparison: Comparison) -> list[int]:
+    """Return the indices of a few states: those with the largest difference of each quantity, and the first ones."""
+    gaps = [apart(quantity, comparison.engine, comparison.truth, comparison.sizes) for quantity in TERMS]
+    worst = dict.fromkeys(gap.state for gap in gaps if gap is not None and gap.relative > comparison.tolerance)
+    return list(dict.fromkeys([*worst, *range(len(comparison.motion.states))]))[: max(STATES, len(worst))]
 
 
-def _explained(case: _Case, different: Sequence[Quantity], reordered: bool) -> tuple[_Case, dict[Quantity, Cause]]:
+def _explained(case: _Case, different: Sequence[Quantity], is_reordered: bool) -> tuple[_Case, dict[Quantity, Cause]]:
     """Return a case with all faults that were found, and the causes of the terms that differ."""
     case, terms = _used(case, different)
     if "mass_matrix" in different and not _made(case, "mass_matrix", terms):
-        more = tuple(hidden.faults(case.few, terms, changed(case.own.found.bodies, case.faults)))
+        more = tuple(hidden.faults(case.few, terms, changed(case.whole.match.bodies, case.faults)))
         if more:
             case = replace(case, faults=(*case.faults, *more))
             terms = case.terms(case.faults)
@@ -101,7 +109,7 @@ def _explained(case: _Case, different: Sequence[Quantity], reordered: bool) -> t
             case, causes[quantity] = _passive(case, quantity)
         else:
             causes[quantity] = "unexplained"
-    if reordered:
+    if is_reordered:
         causes = {name: "coordinate-order" if cause == "unexplained" else cause for name, cause in causes.items()}
     return case, causes
 
@@ -127,7 +135,7 @@ def _made(case: _Case, quantity: Quantity, terms: Stack) -> bool:
     now, before = case.gap(quantity, terms), case.gap(quantity, case.few.truth)
     if now is None or before is None:
         return False
-    return now.relative <= max(case.own.tolerance, LEFT * before.relative)
+    return now.relative <= max(case.whole.tolerance, LEFT * before.relative)
 
 
 def _alone(case: _Case) -> dict[Cause, Stack]:
@@ -147,18 +155,18 @@ def _largest(case: _Case, quantity: Quantity, alone: Mapping[Cause, Stack]) -> C
 
 def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
     """Return a case with those passive forces in which an engine differs from the file, and the cause for a quantity."""
-    step = passive.implicit_step(case.own) if quantity == "forward_dynamics" else None
+    step = passive.implicit_step(case.whole) if quantity == "forward_dynamics" else None
     if step is not None:
-        return replace(case, faults=(*case.faults, *passive.implicit(case.own, step))), "representation"
-    more = tuple(passive.faults(case.own, quantity))
+        return replace(case, faults=(*case.faults, *passive.implicit(case.whole, step))), "representation"
+    more = tuple(passive.faults(case.whole, quantity))
     if not more:
         frictionless = [
-            Fault("representation", "friction", joint.name, joint={"friction": 0.0}) for joint in case.own.found.model.joints
+            Fault("representation", "friction", joint.name, joint={"friction": 0.0}) for joint in case.whole.match.model.joints
         ]
         without = case.terms([*case.faults, *frictionless])
         if not passive.is_friction_of_a_constraint(case.few, quantity, without):
             return case, "unexplained"
-        return replace(case, faults=(*case.faults, *passive.constraints(case.own, quantity))), "representation"
+        return replace(case, faults=(*case.faults, *passive.constraints(case.whole, quantity))), "representation"
     everything = [*case.faults, *more]
     if not _made(case, quantity, case.terms(everything)):
         return case, "unexplained"
@@ -167,23 +175,32 @@ def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
     return replace(case, faults=(*case.faults, *more)), chosen
 
 
-def _with_causes(rows: Iterable[Compared], faults: Sequence[Fault], causes: dict[Quantity, Cause]) -> Iterable[Compared]:
-    """Yield rows with their causes, and then those rows of faults whose subject no row names."""
-    by_fault = {(fault.quantity, fault.subject): fault.cause for fault in faults}
-    named = set()
-    for row in rows:
-        if row.status == "differs" and not row.cause:
-            cause = by_fault.get((row.quantity, row.subject)) if row.quantity is not None else None
-            if row.quantity in causes and row.subject == MODEL:
-                cause = causes[row.quantity]
-            row = replace(row, cause=cause or _of_rest(row, faults))
-        named.add((row.quantity, row.subject, row.status))
-        yield row
-    more: dict[tuple[Quantity | None, str, Cause], Compared] = {}
+def _with_cause(row: Compared, faults: Sequence[Fault], term_causes: Mapping[Quantity, Cause]) -> Compared:
+    """Return a row that differs with its cause, and any other row as it is.
+
+    A row about a term of the whole model has the cause of that term. Any other row has the cause of the fault with its quantity
+    and its subject, of several faults that of the last. Where neither exists, the cause is that of `_of_rest`.
+    """
+    if row.status != "differs" or row.cause:
+        return row
+    fault_causes = {(fault.quantity, fault.subject): fault.cause for fault in faults}
+    cause: Cause | None = None
+    if row.quantity is not None:
+        cause = fault_causes.get((row.quantity, row.subject))
+        if row.subject == MODEL:
+            cause = term_causes.get(row.quantity, cause)
+    return replace(row, cause=cause or _of_rest(row, faults))
+
+
+def _rows_of_faults(faults: Sequence[Fault], rows: Sequence[Compared]) -> Iterable[Compared]:
+    """Return the rows of faults with a quantity and a subject that no row says to differ; of equal ones, the first."""
+    named = {(row.quantity, row.subject) for row in rows if row.status == "differs"}
+    further: dict[tuple[Quantity | None, str, Cause], Compared] = {}
     for fault in faults:
-        if fault.row is not None and (fault.row.quantity, fault.row.subject, "differs") not in named:
-            more.setdefault((fault.row.quantity, fault.row.subject, fault.cause), replace(fault.row, cause=fault.cause))
-    yield from more.values()
+        if fault.row is not None and (fault.row.quantity, fault.row.subject) not in named:
+            key = (fault.row.quantity, fault.row.subject, fault.cause)
+            further.setdefault(key, replace(fault.row, cause=fault.cause))
+    return further.values()
 
 
 def _of_rest(row: Compared, faults: Sequence[Fault]) -> Cause:
@@ -194,3 +211,54 @@ def _of_rest(row: Compared, faults: Sequence[Fault]) -> Cause:
     if row.quantity in ("parent", "joint_type", "gravity"):
         return "representation"
     return "unexplained"
+
+
+def reordered(comparison: Comparison) -> Comparison | None:
+    """Return a comparison with the velocities in the order that they really have, and with a row that says so.
+
+    None if the order is right, or if no other order makes the mass matrix that of the file, or its diagonal where other
+    numbers of it differ too.
+    """
+    mass, truth = comparison.engine.mass_matrix, comparison.truth.mass_matrix
+    gap = apart("mass_matrix", comparison.engine, comparison.truth, comparison.sizes)
+    if mass is None or truth is None or gap is None or gap.relative <= comparison.tolerance or len(comparison.match.labels) < 2:
+        return None
+    ours, theirs = (np.diagonal(matrix, axis1=1, axis2=2) for matrix in (truth, mass))
+    order = _order(theirs, ours, max(SAME, comparison.tolerance))
+    if order is None:
+        return None
+    moved = with_engine(comparison, selected(comparison.engine, order))
+    better = apart("mass_matrix", moved.engine, comparison.truth, comparison.sizes)
+    if better is None or better.relative >= max(SAME, comparison.tolerance, gap.relative / 2):
+        return None
+    names = [comparison.match.labels[index][0] for index in order]
+    row = Compared(
+        *("differs", "order", MODEL, " ".join(dict.fromkeys(names)), " ".join(name for name, _ in comparison.match.labels)),
+        cause="coordinate-order",
+    )
+    rows = tuple(other for other in moved.rows if not (other.quantity == "order" and other.subject == MODEL))
+    return replace(moved, rows=(row, *rows))
+
+
+def _order(engine: Array, truth: Array, alike: float) -> list[int] | None:
+    """Return the index in the engine of each velocity of the file, by the diagonals (s, n) of the mass matrices.
+
+    Velocities that fit no diagonal of the file, because other numbers differ too, keep their order among the indices that are
+    left. None if fewer than two velocities are elsewhere than in the file.
+    """
+    n = truth.shape[1]
+    size = np.max(np.abs(truth), axis=0)
+    same = np.array([[bool(np.all(np.abs(engine[:, i] - truth[:, j]) <= alike * size[j])) for i in range(n)] for j in range(n)])
+    engine_index: dict[int, int] = {j: j for j in range(n) if same[j, j]}
+    for j in range(n):
+        free = [i for i in range(n) if same[j, i] and i not in engine_index.values()]
+        if j not in engine_index and free:
+            engine_index[j] = free[0]
+    if sum(i != j for j, i in engine_index.items()) < 2:
+        return None
+    left = [i for i in range(n) if i not in engine_index.values()]
+    for j in range(n):
+        if j not in engine_index:
+            engine_index[j] = j if j in left else left[0]
+            left.remove(engine_index[j])
+    return [engine_index[j] for j in range(n)]

@@ -14,12 +14,12 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Fault:
-    """Something that an engine has taken otherwise than the file says it.
+    """A part of a robot model that an engine has read differently from what the file says.
 
     Attributes
     ----------
     cause, quantity, subject
-        Why, which quantity of which body or joint it is, and whose.
+        The cause, the quantity, and the name of the body or joint.
     link, joint
         The attributes of the link or joint of that name, as the engine has them; empty where the subject is the other.
     row

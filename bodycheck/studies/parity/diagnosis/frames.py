@@ -19,64 +19,69 @@ from bodycheck.studies.parity.stacks import values
 SAME = 1e-7
 
 
-def faults(own: Comparison) -> Iterator[Fault]:
+def faults(comparison: Comparison) -> Iterator[Fault]:
     """Yield a fault for each joint whose frame, or whose motion about its axis, is another one in the engine."""
-    row = next((row for row in own.rows if row.quantity == "pose"), None)
+    row = next((row for row in comparison.rows if row.quantity == "pose"), None)
     if row is None or row.status != "differs":
         return
-    model = own.found.bodies
+    model = comparison.match.bodies
     for joint in model.joints:
         parent, child = model.links[joint.parent].name, model.links[joint.child].name
-        if child in own.engine.poses and (parent in own.engine.poses or joint.parent == model.root):
-            yield from _of_joint(own, joint, parent, child)
-    yield from _of_welded(own)
+        if child in comparison.engine.poses and (parent in comparison.engine.poses or joint.parent == model.root):
+            yield from _of_joint(comparison, joint, parent, child)
+    yield from _of_welded(comparison)
 
 
-def _of_joint(own: Comparison, joint: RobotJoint, parent: str, child: str) -> Iterator[Fault]:
+def _of_joint(comparison: Comparison, joint: RobotJoint, parent: str, child: str) -> Iterator[Fault]:
     """Yield the fault of a joint between two bodies of the engine."""
-    truth = relative(own.truth.poses[parent], own.truth.poses[child])
-    engine = relative(own.engine.poses.get(parent, own.truth.poses[parent]), own.engine.poses[child])
-    if _alike(own, engine, truth):
+    truth = relative(comparison.truth.poses[parent], comparison.truth.poses[child])
+    engine = relative(comparison.engine.poses.get(parent, comparison.truth.poses[parent]), comparison.engine.poses[child])
+    if _alike(comparison, engine, truth):
         return
     placed = np.concatenate([np.asarray(joint.position, np.float64), _quaternion(joint)])
     moved = composed(np.broadcast_to(inverse(placed), truth.shape), truth)  # the motion of the joint alone
-    axis = _axis(own, joint, engine)
+    axis = _axis(comparison, joint, engine)
     if axis is not None:
-        moved = _motion(own, joint, axis)
+        moved = _motion(comparison, joint, axis)
     frames = composed(engine, inverse(moved))
-    if not _alike(own, frames, np.broadcast_to(frames[0], frames.shape)):
+    if not _alike(comparison, frames, np.broadcast_to(frames[0], frames.shape)):
         return
     change: dict[str, object] = {}
     if axis is not None and not np.allclose(axis, np.asarray(joint.axis, np.float64), atol=SAME):
         change["axis"] = np.asarray(axis, np.longdouble)
-    if not _alike(own, frames[:1], placed[None]):
+    if not _alike(comparison, frames[:1], placed[None]):
         change["position"] = np.asarray(frames[0, :3], np.longdouble)
         change["rotation"] = matrices(np.asarray(frames[:1, 3:], np.longdouble))[0]
     if not change:
         return
-    subject = _weld(own, joint, frames[0]) if "position" in change else joint.name
-    told = _row(subject, frames[0], placed) if "position" in change else _axis_row(joint, change["axis"])
-    yield Fault(told.cause, told.quantity or "pose", joint.name, joint=change, row=told)
+    subject = _weld(comparison, joint, frames[0]) if "position" in change else joint.name
+    row = _row(subject, frames[0], placed) if "position" in change else _axis_row(joint, change["axis"])
+    yield Fault(row.cause, row.quantity or "pose", joint.name, joint=change, row=row)
 
 
-def _of_welded(own: Comparison) -> Iterator[Fault]:
+def _of_welded(comparison: Comparison) -> Iterator[Fault]:
     """Yield the faults of links that are fixed to a body of the engine, whose poses the engine tells."""
-    model, kept = own.found.model, {link.name for link in own.found.bodies.links}
+    model, kept = comparison.match.model, {link.name for link in comparison.match.bodies.links}
     for joint in model.joints:
         parent, child = model.links[joint.parent].name, model.links[joint.child].name
-        if joint.type != "fixed" or child in kept or child not in own.engine.poses or parent not in own.engine.poses:
+        if (
+            joint.type != "fixed"
+            or child in kept
+            or child not in comparison.engine.poses
+            or parent not in comparison.engine.poses
+        ):
             continue
-        truth = relative(own.truth.poses[parent], own.truth.poses[child])
-        engine = relative(own.engine.poses[parent], own.engine.poses[child])
-        if not _alike(own, engine, truth):
+        truth = relative(comparison.truth.poses[parent], comparison.truth.poses[child])
+        engine = relative(comparison.engine.poses[parent], comparison.engine.poses[child])
+        if not _alike(comparison, engine, truth):
             yield Fault("frame", "pose", joint.name, row=_row(joint.name, engine[0], truth[0]))
 
 
-def _axis(own: Comparison, joint: RobotJoint, engine: Array) -> Array | None:
+def _axis(comparison: Comparison, joint: RobotJoint, engine: Array) -> Array | None:
     """Return the axis about or along which a joint moves in the engine; None if it cannot be told from its poses."""
     if joint.type not in ("revolute", "prismatic"):
         return None
-    positions = values(own.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
+    positions = values(comparison.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
     steps = positions[1:] - positions[0]
     if not len(steps):
         return None
@@ -88,31 +93,31 @@ def _axis(own: Comparison, joint: RobotJoint, engine: Array) -> Array | None:
     return axis / length if abs(length - 1) < 1e-6 else None
 
 
-def _motion(own: Comparison, joint: RobotJoint, axis: Array) -> Array:
+def _motion(comparison: Comparison, joint: RobotJoint, axis: Array) -> Array:
     """Return the poses (s, 7) of the child of a joint in its frame, for another axis."""
-    positions = values(own.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
-    found = np.zeros((len(positions), 7))
+    positions = values(comparison.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
+    poses = np.zeros((len(positions), 7))
     if joint.type == "prismatic":
-        found[:, :3], found[:, 3] = positions[:, None] * axis, 1.0
+        poses[:, :3], poses[:, 3] = positions[:, None] * axis, 1.0
     else:
-        found[:, 3], found[:, 4:] = np.cos(positions / 2), np.sin(positions / 2)[:, None] * axis
-    return found
+        poses[:, 3], poses[:, 4:] = np.cos(positions / 2), np.sin(positions / 2)[:, None] * axis
+    return poses
 
 
-def _weld(own: Comparison, joint: RobotJoint, engine: Array) -> str:
+def _weld(comparison: Comparison, joint: RobotJoint, engine: Array) -> str:
     """Return the name of the joint whose frame makes the difference: a weld before a joint, or the joint itself."""
-    model = own.found.model
-    path = _path(model, own.found.bodies, joint)
+    model = comparison.match.model
+    path = _path(model, comparison.match.bodies, joint)
     for lost in path:
         for keeps_place, keeps_turn in ((True, False), (False, True), (False, False)):
-            found = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-            for one in path:
-                pose = np.concatenate([np.asarray(one.position, np.float64), _quaternion(one)])
-                if one is lost:
-                    place = pose[:3] if keeps_place else np.zeros(3)
-                    pose = np.concatenate([place, pose[3:] if keeps_turn else [1.0, 0.0, 0.0, 0.0]])
-                found = composed(found, pose)
-            if _alike(own, found[None], engine[None]):
+            composed_pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+            for weld in path:
+                pose = np.concatenate([np.asarray(weld.position, np.float64), _quaternion(weld)])
+                if weld is lost:
+                    position = pose[:3] if keeps_place else np.zeros(3)
+                    pose = np.concatenate([position, pose[3:] if keeps_turn else [1.0, 0.0, 0.0, 0.0]])
+                composed_pose = composed(composed_pose, pose)
+            if _alike(comparison, composed_pose[None], engine[None]):
                 return lost.name
     return joint.name
 
@@ -120,9 +125,9 @@ def _weld(own: Comparison, joint: RobotJoint, engine: Array) -> str:
 def _path(model: RobotModel, bodies: RobotModel, joint: RobotJoint) -> list[RobotJoint]:
     """Return the joints of the file from a body of the engine to the child of a joint, this joint last."""
     parent = bodies.links[joint.parent].name
-    by_child = {own.child: own for own in model.joints}
-    own = next(one for one in model.joints if one.name == joint.name)
-    path = [own]
+    by_child = {first.child: first for first in model.joints}
+    first = next(weld for weld in model.joints if weld.name == joint.name)
+    path = [first]
     while model.links[path[0].parent].name != parent and path[0].parent in by_child:
         path.insert(0, by_child[path[0].parent])
     return path
@@ -132,11 +137,11 @@ def _quaternion(joint: RobotJoint) -> Array:
     return np.asarray(quaternion(joint.rotation), np.float64)
 
 
-def _alike(own: Comparison, one: Array, other: Array) -> bool:
+def _alike(comparison: Comparison, one: Array, other: Array) -> bool:
     """Return whether poses (s, 7) are the same, up to what rounding in the precision of the engine leaves."""
-    least = max(SAME, own.tolerance)
+    least = max(SAME, comparison.tolerance)
     shift, turn = gaps(one, other)
-    return bool(np.all(shift / own.sizes.length < least) and np.all(turn < least))
+    return bool(np.all(shift / comparison.sizes.length < least) and np.all(turn < least))
 
 
 def _row(subject: str, engine: Array, truth: Array) -> Compared:

@@ -40,7 +40,7 @@ def _limit(engine: Array, truth: Array, near: float) -> float:
 
 def size_of(*tensors: Array) -> float:
     """Return the largest entry of tensors."""
-    return float(max((np.max(np.abs(own)) for own in tensors), default=0.0))
+    return float(max((np.max(np.abs(tensor)) for tensor in tensors), default=0.0))
 
 
 def is_dropped(engine: Array, truth: Array, near: float = SAME) -> bool:
@@ -54,7 +54,7 @@ def is_turned(engine: Array, truth: Array, near: float = SAME) -> bool:
     """Return whether an inertia has the same principal moments along other axes; negative ones may have become zero."""
     if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
         return False
-    moments = [np.asarray(np.linalg.eigvalsh(own), float) for own in (engine, truth)]
+    moments = [np.asarray(np.linalg.eigvalsh(tensor), float) for tensor in (engine, truth)]
     limit = _limit(engine, truth, near)
     alike = any(within(moments[0], option, limit) for option in (moments[1], np.maximum(moments[1], 0.0)))
     return alike and not within(engine, truth, limit)
@@ -76,14 +76,14 @@ def is_balanced(engine: Array, truth: Array, near: float = SAME) -> bool:
         return True
     if not within(along, np.diag(np.diag(along)), limit):
         return False
-    found = np.diag(along)
-    options = [np.maximum(moments, np.min(found)), moments + (found[0] - moments[0])]
-    return any(within(np.sort(found), np.sort(option), limit) for option in options)
+    diagonal = np.diag(along)
+    options = [np.maximum(moments, np.min(diagonal)), moments + (diagonal[0] - moments[0])]
+    return any(within(np.sort(diagonal), np.sort(option), limit) for option in options)
 
 
-def _can_be(own: Array) -> bool:
+def _can_be(inertia: Array) -> bool:
     """Return whether a body can have an inertia, up to rounding."""
-    low, middle, high = np.linalg.eigvalsh(own)
+    low, middle, high = np.linalg.eigvalsh(inertia)
     return bool(high > 0 and low >= -SAME * high and low + middle >= (1 - SAME) * high)
 
 
@@ -100,70 +100,72 @@ class Part:
     """
 
     name: str
-    own: Inertial
+    inertial: Inertial
     welds: tuple[tuple[Array, Array], ...]
 
 
 def frame(welds: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
     """Return the rotation (3, 3) and the position (3,) of a frame at the end of a chain of welds."""
-    turn, place = np.eye(3), np.zeros(3)
+    turn, origin = np.eye(3), np.zeros(3)
     for rotation, position in welds:
-        turn, place = turn @ rotation, place + turn @ position
-    return turn, place
+        turn, origin = turn @ rotation, origin + turn @ position
+    return turn, origin
 
 
 def joined(placed: list[Inertial]) -> Inertial:
     """Return several inertials in one frame as one."""
-    mass = math.fsum(own.mass for own in placed)
+    mass = math.fsum(inertial.mass for inertial in placed)
     if not mass:
-        return Inertial(0.0, np.zeros(3), np.sum([own.tensor for own in placed], axis=0))
-    centre = np.sum([own.mass * own.centre for own in placed], axis=0) / mass
-    tensors = [own.tensor + steiner(own.mass, own.centre - centre) for own in placed]
+        return Inertial(0.0, np.zeros(3), np.sum([inertial.tensor for inertial in placed], axis=0))
+    centre = np.sum([inertial.mass * inertial.centre for inertial in placed], axis=0) / mass
+    tensors = [inertial.tensor + steiner(inertial.mass, inertial.centre - centre) for inertial in placed]
     return Inertial(mass, centre, np.sum(tensors, axis=0))
 
 
 def placed(part: Part) -> Inertial:
     """Return the inertial of a part in the frame of the body."""
-    turn, place = frame(part.welds)
-    return Inertial(part.own.mass, place + turn @ part.own.centre, turn @ part.own.tensor @ turn.T)
+    turn, origin = frame(part.welds)
+    return Inertial(part.inertial.mass, origin + turn @ part.inertial.centre, turn @ part.inertial.tensor @ turn.T)
 
 
 def joined_wrongly(parts: tuple[Part, ...]) -> Iterator[Inertial]:
     """Yield what a body would be if its parts were joined with a usual mistake in one of them, or in all that have a weld."""
     right = [placed(part) for part in parts]
-    welded = [place for place, part in enumerate(parts) if part.welds]
-    for ways in zip(*(_mistaken(parts[place]) for place in welded), strict=False):
-        yield joined([*(own for place, own in enumerate(right) if place not in welded), *(way for way in ways if way)])
-    for place in welded:
-        others = [own for other, own in enumerate(right) if other != place]
-        for way in _mistaken(parts[place]):
+    welded = [index for index, part in enumerate(parts) if part.welds]
+    for ways in zip(*(_mistaken(parts[index]) for index in welded), strict=False):
+        yield joined(
+            [*(inertial for index, inertial in enumerate(right) if index not in welded), *(way for way in ways if way)]
+        )
+    for index in welded:
+        others = [inertial for other, inertial in enumerate(right) if other != index]
+        for way in _mistaken(parts[index]):
             yield joined([*others, way] if way else others)
     yield from _without_shift(right)
 
 
 def _mistaken(part: Part) -> Iterator[Inertial | None]:
     """Yield the inertial of a part in the frame of its body with each mistake; None where it is left out."""
-    own, right = part.own, placed(part)
-    turn, place = frame(part.welds)
+    inertial, right = part.inertial, placed(part)
+    turn, origin = frame(part.welds)
     yield None
     yield Inertial(right.mass, right.centre, np.zeros((3, 3)))
-    yield Inertial(right.mass, right.centre, own.tensor)
-    yield Inertial(right.mass, place + own.centre, right.tensor)
-    yield Inertial(right.mass, place + own.centre, own.tensor)
-    yield Inertial(right.mass, turn @ own.centre, right.tensor)
-    yield Inertial(right.mass, place, right.tensor)
-    yield Inertial(right.mass, right.centre, turn.T @ own.tensor @ turn)
-    yield Inertial(right.mass, place + turn.T @ own.centre, turn.T @ own.tensor @ turn)
+    yield Inertial(right.mass, right.centre, inertial.tensor)
+    yield Inertial(right.mass, origin + inertial.centre, right.tensor)
+    yield Inertial(right.mass, origin + inertial.centre, inertial.tensor)
+    yield Inertial(right.mass, turn @ inertial.centre, right.tensor)
+    yield Inertial(right.mass, origin, right.tensor)
+    yield Inertial(right.mass, right.centre, turn.T @ inertial.tensor @ turn)
+    yield Inertial(right.mass, origin + turn.T @ inertial.centre, turn.T @ inertial.tensor @ turn)
     for lost in range(len(part.welds)):
         rotation, position = part.welds[lost]
         for weld in ((np.eye(3), position), (rotation, np.zeros(3)), (np.eye(3), np.zeros(3)), (rotation.T, position)):
-            yield placed(Part(part.name, own, (*part.welds[:lost], weld, *part.welds[lost + 1 :])))
+            yield placed(Part(part.name, inertial, (*part.welds[:lost], weld, *part.welds[lost + 1 :])))
 
 
 def _without_shift(right: list[Inertial]) -> Iterator[Inertial]:
     """Yield bodies whose tensors were added as they are, or whose centre of mass or mass is that of the first part alone."""
     whole, first = joined(right), right[0]
-    added = np.sum([own.tensor for own in right], axis=0)
+    added = np.sum([inertial.tensor for inertial in right], axis=0)
     yield Inertial(whole.mass, whole.centre, added)
     yield Inertial(whole.mass, first.centre, added)
     yield Inertial(whole.mass, first.centre, first.tensor)

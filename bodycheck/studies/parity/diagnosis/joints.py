@@ -26,33 +26,33 @@ IGNORED: dict[Quantity, Cause] = {
 }
 
 
-def faults(own: Comparison) -> Iterator[Fault]:
+def faults(comparison: Comparison) -> Iterator[Fault]:
     """Yield a fault for each number or word of a joint that differs from the file."""
-    model = own.asked.model
+    model = comparison.asked.model
     joints = {joint.name: joint for joint in model.joints}
-    for row in own.rows:
-        joint, told = joints.get(row.subject), own.found.joints.get(row.subject)
+    for row in comparison.rows:
+        joint, joint_read = joints.get(row.subject), comparison.match.joints.get(row.subject)
         if row.status != "differs" or joint is None:
             continue
         if row.quantity == "joint_type":
-            yield Fault(_type_cause(joint, told), "joint_type", joint.name)
-        elif told is not None and (fault := _number(row, joint, told)) is not None:
+            yield Fault(_type_cause(joint, joint_read), "joint_type", joint.name)
+        elif joint_read is not None and (fault := _number(row, joint, joint_read)) is not None:
             yield fault
 
 
-def _number(row: Compared, joint: RobotJoint, told: ReadJoint) -> Fault | None:
+def _number(row: Compared, joint: RobotJoint, joint_read: ReadJoint) -> Fault | None:
     match row.quantity:
         case "armature":
-            return Fault("armature", "armature", joint.name, joint={"armature": told.armature})
+            return Fault("armature", "armature", joint.name, joint={"armature": joint_read.armature})
         case "damping" | "friction" | "stiffness" as quantity:
-            value, expected = float(getattr(told, quantity)), float(getattr(joint, quantity))
+            value, expected = float(getattr(joint_read, quantity)), float(getattr(joint, quantity))
             return Fault(number_cause(quantity, value, expected), quantity, joint.name, joint={quantity: value})
         case "axis":
-            assert told.axis is not None  # there is no row without it
-            axis = np.array(told.axis)
+            assert joint_read.axis is not None  # there is no row without it
+            axis = np.array(joint_read.axis)
             return Fault(_axis_cause(axis, joint), "axis", joint.name, joint={"axis": np.asarray(axis, np.longdouble)})
         case "effort_limit":
-            unlimited = not joint.effort_limit and none_if_unlimited(told.effort_limit) is None
+            unlimited = not joint.effort_limit and none_if_unlimited(joint_read.effort_limit) is None
             return Fault("representation" if unlimited else "unexplained", "effort_limit", joint.name)
     return None
 
@@ -71,9 +71,9 @@ def _axis_cause(engine: np.ndarray, joint: RobotJoint) -> Cause:
     return "representation" if same(engine, -truth, 1.0) else "frame"
 
 
-def _type_cause(joint: RobotJoint, told: ReadJoint | None) -> Cause:
-    if told is None or not same_type(joint, told):
+def _type_cause(joint: RobotJoint, joint_read: ReadJoint | None) -> Cause:
+    if joint_read is None or not same_type(joint, joint_read):
         return "representation"
-    if not same_mimic(joint.mimic, told.mimic):
-        return "mimic-ignored" if told.mimic is None else "unexplained"
+    if not same_mimic(joint.mimic, joint_read.mimic):
+        return "mimic-ignored" if joint_read.mimic is None else "unexplained"
     return "representation"

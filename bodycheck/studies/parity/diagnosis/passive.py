@@ -31,89 +31,89 @@ class _Made:
     stiffness: float
 
 
-def faults(own: Comparison, quantity: Quantity) -> Iterator[Fault]:
+def faults(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
     """Yield a fault for each number of a joint that is not in an engine's passive forces or forward dynamics as in the file.
 
     Nothing is yielded if a force is none that any damping, friction and stiffness of the joints make.
     """
-    force = own.engine.passive_force if quantity == "passive_force" else passive_part(own)
+    force = comparison.engine.passive_force if quantity == "passive_force" else passive_part(comparison)
     if force is None or not force.size:
         return
-    joints = {joint.name: joint for joint in own.found.model.joints}
-    scale = _same(own) * _scale(own.engine, force, quantity)
-    found: list[Fault] = []
-    for place, (name, component) in enumerate(own.found.labels):
-        made = _made(own, joints[name], component, force[:, place], scale[place])
-        if made is None:
+    joints = {joint.name: joint for joint in comparison.match.model.joints}
+    scale = _same(comparison) * _scale(comparison.engine, force, quantity)
+    all_faults: list[Fault] = []
+    for index, (name, component) in enumerate(comparison.match.labels):
+        numbers = _made(comparison, joints[name], component, force[:, index], scale[index])
+        if numbers is None:
             return
         if component == 0:
-            found += _of_joint(own, joints[name], made, quantity)
-    yield from found
+            all_faults += _of_joint(comparison, joints[name], numbers, quantity)
+    yield from all_faults
 
 
-def is_friction_of_a_constraint(own: Comparison, quantity: Quantity, without: Stack) -> bool:
+def is_friction_of_a_constraint(comparison: Comparison, quantity: Quantity, without: Stack) -> bool:
     """Return whether passive forces differ from those of the file by dry friction that an engine has as a constraint.
 
     Such a friction may have any size up to that of the file, in either direction. without: the terms of the file at the same
     states without dry friction.
     """
-    force = own.engine.passive_force if quantity == "passive_force" else passive_part(own)
+    force = comparison.engine.passive_force if quantity == "passive_force" else passive_part(comparison)
     expected = without.passive_force
     if force is None or expected is None or not force.size:
         return False
-    most = own.found.numbers("friction")
+    most = comparison.match.numbers("friction")
     gap = np.abs(force - expected)
-    return bool(np.any(most > 0) and np.all(gap <= most + _same(own) * _scale(own.engine, force, quantity)))
+    return bool(np.any(most > 0) and np.all(gap <= most + _same(comparison) * _scale(comparison.engine, force, quantity)))
 
 
-def implicit_step(own: Comparison) -> float | None:
+def implicit_step(comparison: Comparison) -> float | None:
     """Return the time step h (s) with which an engine adds h times the damping to the diagonal of its mass matrix.
 
     It takes the damping at the velocities after a step, so that its accelerations are those of (M + h D) a. None if that does
     not explain them.
     """
-    made, expected = passive_part(own), own.truth.passive_force
-    forward = own.engine.forward_dynamics
-    if made is None or expected is None or forward is None or not forward.size:
+    passive, expected = passive_part(comparison), comparison.truth.passive_force
+    forward = comparison.engine.forward_dynamics
+    if passive is None or expected is None or forward is None or not forward.size:
         return None
-    left, along = made - expected, -own.found.numbers("damping") * forward
+    left, along = passive - expected, -comparison.match.numbers("damping") * forward
     if not np.any(along):
         return None
     step = float(np.sum(left * along) / np.sum(along * along))
-    fits = np.all(np.abs(left - step * along) <= _same(own) * _scale(own.engine, made, "forward_dynamics"))
+    fits = np.all(np.abs(left - step * along) <= _same(comparison) * _scale(comparison.engine, passive, "forward_dynamics"))
     return step if fits and step > 0 else None
 
 
-def implicit(own: Comparison, step: float) -> Iterator[Fault]:
+def implicit(comparison: Comparison, step: float) -> Iterator[Fault]:
     """Yield a fault for each joint with damping, which an engine takes at the end of a time step (s)."""
-    for joint in own.found.model.joints:
-        if joint.damping and joint.name in own.found.joints:
-            told = f"{joint.damping!r} at the end of a step of {step:.3g} s", text([joint.damping])
-            row = Compared("differs", "forward_dynamics", joint.name, *told)
+    for joint in comparison.match.model.joints:
+        if joint.damping and joint.name in comparison.match.joints:
+            sides = f"{joint.damping!r} at the end of a step of {step:.3g} s", text([joint.damping])
+            row = Compared("differs", "forward_dynamics", joint.name, *sides)
             yield Fault("representation", "damping", joint.name, row=row)
 
 
-def constraints(own: Comparison, quantity: Quantity) -> Iterator[Fault]:
+def constraints(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
     """Yield a fault for each joint whose dry friction an engine has as a constraint."""
-    for joint in own.found.model.joints:
+    for joint in comparison.match.model.joints:
         if joint.friction:
-            told = f"a constraint of up to {joint.friction!r}", text([joint.friction])
-            yield Fault("representation", "friction", joint.name, row=Compared("differs", quantity, joint.name, *told))
+            sides = f"a constraint of up to {joint.friction!r}", text([joint.friction])
+            yield Fault("representation", "friction", joint.name, row=Compared("differs", quantity, joint.name, *sides))
 
 
-def passive_part(own: Comparison) -> Array | None:
+def passive_part(comparison: Comparison) -> Array | None:
     """Return the passive forces (s, n) in an engine's accelerations, by its own other terms; None if one is missing."""
-    terms = own.engine
+    terms = comparison.engine
     known = (terms.mass_matrix, terms.coriolis_force, terms.gravity_force, terms.forward_dynamics)
     if any(part is None for part in known):
         return None
     mass, coriolis, gravity, forward = (np.asarray(part) for part in known)
-    return np.asarray(times(mass, forward) + coriolis + gravity - own.motion.efforts)
+    return np.asarray(times(mass, forward) + coriolis + gravity - comparison.motion.efforts)
 
 
-def _same(own: Comparison) -> float:
+def _same(comparison: Comparison) -> float:
     """Return the relative difference below which a force is explained, which is larger for an engine in single precision."""
-    return max(SAME, own.tolerance)
+    return max(SAME, comparison.tolerance)
 
 
 def _scale(terms: Stack, force: Array, quantity: Quantity) -> Array:
@@ -124,13 +124,13 @@ def _scale(terms: Stack, force: Array, quantity: Quantity) -> Array:
     return np.asarray(np.max([np.max(np.abs(part), axis=0) for part in parts], axis=0))
 
 
-def _made(own: Comparison, joint: RobotJoint, component: int, force: Array, limit: float) -> _Made | None:
+def _made(comparison: Comparison, joint: RobotJoint, component: int, force: Array, limit: float) -> _Made | None:
     """Return the numbers that make a force (s,) of a velocity, up to a limit (N m or N); None if none do."""
     label = [(joint.name, component)]
-    velocity = values(own.motion.states, label, lambda state: state.velocities)[:, 0]
+    velocity = values(comparison.motion.states, label, lambda state: state.velocities)[:, 0]
     columns = [-velocity, -np.sign(velocity)]
     if joint.type in ("revolute", "prismatic"):
-        columns.append(float(joint.rest) - values(own.motion.states, label, lambda state: state.positions)[:, 0])
+        columns.append(float(joint.rest) - values(comparison.motion.states, label, lambda state: state.positions)[:, 0])
     matrix = np.stack(columns, axis=1)
     if len(force) < matrix.shape[1] or not np.all(np.isfinite(force)):
         return None
@@ -141,16 +141,16 @@ def _made(own: Comparison, joint: RobotJoint, component: int, force: Array, limi
     return _Made(float(numbers[0]), float(numbers[1]), float(numbers[2]) if len(numbers) > 2 else 0.0)
 
 
-def _of_joint(own: Comparison, joint: RobotJoint, made: _Made, term: Quantity) -> Iterator[Fault]:
+def _of_joint(comparison: Comparison, joint: RobotJoint, numbers: _Made, term: Quantity) -> Iterator[Fault]:
     """Yield the faults of a joint. What an engine tells rightly and does not use is a row of the term that lacks it."""
-    told = {row.quantity for row in own.rows if row.subject == joint.name and row.status in ("agrees", "differs")}
+    compared = {row.quantity for row in comparison.rows if row.subject == joint.name and row.status in ("agrees", "differs")}
     for quantity in NUMBERS:
-        engine, truth = float(getattr(made, quantity)), float(getattr(joint, quantity))
-        if abs(engine - truth) <= max(1e-6, 1e2 * own.tolerance) * max(abs(engine), abs(truth)):
+        engine, truth = float(getattr(numbers, quantity)), float(getattr(joint, quantity))
+        if abs(engine - truth) <= max(1e-6, 1e2 * comparison.tolerance) * max(abs(engine), abs(truth)):
             continue
         cause = number_cause(quantity, engine, truth)
         gap = abs(engine - truth)
-        subject = term if quantity in told else quantity
+        subject = term if quantity in compared else quantity
         values = text([engine]), text([truth]), gap, gap / max(abs(engine), abs(truth))
         row = Compared("differs", subject, joint.name, *values, cause=cause)
         yield Fault(cause, quantity, joint.name, joint={quantity: engine}, row=row)

@@ -57,10 +57,10 @@ def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vecto
     # An engine may tell mass matrices of any size where the file has a body that cannot be; what overflows explains nothing.
     @np.errstate(over="ignore")
     def rows(matrices_: Array, forces: Array | None) -> Array:
-        found = [(matrices_ * weights)[:, upper[0], upper[1]].ravel()]
+        parts = [(matrices_ * weights)[:, upper[0], upper[1]].ravel()]
         if pulls:
-            found.append(np.zeros(roots.size) if forces is None else (forces / roots / size).ravel())
-        return np.concatenate(found)
+            parts.append(np.zeros(roots.size) if forces is None else (forces / roots / size).ravel())
+        return np.concatenate(parts)
 
     more = engine.gravity_force - model.gravity_force if pulls else None  # type: ignore[operator]
     bodies = {
@@ -79,18 +79,18 @@ def _units(jacobian: Array, poses: Array, gravity: Array) -> list[tuple[Array, A
     back = transposed(turn)
     linear, angular = back @ jacobian[:, :3], back @ jacobian[:, 3:]  # along the axes of the body
     pull = back @ gravity
-    found = [(transposed(linear) @ linear, -times(transposed(linear), pull))]
+    units = [(transposed(linear) @ linear, -times(transposed(linear), pull))]
     for axis in np.eye(3):
         cross = crossing(axis)
         mixed = transposed(linear) @ (-cross) @ angular  # linear velocity of the centre of mass: v - h x w
         torque = np.cross(np.broadcast_to(axis, pull.shape), pull)
-        found.append((mixed + transposed(mixed), -times(transposed(angular), torque)))
+        units.append((mixed + transposed(mixed), -times(transposed(angular), torque)))
     for unit in map(tensor, np.eye(6)):
-        found.append((transposed(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
-    return found
+        units.append((transposed(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
+    return units
 
 
-def parameters(own: Inertial) -> Array:
+def parameters(body: Inertial) -> Array:
     """Return the ten parameters of a body."""
-    about = own.tensor + steiner(own.mass, own.centre)
-    return np.array([own.mass, *(own.mass * own.centre), *components(about)])
+    about = body.tensor + steiner(body.mass, body.centre)
+    return np.array([body.mass, *(body.mass * body.centre), *components(about)])

@@ -17,7 +17,7 @@ from bodycheck.casefile.distributions import Ensemble
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.drawing import draws
-from bodycheck.studies.ensemble.drawing.sobol import HALF_CELL, SEQUENCES, points
+from bodycheck.studies.ensemble.drawing.draws import HALF_CELL, SEQUENCES, points
 from tests.support.ensemble_texts import BRICK, attitude, choice, ensemble_of, log_uniform, normal, sphere, uniform
 
 #: Points of each sequence that make a net, as a power of 2, and all of them together.

@@ -27,7 +27,7 @@ from bodycheck.running.members.executors.dask_cluster import Cluster, ClusterLos
 from bodycheck.running.members.executors.own import Own
 from bodycheck.running.members.executors.shards import Shard
 from bodycheck.studies.ensemble import header, study
-from bodycheck.studies.ensemble.execution import gathering
+from bodycheck.studies.ensemble.execution.result_tables import gather
 from tests.support import ROOT, processes
 from tests.support.clusters import Cluster as Dask
 from tests.support.clusters import cluster
@@ -61,8 +61,8 @@ def test_jobs_of_a_queue_give_the_same(calls_here: None, whole: Path, tmp_path: 
     for number, folder in enumerate(folders, start=1):
         run(brick(), folder, Shard(number, 3, 1), blocks=1)
     with pytest.raises(BadFolder, match="members 2000 to 2999 were not run in mujoco"):
-        gathering.gather(folders[:1], tmp_path / "out")
-    check_same(gathering.gather(folders, tmp_path / "out"), whole)
+        gather(folders[:1], tmp_path / "out")
+    check_same(gather(folders, tmp_path / "out"), whole)
 
 
 def test_a_gathered_ensemble_must_be_one(calls_here: None, tmp_path: Path) -> None:
@@ -70,15 +70,15 @@ def test_a_gathered_ensemble_must_be_one(calls_here: None, tmp_path: Path) -> No
     one = run(case, tmp_path / "one", Shard(1, 2, 1))
     other = run(case, tmp_path / "other", Shard(2, 2, 1), timesteps=(0.02,))
     with pytest.raises(BadFolder, match=r"not of the same ensemble as .*: the methods or engines differ"):
-        gathering.gather([one, other], tmp_path / "out")
+        gather([one, other], tmp_path / "out")
     stored = json.loads((other / header.FILE).read_text())
     stored["packages"]["numpy"] = "1.0"
     (other / header.FILE).write_text(json.dumps(stored))
     with pytest.raises(BadFolder, match=r"has numpy 1.0, and .* has numpy "):
-        gathering.gather([one, other], tmp_path / "out")
+        gather([one, other], tmp_path / "out")
     whole = run(case, tmp_path / "whole", Own(1))
     with pytest.raises(BadFolder, match="complete already"):
-        gathering.gather([whole], tmp_path / "out")
+        gather([whole], tmp_path / "out")
 
 
 class Stop(Exception):

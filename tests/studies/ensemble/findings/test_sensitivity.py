@@ -86,7 +86,7 @@ def test_failures_in_one_region_are_found_and_mapped(tmp_path: Path) -> None:
     of_failures = [one for one in analysis.dependences if one.figure == FAILURE]
     assert set(strongest(of_failures)) == {"body.mass", "initial.angular_velocity.2"}
     (drawn_map,) = analysis.maps
-    assert drawn_map.of == FAILURE
+    assert drawn_map.figure == FAILURE
     assert {drawn_map.x, drawn_map.y} == {"body.mass", "initial.angular_velocity.2"}
     assert drawn_map.members[0].sum() == MEMBERS
     failed = np.nansum(drawn_map.values[0] * drawn_map.members[0])

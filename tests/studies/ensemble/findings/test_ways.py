@@ -77,7 +77,9 @@ def test_the_member_that_breaks_an_expectation_most_is_taken(tmp_path: Path, lim
     found = chosen_of(tmp_path, ERRORS, limited(**limits))
     way, others = found[member]
     assert not way.is_largest
-    assert way.told == f"The case expects {parse(a_case(expect=[limited(**limits)]), '').expectations[0].limits[0].text}."
+    assert (
+        way.explanation == f"The case expects {parse(a_case(expect=[limited(**limits)]), '').expectations[0].limits[0].text}."
+    )
     if member == 199:  # it has the largest value too, which its file says
         assert [other.is_largest for other in others] == [True]
 

@@ -1,10 +1,13 @@
-"""Choose the time steps at which methods are measured on a case."""
+"""Time steps that suit a case: how fast its bodies turn at the start, and the ladder at which methods are measured."""
 
 import math
 from itertools import count
 
+import numpy as np
+
 from bodycheck.casefile.content import Case
-from bodycheck.studies.spin import fastest_spin
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 
 #: The largest time step of any ladder.
 LARGEST_STEP_S = 0.02
@@ -20,6 +23,13 @@ MIN_LADDER_LENGTH = 6
 
 #: The leading digits of time steps.
 MANTISSAS = (5.0, 2.0, 1.0)
+
+
+def fastest_spin(scene: AnyScene) -> float:
+    """Return the initial angular velocity (rad/s) of the body, or the largest of the bodies of a mechanism."""
+    if isinstance(scene, Mechanism):
+        return float(np.linalg.norm(kinematics.initial(scene).angular_velocity, axis=-1).max())
+    return math.hypot(*scene.initial.angular_velocity)
 
 
 def ladder(case: Case) -> tuple[float, ...]:
