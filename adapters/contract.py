@@ -20,12 +20,12 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.adapters.method import KINDS as KINDS
+from bodycheck.adapters.method import Kind as Kind
 from bodycheck.adapters.method import Method as Method
-from bodycheck.adapters.options import KINDS as KINDS
-from bodycheck.adapters.options import Kind as Kind
-from bodycheck.adapters.options import Option as Option
-from bodycheck.adapters.options import Range as Range
-from bodycheck.adapters.options import choice as choice
+from bodycheck.adapters.method import Option as Option
+from bodycheck.adapters.method import Range as Range
+from bodycheck.adapters.method import choice as choice
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene

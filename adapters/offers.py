@@ -18,7 +18,7 @@ from bodycheck.adapters.contract import (
     kind_of,
     single_bodies,
 )
-from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.stepping import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import missing, requirements, touches

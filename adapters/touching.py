@@ -1,4 +1,4 @@
-"""Free bodies that touch a plane and each other, in the form in which engines take them."""
+"""Bodies that touch a plane and each other, in the form in which engines take them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
-from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.scene import Body, Plane, Push, Shape, State
+from bodycheck.reference.planar import describe_shape, planar_state
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State
 
 
 @dataclass(frozen=True)
@@ -83,4 +84,25 @@ def _nearest(instant: float, timestep: float) -> float:
 def _shaped(shape: Shape | None) -> Shape:
     if shape is None:
         raise SceneUnsupported(f"{describe_shape(shape)} touches others")
+    return shape
+
+
+def not_flat(scene: Scene) -> str | None:
+    """Return why no adapter models the contact of a scene with a plane as that of a flat body, as a noun phrase; else None."""
+    if scene.drag:
+        return "drag together with contact"
+    try:
+        planar_state(scene)
+    except NotFlat as error:
+        return f"this contact: {error}"
+    return None
+
+
+def lying_shape(scene: Scene) -> Brick | Cylinder:
+    """Return the shape of a body that lies flat on the plane z = 0. Raises `SceneUnsupported` for all other scenes."""
+    if (reason := not_flat(scene)) is not None:
+        raise SceneUnsupported(reason)
+    shape = scene.body.shape
+    if not isinstance(shape, Brick | Cylinder):
+        raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
     return shape

@@ -15,11 +15,11 @@ from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, single_bodies
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
-from bodycheck.adapters.mujoco.links import inertial, welded
+from bodycheck.adapters.mujoco.models import inertial, welded
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import dartpy as dart
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Method, Option, choice
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
 #: DART's detectors of collisions.
@@ -50,7 +50,7 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
 
     Raises `SceneUnsupported` for a body that does not lie flat.
     """
-    shape = flat_contact.lying_shape(scene)
+    shape = lying_shape(scene)
     ground = dart.dynamics.Skeleton("ground")
     _, fixed = ground.createWeldJointAndBodyNodePair()
     side, height = 2 * GROUND_HALF_SIDE_M, 2 * GROUND_HALF_HEIGHT_M

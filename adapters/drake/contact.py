@@ -21,7 +21,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction
 
 from bodycheck.adapters.contract import Kind, Method, Option, SceneUnsupported, choice
-from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 

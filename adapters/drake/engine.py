@@ -12,9 +12,8 @@ from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, Simulator
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, states
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
-from bodycheck.adapters.drake.models import Model, build
+from bodycheck.adapters.drake.models import Model, build, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
-from bodycheck.adapters.drake.steps import stepper
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate

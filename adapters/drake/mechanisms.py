@@ -30,8 +30,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
-from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated
-from bodycheck.adapters.drake.steps import stepper
+from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated, stepper
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mechanisms import centred, frames, link_of, starts
 from bodycheck.adapters.stepping import Loop

@@ -14,8 +14,8 @@ import exudyn
 import numpy as np
 from exudyn import itemInterface
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Body, Brick, Plane, Scene
 
@@ -33,7 +33,7 @@ def law(scene: Scene) -> Plane | None:
 
 def brick(scene: Scene) -> Brick:
     """Return the shape of a brick that lies on the plane. Raises `SceneUnsupported` for other bodies."""
-    shape = flat_contact.lying_shape(scene)
+    shape = lying_shape(scene)
     if not isinstance(shape, Brick):
         raise SceneUnsupported(f"Exudyn's contacts are at corners, which {describe_shape(shape)} does not have")
     return shape

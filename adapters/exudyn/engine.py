@@ -9,7 +9,7 @@ import numpy as np
 from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Simulation, choice
-from bodycheck.adapters.exudyn import INSTALLATION, bodies, contact, formulations, mechanisms, stepping
+from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, jointed_bodies, kinematic_trees, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.links import Link, links_of, state_in
 from bodycheck.adapters.stepping import Normalised
@@ -31,6 +31,27 @@ ORDERS = {
     "DOPRI5": (5, 7),
     "VelocityVerlet": (2, 1),
 }
+
+#: What Exudyn models of mechanisms; see `Engine.models`.
+OF_MECHANISMS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "ball joints",
+        "free joints",
+        "prismatic joints",
+        "fixed joints",
+        "planar joints",
+        "universal joints",
+        "armature",
+        "joint damping",
+        "joint springs",
+        "joint friction",
+        "joint efforts",
+        "loops",
+        "point masses",
+    }
+)
 
 VARIANTS = ("RK44:formulation=Rxyz", "GeneralizedAlpha:settings=engine", "TrapezoidalIndex2:formulation=EP")
 
@@ -61,7 +82,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(exudyn.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | OF_MECHANISMS,
     variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
     defaults=defaults(),
 )
@@ -93,7 +114,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return mechanisms.prepare(scene, method)
+        return jointed(scene, method)
     return normalised(model(scene, method))
 
 
@@ -150,7 +171,9 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
 
 def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, scene: Scene) -> Any:
     """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
-    return bodies.add(system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity)
+    return formulations.add_body(
+        system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity
+    )
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
@@ -168,3 +191,20 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
         made.stepper.advance(np.array([1]))
         load[step] = made.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
     return load
+
+
+def jointed(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism: as a tree, where it is one of joints that trees have, or else as jointed bodies.
+
+    Raises `SceneUnsupported`.
+    """
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    redundant = bool(mechanism.loops)
+    if kinematic_trees.fits(mechanism):
+        seen, rows = kinematic_trees.add(system, mechanism, method.timestep)
+        return stepping.initialised(container, system, method, seen, rows, redundant)
+    formulation = formulations.of_method(method)
+    seen, rows = jointed_bodies.add(system, mechanism, formulation)
+    made = stepping.initialised(container, system, method, seen, rows, redundant)
+    return Normalised(made) if formulation is FORMULATIONS["EP"] else made

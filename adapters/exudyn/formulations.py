@@ -1,4 +1,4 @@
-"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, and what they mean.
+"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, what they mean, and bodies on them.
 
 Each has three coordinates of the position along the axes of the world, then those of the rotation. The velocities are the rates
 of the coordinates, except for the rotation vector, whose velocities are the angular velocity in the body frame.
@@ -8,11 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import exudyn
 import numpy as np
-from exudyn import itemInterface
+from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.attitudes import quaternions, rotation_vector
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
@@ -132,3 +134,20 @@ FORMULATIONS = {
 def of_method(method: Method) -> Formulation:
     """Return the formulation of a method: the one that it names, or Exudyn's default with its settings, or the Lie group."""
     return FORMULATIONS[method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")]
+
+
+def add_body(system: "exudyn.MainSystem", formulation: Formulation, link: Link, initial: State, gravity: float) -> Any:
+    """Add to a system a link with its weight, whose frame is in a state, and return its number."""
+    # Exudyn takes the tensor about the origin of the link; this is its own conversion.
+    inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
+    body = system.AddObject(
+        itemInterface.ObjectRigidBody(
+            nodeNumber=system.AddNode(node(formulation, initial)),
+            mass=inertia.Mass(),
+            inertia=inertia.GetInertia6D(),
+            centerOfMass=inertia.COM(),
+        )
+    )
+    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
+    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -gravity]))
+    return body

@@ -11,7 +11,7 @@ import numpy as np
 from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.adapters.exudyn import bodies, formulations
+from bodycheck.adapters.exudyn import formulations
 from bodycheck.adapters.exudyn.formulations import Formulation
 from bodycheck.adapters.mechanisms import centred, frames, from_x, from_z, link_of, starts
 from bodycheck.reference.kinematics import multiply
@@ -42,7 +42,7 @@ def add(
         If a joint is universal, or has armature or dry friction.
     """
     each = zip(mechanism.bodies, frames(mechanism), strict=True)
-    made = [bodies.add(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each]
+    made = [formulations.add_body(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each]
     ground = system.AddObject(itemInterface.ObjectGround())
     for joint, (position, _) in zip(mechanism.joints, starts(mechanism), strict=True):
         add_joint(system, joint, ground if joint.parent == WORLD else made[joint.parent], made[joint.child], position)

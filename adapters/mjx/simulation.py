@@ -16,15 +16,14 @@ import numpy as np
 from jax import numpy as jnp
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
-from bodycheck.adapters.mujoco.models import Joints
+from bodycheck.adapters.mujoco.models import Joints, compiled_model
+from bodycheck.adapters.stepping import InTurn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array

@@ -21,7 +21,6 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import (
     KINDS,
@@ -41,16 +40,16 @@ from bodycheck.adapters.mujoco import (
     bodies,
     contact,
     exporting,
-    links,
     mechanism_xml,
     mechanisms,
     robots,
     touching,
 )
 from bodycheck.adapters.mujoco import models as scene_models
-from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
+from bodycheck.adapters.touching import not_flat
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
@@ -312,15 +311,15 @@ def description_of_links(given: Sequence[Link], scene: Scene, method: Method) ->
         density=0.0,
         origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
-        inertial=links.inertial(given[0]),
-        parts=contact.Parts(geoms=links.welded(given[1:])),
+        inertial=scene_models.inertial(given[0]),
+        parts=contact.Parts(geoms=scene_models.welded(given[1:])),
     )
     return xml, joints
 
 
 def check_supported(scene: Scene, method: Method, model: str) -> None:
     """Raise `SceneUnsupported` if the contact, the model or the contact options do not fit the scene."""
-    if scene.plane is not None and (reason := flat_contact.unsupported(scene)) is not None:
+    if scene.plane is not None and (reason := not_flat(scene)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
     if method.option("model") and model not in (there := scene_models.available_models(scene)):
         raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(there)}")

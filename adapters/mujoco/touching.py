@@ -23,9 +23,8 @@ import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
 from bodycheck.adapters.mujoco import contact
-from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.contact import numbers_written
-from bodycheck.adapters.mujoco.models import Force, geometry
+from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
 from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate

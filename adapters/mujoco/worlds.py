@@ -3,16 +3,16 @@
 A rollout of a scene goes on from its state, but not from what MuJoCo's solver of constraints found in the last step, unless the
 solver is told. MuJoCo tells it only of the scene that was rolled out last. Models in which something can touch are therefore
 rolled out one after another, and so are those with an external force, which is a function in Python; all others together, in
-as many threads as `threads.count` allows.
+as many threads as `threads` returns.
 """
 
 import math
+import os
 from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
 
-from bodycheck.adapters import threads
 from bodycheck.adapters.contract import EngineDiverged, Strides
 from bodycheck.adapters.mujoco import stepping
 from bodycheck.adapters.mujoco.bodies import Models
@@ -55,7 +55,7 @@ class Worlds:
         self.signals: dict[int, str] = {}
         (first,) = models.of([0])
         self.together = not first.ngeom and forces[0] is None
-        count = min(threads.count(), len(joints)) if self.together else 1
+        count = min(threads(), len(joints)) if self.together else 1
         self.data = [data, *(mujoco.MjData(first) for _ in range(count - 1))]
         self.pool = stepping.Rollout(nthread=count if count > 1 else 0)  # none: rollouts in the calling thread
         # A reset sets the clock to 0 before its step. It begins one step later, so that a reset is seen in any step.
@@ -134,3 +134,14 @@ class Worlds:
             self.signals[place] = str(signal)
             return np.asarray(signal.states[0, :-1])
         raise AssertionError("a rollout of several scenes gave up one that is stepped alone without a warning")
+
+
+def threads() -> int:
+    """Return the number of processors that this process may use, or fewer if the variable OMP_NUM_THREADS says so.
+
+    The variable is the one by which schedulers and parents of several workers share out processors. Its value may be a list of
+    numbers for nested levels, of which the first counts; a value that is no positive integer counts as none.
+    """
+    there = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    asked = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
+    return min(there, int(asked)) if asked.isascii() and asked.isdigit() and int(asked) else there

@@ -6,18 +6,18 @@ from typing import Any
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from mujoco import MjModel
+from mujoco import MjData, MjModel, mj_forward
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, single_bodies
-from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.mechanisms import MODELS
-from bodycheck.adapters.mujoco.models import Joints
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms, robots
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
+from bodycheck.adapters.mujoco.models import Joints, compiled_model
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
+from bodycheck.adapters.stepping import InTurn, Loop
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -84,7 +84,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
     Bodies that do not rotate have models of their own for each attitude, which are stepped one after another.
     """
     if isinstance(scenes[0], Mechanism):
-        return mechanisms.prepare(scenes[0], method)
+        return jointed(scenes[0], method)
     bodies = single_bodies(scenes)
     described = [described_by_mujoco(scene, method) for scene in bodies]
     xml, _ = described[0]
@@ -174,3 +174,20 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
 
     graph, normal = graphs.record(step), forces.numpy()[:, 0]
     return np.array([normal.sum() for _ in range(steps) if graphs.replay(graph)], dtype=np.float64)
+
+
+def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
+    """Return the simulation of a mechanism, whose poses MuJoCo computes after a step. Raises `SceneUnsupported`."""
+    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    start = MjData(compiled)
+    begin(compiled, start, mechanism)
+    mj_forward(compiled, start)  # so that the data have room for its constraints
+    try:
+        model = mjw.put_model(compiled)
+    except NotImplementedError as error:
+        raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
+    data = mjw.put_data(compiled, start)
+    qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
+    graph = graphs.record(lambda: mjw.step(model, data))
+    rows = states_of(compiled, [body.name for body in mechanism.bodies])
+    return Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), rows)

@@ -10,15 +10,14 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
-from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
-from bodycheck.adapters.newton.frames import transform, twist
+from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
-from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.stepping import InTurn, Loop, Normalised
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene, State

@@ -12,16 +12,16 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.links import Link, tensor, velocity_of
 from bodycheck.adapters.mechanisms import frames, link_of, starts
 from bodycheck.adapters.mujoco_warp import graphs
-from bodycheck.adapters.newton.frames import transform, twist
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
 from bodycheck.reference.mechanisms.requirements import of_mechanism
+from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 
 #: What at least one of Newton's solvers models of mechanisms; see `Engine.models`.
@@ -161,3 +161,15 @@ def rows(mechanism: Mechanism, seen: Array) -> Array:
         centre = own[:, :3] + rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(own), 3)))
         made.append(states(centre, turn, own[:, 7:10], rotate(conjugate(unit), own[:, 10:])))
     return np.stack(made, axis=1)
+
+
+def twist(link: Link, own: State) -> tuple[float, ...]:
+    """Return Newton's twist of a link whose frame is in a state: the velocity of its centre of mass and its spin (world)."""
+    spin = rotate(np.array(own.quaternion), np.array(own.angular_velocity))
+    return (*velocity_of(link.center_of_mass, own), *spin.tolist())
+
+
+def transform(position: Vector, quaternion: Quaternion) -> Any:
+    """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return wp.transform(position, wp.quat(x, y, z, w))

@@ -17,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import (
     Engine,
@@ -30,12 +29,10 @@ from bodycheck.adapters.contract import (
     choice,
     single_bodies,
 )
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.pinocchio import (
     INSTALLATION,
     contact,
-    contact_script,
     exporting,
     flights,
     mechanism_script,
@@ -46,7 +43,8 @@ from bodycheck.adapters.pinocchio import (
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.stepping import InTurn, Loop
+from bodycheck.adapters.touching import not_flat
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
@@ -146,7 +144,7 @@ def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
     """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
     if not scene.drag and not scene.gravity:
         return "contact without a weight"
-    if (reason := flat_contact.unsupported(scene)) is not None:
+    if (reason := not_flat(scene)) is not None:
         return reason
     try:
         friction(scene.body, plane, scene.gravity)
@@ -262,7 +260,7 @@ def script(scene: AnyScene, method: Method, duration: float, samples: int) -> st
     if method.integrator != "admm":
         raise SceneUnsupported(f"a script of {method.name!r}: its friction is a force of bodycheck, not of Pinocchio")
     joints = scene_models.JOINTS_ON_PLANE[model](scene, scene.gravity)
-    return contact_script.script(scene, scene.plane, joints, model, method.timestep, duration, samples)
+    return exporting.contact_script(scene, scene.plane, joints, model, method.timestep, duration, samples)
 
 
 def loop(step: Step, joints: Joints) -> Loop[tuple[Array, Array]]:

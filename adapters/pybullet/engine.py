@@ -13,11 +13,11 @@ import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
@@ -30,8 +30,8 @@ with no_stderr():
 
     from bodycheck.adapters.pybullet import mechanisms
     from bodycheck.adapters.pybullet.links import BASE, load, weld
+    from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
-    from bodycheck.adapters.pybullet.settings import switched_off
 
 #: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0

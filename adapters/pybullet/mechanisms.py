@@ -7,6 +7,7 @@ applied together with the constant effort, as users do. Dry friction is PyBullet
 limited force. Loops are constraints between points.
 """
 
+import math
 import os
 import tempfile
 from collections.abc import Sequence
@@ -16,13 +17,12 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mechanisms import starts, trees
+from bodycheck.adapters.mechanisms import link_of, starts, trees
 from bodycheck.adapters.pybullet.links import BASE
-from bodycheck.adapters.pybullet.settings import switched_off
-from bodycheck.adapters.pybullet.trees import document
+from bodycheck.adapters.urdf import angles, link_element, spaced
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import kinematics
-from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 
@@ -200,3 +200,42 @@ def rows(seen: Array) -> Array:
     found = seen.reshape(len(seen), -1, 13)
     found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
     return found
+
+
+def switched_off(method: Method) -> dict[str, float]:
+    """Return the arguments of `changeDynamics` that end damping and limits, unless a method keeps them."""
+    if method.option("settings") == "engine":
+        return {}
+    return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
+
+
+#: PyBullet's names of the types of joints. Limits of which the lower one is above the upper one are none.
+TYPES = {"revolute": "continuous", "prismatic": "prismatic", "spherical": "spherical", "fixed": "fixed"}
+
+#: The base of a tree that is fixed to the world.
+FIXED_BASE = (
+    '<link name="world"><inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+
+
+def document(mechanism: Mechanism, tree: Sequence[int]) -> str:
+    """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k by the place k of the body."""
+    root, *others = tree
+    parts = [FIXED_BASE if root == WORLD else link_element(f"body_{root}", link_of(mechanism.bodies[root]))]
+    for place in others:
+        joint = mechanism.joint_of[place]
+        assert joint is not None  # only roots have none
+        parts += [link_element(f"body_{place}", link_of(mechanism.bodies[place])), joint_element(joint)]
+    return "\n".join(['<?xml version="1.0"?>', '<robot name="mechanism">', *parts, "</robot>", ""])
+
+
+def joint_element(joint: Joint) -> str:
+    """Return the element of a joint with its damping."""
+    parent = "world" if joint.parent == WORLD else f"body_{joint.parent}"
+    return (
+        f'<joint name="joint_{joint.child}" type="{TYPES[joint.type]}">'
+        f'<parent link="{parent}"/><child link="body_{joint.child}"/>'
+        f'<origin xyz="{spaced(joint.position)}" rpy="{spaced(angles(nearest_turn(joint.attitude)))}"/>'
+        f'<axis xyz="{spaced(nearest_axis(joint))}"/><limit lower="0" upper="-1" effort="0" velocity="0"/>'
+        f'<dynamics damping="{spaced([joint.damping])}" friction="0"/></joint>'
+    )

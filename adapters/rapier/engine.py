@@ -14,11 +14,11 @@ from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, EngineReset, Integrator, Method, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism

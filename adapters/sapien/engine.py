@@ -14,10 +14,10 @@ import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes

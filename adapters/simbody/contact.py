@@ -11,7 +11,7 @@ from typing import Any
 import opensim
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Scene
 

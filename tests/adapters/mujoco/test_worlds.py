@@ -97,7 +97,7 @@ def with_other_bodies(scene: Scene, count: int) -> list[Scene]:
 @pytest.mark.parametrize("threads", [1, 2])
 def test_bodies_that_differ_are_each_as_if_alone(case: str, method: str, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """To the last bit, with fewer copies of the model than scenes, and where one stride takes several rollouts."""
-    monkeypatch.setattr("bodycheck.adapters.threads.count", lambda: threads)
+    monkeypatch.setattr("bodycheck.adapters.mujoco.worlds.threads", lambda: threads)
     monkeypatch.setattr(bodies, "COPIES", 3)
     monkeypatch.setattr(worlds, "MOST_STATES", 200)
     spelled = Method.parse(method, 1e-3)
