@@ -22,7 +22,7 @@ from bodycheck.casefile.content import check_case as check_case
 from bodycheck.casefile.ensemble import build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
-from bodycheck.casefile.formats import AnyCaseTable, whole_table
+from bodycheck.casefile.formats import AnyCaseTable, explain, is_misleading, key_text, whole_table
 from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
@@ -30,7 +30,6 @@ from bodycheck.casefile.mechanisms.model import expanded, split, with_model
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
-from bodycheck.casefile.wording import explain, is_misleading, key_text
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading

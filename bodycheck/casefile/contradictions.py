@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.content import MAX_STEPS
-from bodycheck.casefile.ensemble_faults import ensemble_faults
+from bodycheck.casefile.ensemble import ensemble_faults
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, unit
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers

@@ -13,8 +13,7 @@ from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
 from bodycheck.robots import elements, mjcf_copy
 from bodycheck.robots.elements import MAX_DEPTH, Element, refuse
-from bodycheck.robots.places import folders
-from bodycheck.robots.removing import Removed, local, remove
+from bodycheck.robots.named_files import Removed, folders, local, remove
 
 #: Elements that are left out of the copy of a URDF: shapes to be seen, and what names or holds other files. Shapes for
 #: collisions stay where they have sizes of their own.
@@ -97,7 +96,7 @@ def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
             mjcf_copy.prepare(root, folders(path, packages), into, removed)
             copy = RobotFile(str(into / "robot.xml"), "mjcf")
         case _:
-            elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+            elements.refuse_root(root)
     writing.write(Path(copy.path), written(root))
     return Checked(copy, removed.phrases())
 

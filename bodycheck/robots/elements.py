@@ -131,6 +131,11 @@ def refuse(element: Element, attribute: str | None, text: str) -> NoReturn:
     raise BadInput(f"{place(element, attribute)}: {text}")
 
 
+def refuse_root(root: Element) -> NoReturn:
+    """Raise `BadInput` for the root of a file that is neither a URDF nor an MJCF file."""
+    refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+
+
 def place(element: Element, attribute: str | None = None) -> str:
     """Return file, line, element and attribute as they stand in messages."""
     tag = quoted(element.tag)[1:-1]

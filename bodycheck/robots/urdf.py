@@ -7,6 +7,7 @@ what connects them.
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +30,9 @@ MAX_NAME = 500
 #: The versions of URDF, and the first one in which an attitude can be a quaternion.
 VERSION = re.compile(r"1\.([0-2])")
 WITH_QUATERNIONS = 1
+
+#: The fault of a macro.
+MACRO = "is a macro of xacro, which is not expanded here; expand the file first"
 
 #: Types of joints whose one coordinate another joint can follow.
 FOLLOWED = ("revolute", "prismatic")
@@ -90,9 +94,13 @@ def _check_head(about: About, root: Element) -> None:
         about.add("", root, "version", f"read {quoted(written)}; allowed: 1.0, 1.1 or 1.2")
     if "name" not in root.attributes:
         about.add("", root, "name", "is missing; allowed: the name of the robot")
-    for element in root.everything():
-        if element.tag.startswith("xacro:"):
-            about.add("", element, None, "is a macro of xacro, which is not expanded here; expand the file first")
+    for element in macros(root):
+        about.add("", element, None, MACRO)
+
+
+def macros(root: Element) -> Iterator[Element]:
+    """Yield what is left of macros of xacro in a file."""
+    return (element for element in root.everything() if element.tag.startswith("xacro:"))
 
 
 def parts(root: Element, about: About) -> Parts | None:

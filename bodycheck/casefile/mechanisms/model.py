@@ -18,7 +18,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.raw_values import mapping
-from bodycheck.casefile.robots import mjcf_tree, urdf_tree
+from bodycheck.casefile.robots import mjcf_tree, urdf
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
@@ -33,7 +33,7 @@ MARK = "\n# The text of the model, as it was read beside this file.\n[model.stor
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
 
 #: How the tables of bodies and joints are read, by the root of the file.
-READERS = {"robot": urdf_tree.tree, "mujoco": mjcf_tree.tree}
+READERS = {"robot": urdf.tree, "mujoco": mjcf_tree.tree}
 
 #: The path of the key with the name of the model.
 FILE: Path = ("model", "file")
@@ -145,7 +145,7 @@ def _tables(text: str, file: str) -> Tables:
     """Return the tables of the bodies and joints of a model. Raises `BadInput`."""
     root = elements.parsed(text.encode("utf-8", "replace"), file)
     if root.tag not in READERS:
-        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+        elements.refuse_root(root)
     made = READERS[root.tag](root, WORLD)
     if not made["bodies"]:
         raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")

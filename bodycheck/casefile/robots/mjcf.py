@@ -6,9 +6,9 @@ classes) or refused with the reason.
 
 from collections.abc import Iterator
 
-from bodycheck.casefile.robots import attitudes, mjcf_geoms
+from bodycheck.casefile.robots import mjcf_geoms
 from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out, without_rounding
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
 from bodycheck.casefile.robots.numbers import number, numbers, positive
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, vector
@@ -117,7 +117,7 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
     """Return the mass properties that an <inertial> states."""
     mass, centre = positive(inertial, "mass"), vector(numbers(inertial, "pos", (3,)))
     full, diagonal = "fullinertia" in inertial.attributes, "diaginertia" in inertial.attributes
-    attitude = attitudes.mjcf(inertial, rules.degrees, rules.eulerseq)
+    turn = attitude(inertial, rules)
     if full == diagonal:
         refuse(
             inertial,
@@ -125,12 +125,12 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
             f"has {'both' if full else 'neither'} diaginertia {'and' if full else 'nor'} fullinertia; allowed: one of them",
         )
     if full:
-        if attitude != IDENTITY:
+        if turn != IDENTITY:
             refuse(inertial, "fullinertia", "an attitude is given too, which MuJoCo refuses")
         components = numbers(inertial, "fullinertia", (6,))
     else:
         components = (*numbers(inertial, "diaginertia", (3,)), 0.0, 0.0, 0.0)
-    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, attitude))
+    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, turn))
 
 
 def _of_geoms(found: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:

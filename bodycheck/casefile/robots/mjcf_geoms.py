@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots import attitudes
-from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.casefile.robots.mjcf_settings import Settings, attitude
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.reference.exact.inertia import MassProperties, moments
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
@@ -29,8 +28,8 @@ class Placed:
 def placed(geom: Element, rules: Settings) -> Placed:
     """Return where a geom is. Raises `BadInput`."""
     if "fromto" not in geom.attributes:
-        attitude = attitudes.mjcf(geom, rules.degrees, rules.eulerseq)
-        return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), attitude)
+        turn = attitude(geom, rules)
+        return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), turn)
     first, last = _ends(geom)
     x, y, z = ((one + other) / 2 for one, other in zip(first, last, strict=True))
     dx, dy, dz = (one - other for one, other in zip(first, last, strict=True))

@@ -1,9 +1,12 @@
-"""The settings of an MJCF file that decide what its numbers mean: the <compiler> and the default classes."""
+"""The settings of an MJCF file that decide what its numbers mean, the <compiler> and the default classes; attitudes by them."""
 
 from dataclasses import dataclass
 
 from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.reference.exact.numbers import MP, Quaternion4, vector
+from bodycheck.reference.exact.rotations import IDENTITY, unit
 from bodycheck.robots.elements import Element, quoted, refuse
+from bodycheck.robots.orientations import about_axis, euler, from_axes, from_z
 
 #: Attributes of <compiler> that change masses or frames and are not followed, with the values that change nothing.
 CHANGING = {
@@ -113,3 +116,35 @@ class Defaults:
             refuse(element, "class", f"there is no default class {quoted(name or '')}")
         attributes = self.classes.get(name, self.classes[None]) | element.attributes
         return Element(element.tag, attributes, element.file, element.line)
+
+
+#: The attributes of MJCF for an attitude.
+ATTITUDES = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+
+
+def attitude(element: Element, rules: Settings) -> Quaternion4:
+    """Return the attitude of an element, which is read exactly. Raises `BadInput` if it has several of `ATTITUDES`."""
+    given = [name for name in ATTITUDES if name in element.attributes]
+    if len(given) > 1:
+        refuse(element, given[1], f"{given[0]} is given too; allowed: one of {', '.join(ATTITUDES)}")
+    if not given:
+        return IDENTITY
+    values = [
+        MP.mpf(value) for value in numbers(element, given[0], ({"quat": 4, "axisangle": 4, "xyaxes": 6}.get(given[0], 3),))
+    ]
+    factor = MP.pi / 180 if rules.degrees else MP.mpf(1)
+    try:
+        match given[0]:
+            case "quat":
+                w, x, y, z = values
+                return unit((w, x, y, z))
+            case "axisangle":
+                return about_axis(vector(values[:3]), values[3] * factor)
+            case "euler":
+                return euler([value * factor for value in values], rules.eulerseq)
+            case "xyaxes":
+                return from_axes(vector(values[:3]), vector(values[3:]))
+            case _:
+                return from_z(vector(values))
+    except ZeroDivisionError:
+        refuse(element, given[0], f"read {quoted(element.attributes[given[0]])}; allowed: vectors that are not 0 or parallel")

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bodycheck.casefile.robots import attitudes, tables
+from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.mjcf import inertia_of, refuse_includes, refuse_what_is_not_followed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.reference.exact.inertia import MassProperties
@@ -99,9 +99,7 @@ def _add(made: Tables, body: Element, around: _Around, model: _Model) -> _Around
     if body.attributes.get("mocap") == "true":
         refuse(body, "mocap", "read 'true', which moves the body from outside; allowed: false")
     inherited, (name, joints) = _class(body, around.inherited), _named(body)
-    own = Pose(
-        vector(numbers(body, "pos", (3,), (0.0, 0.0, 0.0))), attitudes.mjcf(body, model.rules.degrees, model.rules.eulerseq)
-    )
+    own = Pose(vector(numbers(body, "pos", (3,), (0.0, 0.0, 0.0))), attitude(body, model.rules))
     inertia, pose = inertia_of(body, inherited, model.rules, model.geoms), around.pose.then(own)
     if not joints:
         if inertia is None:

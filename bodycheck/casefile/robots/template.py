@@ -27,7 +27,7 @@ def read(path: Path, body: str | None) -> Link:
     """
     root = elements.read(path)
     if root.tag not in READERS:
-        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+        elements.refuse_root(root)
     _, reader = READERS[root.tag]
     return reader(root, body)
 
