@@ -188,8 +188,8 @@ class Option:
 
     def accepts(self, value: str) -> bool:
         """Return whether a value is allowed."""
-        given = value.split()
-        fits = (len(given) == len(ranges) and all(map(Range.has, ranges, given)) for ranges in self.numbers)
+        parts = value.split()
+        fits = (len(parts) == len(ranges) and all(map(Range.has, ranges, parts)) for ranges in self.numbers)
         return value in self.words or any(fits) or not (self.words or self.numbers)
 
 

@@ -46,8 +46,8 @@ def names() -> tuple[str, ...]:
 
     An entry point whose name cannot be that of an engine is not one.
     """
-    own = _own()
-    return (*own, *(point.name for point in _points(ENGINE_GROUP) if point.name not in own and is_name(point.name)))
+    folders = _own()
+    return (*folders, *(point.name for point in _points(ENGINE_GROUP) if point.name not in folders and is_name(point.name)))
 
 
 def installation(name: str) -> Installation:
@@ -57,8 +57,8 @@ def installation(name: str) -> Installation:
     """
     _check_known(name)
     if name in _own():
-        found: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
-        return found
+        stated: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
+        return stated
     for point in _points(DISTRIBUTION_GROUP, name):
         return Installation(point.value.partition(" ")[0].replace("_", "-"), tuple(point.extras))
     raise EngineMissing(
@@ -101,11 +101,11 @@ def load(name: str) -> Adapter:
     Raises `EngineMissing` if the engine is not installed, if another version is installed than the name says, or if it has no
     adapter, and `EngineBroken` if it fails.
     """
-    asked = EngineName.parse(name)
-    name = asked.adapter
+    engine_name = EngineName.parse(name)
+    name = engine_name.adapter
     _check_known(name)
-    if asked.version is not None and (there := installed(name)) != asked.version:
-        raise EngineMissing(f"{asked} is not installed: there is {there or 'none'}")
+    if engine_name.version is not None and (installed_version := installed(name)) != engine_name.version:
+        raise EngineMissing(f"{engine_name} is not installed: there is {installed_version or 'none'}")
     try:
         points = _points(ENGINE_GROUP, name)
         adapter = points[0].load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
@@ -172,8 +172,10 @@ def _all_points(path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
 
 def _check_known(name: str) -> None:
     if name not in names():
-        known = names()
-        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
+        known_names = names()
+        raise EngineMissing(
+            f"there is no engine {name!r}; there are: {', '.join(known_names)}{did_you_mean(name, known_names)}"
+        )
 
 
 def _files_of(module: str) -> list[Path]:
@@ -199,7 +201,9 @@ def fault_of(engine: object) -> str | None:
     for key in ("name", "distribution", "version"):
         if not _is_name(getattr(engine, key)):
             return f"its {key} is {_shown(getattr(engine, key))}, not {RULE}"
-    if not isinstance(engine.integrators, tuple) or not all(isinstance(own, Integrator) for own in engine.integrators):
+    if not isinstance(engine.integrators, tuple) or not all(
+        isinstance(integrator, Integrator) for integrator in engine.integrators
+    ):
         return f"its integrators are {_shown(engine.integrators)}, not a tuple of Integrator"
     if type(engine.models) is not frozenset or not all(type(name) is str for name in engine.models):
         return f"its models are {_shown(engine.models)}, not a frozenset of names"
@@ -208,19 +212,25 @@ def fault_of(engine: object) -> str | None:
     if type(engine.varies) is not frozenset or not engine.varies <= VARIED:
         return f"its varies is {_shown(engine.varies)}, not a frozenset of {', '.join(sorted(VARIED))}"
     return next(
-        (fault for own in engine.integrators if (fault := _fault_of_integrator(own)) is not None), _fault_of_variants(engine)
+        (fault for integrator in engine.integrators if (fault := _fault_of_integrator(integrator)) is not None),
+        _fault_of_variants(engine),
     )
 
 
-def _fault_of_integrator(own: Integrator) -> str | None:
-    if not _is_name(own.name):
-        return f"an integrator is named {_shown(own.name)}, not by {RULE}"
-    if not set(own.kinds) <= KINDS:
-        return f"its integrator {own.name} is for the kinds {_shown(own.kinds)}; allowed: {', '.join(sorted(KINDS))}"
-    if not all(_is_name(key) and isinstance(option, Option) for key, option in own.options.items()):
-        return f"its integrator {own.name} has the options {_shown(own.options)}, not values of the type Option by their names"
-    if type(own.demonstrates) is not str or not own.demonstrates.isprintable():
-        return f"its integrator {own.name} demonstrates {_shown(own.demonstrates)}, not text of printable characters"
+def _fault_of_integrator(integrator: Integrator) -> str | None:
+    if not _is_name(integrator.name):
+        return f"an integrator is named {_shown(integrator.name)}, not by {RULE}"
+    if not set(integrator.kinds) <= KINDS:
+        return (
+            f"its integrator {integrator.name} is for the kinds {_shown(integrator.kinds)}; allowed: {', '.join(sorted(KINDS))}"
+        )
+    if not all(_is_name(key) and isinstance(option, Option) for key, option in integrator.options.items()):
+        options = _shown(integrator.options)
+        return f"its integrator {integrator.name} has the options {options}, not values of the type Option by their names"
+    if type(integrator.demonstrates) is not str or not integrator.demonstrates.isprintable():
+        return (
+            f"its integrator {integrator.name} demonstrates {_shown(integrator.demonstrates)}, not text of printable characters"
+        )
     return None
 
 

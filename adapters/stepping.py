@@ -38,15 +38,15 @@ class Loop(Generic[State]):
         """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
         step, state = self.step, self.state
         seen = np.empty((len(strides), *self.seen(state).shape))
-        for place, stride in enumerate(strides.tolist()):
+        for row, stride in enumerate(strides.tolist()):
             try:
                 for _ in range(stride):
                     state = step(state)
             except EngineDiverged as signal:
-                seen[place] = self.seen(state)
-                signal.states = single(self.rows(seen[: place + 1]))
+                seen[row] = self.seen(state)
+                signal.states = single(self.rows(seen[: row + 1]))
                 raise
-            seen[place] = self.seen(state)
+            seen[row] = self.seen(state)
         self.state = state
         if seen.ndim == 2:
             return single(self.rows(seen))
@@ -93,7 +93,7 @@ class Normalised:
 
 @runtime_checkable
 class NormalisingEach(Protocol):
-    """A simulation of several scenes that tells of each of them what `Normalising` tells of all."""
+    """A simulation of several scenes that has for each of them the error that `Normalising` has for all."""
 
     @property
     def quaternion_norm_errors(self) -> Array:
@@ -104,7 +104,7 @@ class NormalisingEach(Protocol):
 def norm_errors(simulation: Simulation, scenes: int) -> Array:
     """Return the largest deviation from 1 of the norm of a quaternion of each scene (scenes,), as the engine returned it.
 
-    It is zero where nothing is normalised. A simulation that tells only of all scenes together tells the same of each.
+    It is zero where nothing is normalised. A simulation that has one error for all scenes together has the same for each.
     """
     if isinstance(simulation, NormalisingEach):
         return simulation.quaternion_norm_errors
@@ -118,9 +118,9 @@ class InTurn:
     Parameters
     ----------
     parts
-        The simulations, each with the places of its scenes.
+        The simulations, each with the indices of its scenes.
     signals
-        What engines signalled so far, by the places of the scenes that they gave up.
+        The signals of engines so far, by the indices of the scenes that they gave up.
     """
 
     parts: Sequence[tuple[Sequence[int], Simulation]]
@@ -135,28 +135,28 @@ class InTurn:
                 continue
             states[list(places)] = simulation.advance(strides)
             if isinstance(simulation, Signals):
-                self.signals |= {places[own]: text for own, text in simulation.signals.items()}
+                self.signals |= {places[index]: text for index, text in simulation.signals.items()}
         return states
 
     @property
     def quaternion_norm_errors(self) -> Array:
         """The largest deviations of norms from 1 of the scenes (scenes,), as `NormalisingEach` has them."""
-        found = np.zeros(self._scenes)
+        errors = np.zeros(self._scenes)
         for places, simulation in self.parts:
-            found[list(places)] = norm_errors(simulation, len(places))
-        return found
+            errors[list(places)] = norm_errors(simulation, len(places))
+        return errors
 
     @property
     def _scenes(self) -> int:
         return sum(len(places) for places, _ in self.parts)
 
-    def _advance_one(self, place: int, simulation: Simulation, strides: Strides, states: Array) -> None:
+    def _advance_one(self, index: int, simulation: Simulation, strides: Strides, states: Array) -> None:
         """Fill in the states of one scene, unless its engine has given it up before."""
-        if place in self.signals:
+        if index in self.signals:
             return
         try:
-            states[place] = simulation.advance(strides)[0]
+            states[index] = simulation.advance(strides)[0]
         except EngineDiverged as signal:
             sound = signal.states[0, :-1]  # the last is the state at the signal
-            states[place, : len(sound)] = sound
-            self.signals[place] = str(signal)
+            states[index, : len(sound)] = sound
+            self.signals[index] = str(signal)

@@ -66,9 +66,9 @@ def for_brax(xml: str, mechanism: Mechanism) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def stepped(given: tuple[Any, Any], state: Any) -> Any:
+def stepped(system_and_inputs: tuple[Any, Any], state: Any) -> Any:
     """Return the state after one step, from Brax's system with the inputs of its motors, and the state."""
-    system, inputs = given
+    system, inputs = system_and_inputs
     return pipeline.step(system, state, inputs)
 
 

@@ -59,8 +59,8 @@ APPROXIMATIONS = tuple(
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release for the continuous plant, then the approximations of the discrete one."""
-    known = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
-    claims = [(name, *CLAIMS.get(name, (None, None))) for name in known]
+    names = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
+    claims = [(name, *CLAIMS.get(name, (None, None))) for name in names]
     return tuple(
         Integrator(name, order, count, KINDS - ON_PLANE if name in EXPLICIT else KINDS, OPTIONS)
         for name, order, count in claims

@@ -7,7 +7,6 @@ four steps if that is longer, so that explicit solvers are stable. Under gravity
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import exudyn
@@ -24,11 +23,6 @@ TIME_CONSTANT_S, STEPS_IN_TIME_CONSTANT = 3e-3, 4
 
 #: The distance (m) from the origin to the nearest edge of the triangle.
 GROUND_SIZE_M = 1e3
-
-
-def law(scene: Scene) -> Plane | None:
-    """Return the friction law of the contacts if they were rigid; None without a plane."""
-    return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
 
 
 def brick(scene: Scene) -> Brick:

@@ -13,8 +13,9 @@ from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, joint
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.links import Link, links_of, state_in
 from bodycheck.adapters.stepping import Normalised
+from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 # Exudyn prints warnings and errors, and writes errors to a file, besides raising them.
@@ -87,6 +88,9 @@ engine = Engine(
     defaults=defaults(),
 )
 
+#: The friction law of contacts.
+contact_law = corners
+
 #: The functions of Exudyn that steps call from Python; force functions are called by Exudyn.
 calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
 
@@ -123,10 +127,10 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
     return normalised(model(scene, method, links))
 
 
-def normalised(made: Model) -> Simulation:
+def normalised(built: Model) -> Simulation:
     """Return the simulation of a model, whose quaternions have the norm 1."""
     # Only the Euler parameters can have another norm; the quaternions of the others are made here.
-    return Normalised(made.stepper) if made.formulation is FORMULATIONS["EP"] else made.stepper
+    return Normalised(built.stepper) if built.formulation is FORMULATIONS["EP"] else built.stepper
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
@@ -151,11 +155,11 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
     for link in links[1:]:
         part = add_link(system, formulation, link, scene)
         turn = utilities.EulerParameters2RotationMatrix(link.quaternion)
-        there = system.AddMarker(
+        parent_marker = system.AddMarker(
             itemInterface.MarkerBodyRigid(bodyNumber=body, localHT=exudyn.HT(rotation=turn, translation=[*link.position]))
         )
-        here = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=part))
-        system.AddObject(itemInterface.GenericJoint(markerNumbers=[there, here]))
+        child_marker = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=part))
+        system.AddObject(itemInterface.GenericJoint(markerNumbers=[parent_marker, child_marker]))
     if not scene.drag:
         return body
     node = system.GetObjectParameter(body, "nodeNumber")
@@ -176,20 +180,15 @@ def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, 
     )
 
 
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts, which is that of rigid corners."""
-    return contact.law(scene)
-
-
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     """Return the normal force (n,), in N, in each of n steps, as Exudyn's last evaluation in the step had it."""
-    made = model(scene, method)
-    assert made.contacts is not None  # the caller asks for scenes with a plane
-    made.contacts.computeContactForces = True
+    built = model(scene, method)
+    assert built.contacts is not None  # the caller asks for scenes with a plane
+    built.contacts.computeContactForces = True
     load = np.empty(steps)
     for step in range(steps):
-        made.stepper.advance(np.array([1]))
-        load[step] = made.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
+        built.stepper.advance(np.array([1]))
+        load[step] = built.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
     return load
 
 
@@ -206,5 +205,5 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
         return stepping.initialised(container, system, method, seen, rows, redundant)
     formulation = formulations.of_method(method)
     seen, rows = jointed_bodies.add(system, mechanism, formulation)
-    made = stepping.initialised(container, system, method, seen, rows, redundant)
-    return Normalised(made) if formulation is FORMULATIONS["EP"] else made
+    stepper = stepping.initialised(container, system, method, seen, rows, redundant)
+    return Normalised(stepper) if formulation is FORMULATIONS["EP"] else stepper

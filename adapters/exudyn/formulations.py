@@ -62,9 +62,9 @@ def coordinates(formulation: Formulation) -> int:
 
 def rows(formulation: Formulation, seen: Array) -> Array:
     """Return the rows (n, 13) of states from Exudyn's coordinates, which are relative to the reference, and velocities."""
-    place, velocities = np.split(seen, 2, axis=1)
-    quaternion, angular_velocity = formulation.meaning(place[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
-    return states(place[:, :3], quaternion, velocities[:, :3], angular_velocity)
+    positions, velocities = np.split(seen, 2, axis=1)
+    quaternion, angular_velocity = formulation.meaning(positions[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
+    return states(positions[:, :3], quaternion, velocities[:, :3], angular_velocity)
 
 
 def euler_parameters_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
@@ -119,8 +119,8 @@ def of_angles(angles: Array, rates: Array) -> tuple[Array, Array]:
 def rates_to_velocity(angles: Array) -> Array:
     """Return the matrices (n, 3, 3) from rates of angles (n, 3) to angular velocities in the body frame."""
     (c2, c3), (s2, s3) = np.cos(angles[:, 1:]).T, np.sin(angles[:, 1:]).T
-    nothing, one = np.zeros(len(angles)), np.ones(len(angles))
-    return np.stack([c2 * c3, s3, nothing, -c2 * s3, c3, nothing, s2, nothing, one], axis=1).reshape(-1, 3, 3)
+    zeros, ones = np.zeros(len(angles)), np.ones(len(angles))
+    return np.stack([c2 * c3, s3, zeros, -c2 * s3, c3, zeros, s2, zeros, ones], axis=1).reshape(-1, 3, 3)
 
 
 #: All formulations by the names of Exudyn's nodes, without the words that these have in common.

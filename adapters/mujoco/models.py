@@ -183,11 +183,11 @@ def principal_axes(scene: Scene, carried: Joints) -> str:
 
 def parts(scene: Scene, model: str, contact: Parts | None) -> Parts:
     """Return the parts of a model besides its body; `contact` holds those of a model that touches the plane, else None."""
-    found = contact or Parts()
+    of_model = contact or Parts()
     if contact is None and model in ("far-geometry", *MODELS_WITH_CONTACT) and scene.body.shape is not None:
         plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR_PLANE_DEPTH_M!r}"/>'
-        found = replace(found, flags="", plane=plane, geoms=geometry(scene.body.shape))
-    return replace(found, flags='energy="enable"', sensors=SENSORS) if model == "everything" else found
+        of_model = replace(of_model, flags="", plane=plane, geoms=geometry(scene.body.shape))
+    return replace(of_model, flags='energy="enable"', sensors=SENSORS) if model == "everything" else of_model
 
 
 def geometry(shape: Shape) -> str:
@@ -281,11 +281,11 @@ def compiled_model(xml: str) -> mujoco.MjModel:
 
 def inertial(link: Link) -> str:
     """Return the XML element of a link's inertia."""
-    place = {"pos": numbers_written(*link.center_of_mass), "mass": numbers_written(link.mass)}
-    return f"<inertial {written(place | {'fullinertia': numbers_written(*link.inertia)})}/>"
+    attributes = {"pos": numbers_written(*link.center_of_mass), "mass": numbers_written(link.mass)}
+    return f"<inertial {written(attributes | {'fullinertia': numbers_written(*link.inertia)})}/>"
 
 
 def welded(links: Sequence[Link]) -> str:
     """Return the XML elements of links that are welded to the body around them, in whose frame their frames are."""
-    places = ({"pos": numbers_written(*link.position), "quat": numbers_written(*link.quaternion)} for link in links)
-    return "\n      ".join(f"<body {written(place)}>{inertial(link)}</body>" for place, link in zip(places, links, strict=True))
+    poses = ({"pos": numbers_written(*link.position), "quat": numbers_written(*link.quaternion)} for link in links)
+    return "\n      ".join(f"<body {written(pose)}>{inertial(link)}</body>" for pose, link in zip(poses, links, strict=True))

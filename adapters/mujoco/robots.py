@@ -165,11 +165,11 @@ def _equalities(model: mujoco.MjModel) -> str:
 
 
 def _tendons(model: mujoco.MjModel) -> str:
-    names = (str(model.tendon(place).name) or f"tendon{place}" for place in range(model.ntendon))
+    names = (str(model.tendon(index).name) or f"tendon{index}" for index in range(model.ntendon))
     return f"tendons ({', '.join(names)})" if model.ntendon else ""
 
 
 def _actuators(model: mujoco.MjModel) -> str:
-    names = (str(model.actuator(place).name) or f"actuator{place}" for place in range(model.nu))
+    names = (str(model.actuator(index).name) or f"actuator{index}" for index in range(model.nu))
     geared = (f"{name} with gear {gear[0]:g}" for name, gear in zip(names, model.actuator_gear, strict=True))
     return f"actuators ({', '.join(geared)})" if model.nu else ""

@@ -19,7 +19,7 @@ from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
 from bodycheck.adapters.stepping import InTurn, Loop
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 #: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts.
@@ -30,8 +30,14 @@ def integrators() -> tuple[Integrator, ...]:
     """Return MuJoCo's integrators, with the orders that it claims; those that MuJoCo Warp lacks are offered for no scene."""
     here = {member.name for member in mjw.IntegratorType}
     return tuple(
-        Integrator(own.name, own.order, own.evaluations, own.kinds if own.name.upper() in here else frozenset(), OPTIONS)
-        for own in mujoco.engine.integrators
+        Integrator(
+            integrator.name,
+            integrator.order,
+            integrator.evaluations,
+            integrator.kinds if integrator.name.upper() in here else frozenset(),
+            OPTIONS,
+        )
+        for integrator in mujoco.engine.integrators
     )
 
 
@@ -60,7 +66,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-read_robot = robots.read_robot
+read_robot, contact_law = robots.read_robot, mujoco.contact_law
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
@@ -90,7 +96,12 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
     xml, _ = described[0]
     if any(other != xml for other, _ in described):
         parts = zip(described, bodies, strict=True)
-        return InTurn([((place,), stepped(*started(own, [one], scene))) for place, ((own, one), scene) in enumerate(parts)])
+        return InTurn(
+            [
+                ((index,), stepped(*started(xml_of_scene, [joint], scene)))
+                for index, ((xml_of_scene, joint), scene) in enumerate(parts)
+            ]
+        )
     return stepped(*started(xml, [joints for _, joints in described], bodies[0]))
 
 
@@ -150,14 +161,9 @@ def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
         raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
     # With room for no constraint at all (njmax = 0), most integrators of MuJoCo Warp 4.0.0 ignore all forces.
     data = mjw.put_data(first.model, first.data, nworld=len(joints))
-    data.qpos.assign(np.array([own.qpos for own in joints]))
-    data.qvel.assign(np.array([own.qvel for own in joints]))
+    data.qpos.assign(np.array([joint.qpos for joint in joints]))
+    data.qvel.assign(np.array([joint.qvel for joint in joints]))
     return model, data, first.rows
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts, which is that of MuJoCo's."""
-    return mujoco.contact_law(scene, method)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

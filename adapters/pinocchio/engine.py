@@ -134,10 +134,10 @@ def check_supported(scene: Scene, method: Method) -> None:
     """Raise `SceneUnsupported` if the contact or the selected model does not fit the scene."""
     if scene.plane is not None and (reason := unsupported_contact(scene, scene.plane)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
-    if scene.plane is not None or (asked := method.option("model")) is None:
+    if scene.plane is not None or (model := method.option("model")) is None:
         return
-    if asked not in (there := scene_models.in_flight(scene, method.integrator)):
-        raise SceneUnsupported(f"no model {asked!r} of this scene for {method.integrator!r}; there are: {', '.join(there)}")
+    if model not in (available := scene_models.in_flight(scene, method.integrator)):
+        raise SceneUnsupported(f"no model {model!r} of this scene for {method.integrator!r}; there are: {', '.join(available)}")
 
 
 def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
@@ -160,10 +160,10 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
     if isinstance(scene, Mechanism):
         return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(scene, integrator)
     if scene.plane is not None:
-        own = {"contact": "admm", "everything": "admm:model=everything"}
-        asked = {name: own.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
+        of_admm = {"contact": "admm", "everything": "admm:model=everything"}
+        methods = {name: of_admm.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
         return (
-            {name: Model(asked[name], scene_models.ON_PLANE[name]) for name in scene_models.ON_PLANE}
+            {name: Model(methods[name], scene_models.ON_PLANE[name]) for name in scene_models.ON_PLANE}
             if integrator == "law-force"
             else {}
         )
@@ -177,8 +177,8 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
 
 def model_of(scene: Scene, method: Method) -> str:
     """Return the model named by `:model=`, or the smallest model on which the integrator is the same scheme."""
-    if (asked := method.option("model")) is not None:
-        return asked
+    if (model := method.option("model")) is not None:
+        return model
     if scene.plane is not None:
         return SMALLEST_ON_PLANE[method.integrator]
     return next(iter(scene_models.in_flight(scene, method.integrator)))
@@ -211,7 +211,7 @@ def unjointed(scenes: Sequence[Scene], method: Method) -> Simulation:
         return flights.flights(scenes, method, coordinates)
     if len(scenes) == 1:
         return alone(first, method)
-    return InTurn([((place,), alone(scene, method)) for place, scene in enumerate(scenes)])
+    return InTurn([((index,), alone(scene, method)) for index, scene in enumerate(scenes)])
 
 
 def alone(scene: Scene, method: Method) -> Loop[tuple[Array, Array]]:

@@ -26,15 +26,15 @@ from bodycheck.reference.trajectory import Array
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
     """Return what Pinocchio makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
     model = loaded(file)
-    joints, own, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
+    joints, standard, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
     carrier = carried(model, frames)
     return RobotReading(
         bodies=bodies(model, carrier),
         joints=read_joints(model, carrier, joints),
         links=tuple(str(frame.name) for frame in frames.values()),
         velocities=int(model.nv),
-        gravity=own,
-        terms=terms_of(model, {place: str(frame.name) for place, frame in frames.items()}, joints, states, gravity),
+        gravity=standard,
+        terms=terms_of(model, {index: str(frame.name) for index, frame in frames.items()}, joints, states, gravity),
         notes=notes(file, joints),
     )
 
@@ -54,7 +54,7 @@ def loaded(file: RobotFile) -> pin.Model:
 
 def links(model: pin.Model) -> dict[int, pin.Frame]:
     """Return the frames of links by their places, in Pinocchio's order."""
-    return {place: frame for place, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
+    return {index: frame for index, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
 
 
 def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody, ...]:
@@ -79,13 +79,13 @@ def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody
 
 def carried(model: pin.Model, frames: Mapping[int, pin.Frame]) -> dict[int, pin.Frame]:
     """Return the frames of the links that joints move, by the places of the joints, and that of the root for the world's."""
-    own = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
-    found: dict[int, pin.Frame] = {}
+    joint_frames = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
+    carriers: dict[int, pin.Frame] = {}
     for frame in frames.values():
-        joint = 0 if parent_joint(frame) == 0 else own.get(parent_frame(frame))
+        joint = 0 if parent_joint(frame) == 0 else joint_frames.get(parent_frame(frame))
         if joint is not None:
-            found.setdefault(joint, frame)
-    return found
+            carriers.setdefault(joint, frame)
+    return carriers
 
 
 def parent_joint(frame: pin.Frame) -> int:
@@ -105,8 +105,8 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
     velocities = np.reshape(pin.computeJointJacobians(model, data, pin.neutral(model)), (6, model.nv))
     read = []
     for joint in joints:
-        body = carrier.get(joint.place)
-        attitude = data.oMi[joint.place].rotation @ (np.eye(3) if body is None else body.placement.rotation)
+        body = carrier.get(joint.index)
+        attitude = data.oMi[joint.index].rotation @ (np.eye(3) if body is None else body.placement.rotation)
         moving = velocities[:, joint.first]
         along = {"revolute": moving[3:], "prismatic": moving[:3]}.get(joint.type)
         bounded = joint.type in ("revolute", "prismatic") and joint.coordinates == 1
@@ -114,7 +114,7 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
             ReadJoint(
                 name=joint.name,
                 type=joint.type,
-                child=model.names[joint.place] if body is None else body.name,
+                child=model.names[joint.index] if body is None else body.name,
                 first=joint.first,
                 count=joint.count,
                 axis=None if along is None else vector(attitude.T @ along),
@@ -131,8 +131,8 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
 
 def value(model: pin.Model, velocity: int, *names: str) -> float | None:
     """Return a property of a velocity, by the first of its names that the release knows; None if it knows none of them."""
-    own = next((name for name in names if hasattr(model, name)), None)
-    return None if own is None else float(getattr(model, own)[velocity])
+    attribute = next((name for name in names if hasattr(model, name)), None)
+    return None if attribute is None else float(getattr(model, attribute)[velocity])
 
 
 def limit(stated: float | None) -> float | None:
@@ -189,11 +189,11 @@ def mass_matrix(model: pin.Model, data: pin.Data, q: Array) -> Array:
     return np.asarray(upper + np.triu(upper, 1).T)
 
 
-def frame_jacobian(model: pin.Model, data: pin.Data, place: int) -> Array:
+def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
     """Return the Jacobian (6, nv) of a frame along the world's axes, from data whose Jacobians and frames are computed."""
     if not model.nv:  # Pinocchio crashes
         return np.zeros((6, 0))
-    jacobian = np.array(pin.getFrameJacobian(model, data, place, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
+    jacobian = np.array(pin.getFrameJacobian(model, data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
     return jacobian.reshape(6, model.nv)  # with a single column it is a vector
 
 
@@ -204,7 +204,7 @@ def poses_and_jacobians(
     pin.computeJointJacobians(model, data, q)
     pin.updateFramePlacements(model, data)
     poses, jacobians = {}, {}
-    for place, name in links:
-        poses[name] = np.array(pin.SE3ToXYZQUAT(data.oMf[place]))[POSE]
-        jacobians[name] = frame_jacobian(model, data, place)
+    for index, name in links:
+        poses[name] = np.array(pin.SE3ToXYZQUAT(data.oMf[index]))[POSE]
+        jacobians[name] = frame_jacobian(model, data, index)
     return poses, jacobians

@@ -41,10 +41,10 @@ from bodycheck.casefile.values import MAX_CHOICES, MAX_VARIATIONS
 
 def build_ensemble(table: EnsembleTable, document: Mapping[str, Any]) -> Ensemble:
     """Return the ensemble of a table that has no faults, nor does its document."""
-    known = keys(document)
+    keys_of_document = keys(document)
     vary = []
     for variation in table.vary:
-        key = find(ATTITUDE if isinstance(variation, AttitudeTable) else variation.key, document, known)
+        key = find(ATTITUDE if isinstance(variation, AttitudeTable) else variation.key, document, keys_of_document)
         vary.append(Variation(key, _distribution(variation, key)))
     return Ensemble(table.members, table.seed, tuple(vary))
 
@@ -82,7 +82,7 @@ def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     vary = mapping(document.get("ensemble")).get("vary")
     if not isinstance(vary, list):
         return
-    known = keys(document)
+    keys_of_document = keys(document)
     incomplete = not is_complete(document)  # a fault of its own
     taken: list[Key] = []
     for index, variation in enumerate(map(mapping, vary[:MAX_VARIATIONS])):
@@ -96,7 +96,7 @@ def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
             yield at, "draws the attitude of one body; of a mechanism, draw the components of a quaternion by normal"
             continue
         try:
-            key = find(text, document, known)
+            key = find(text, document, keys_of_document)
         except Unknown as error:
             yield at, str(error)
             continue
@@ -112,9 +112,9 @@ def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 def _of_distribution(variation: Mapping[str, Any], key: Key) -> Iterator[tuple[Path, str]]:
     """Yield the faults of the parameters of a distribution with their paths below its table."""
     distribution = distribution_of(variation)
-    given = {name: variation[name] for name in PARAMETERS.get(distribution, ()) if name in variation}
+    parameters = {name: variation[name] for name in PARAMETERS.get(distribution, ()) if name in variation}
     expanded = {}
-    for name, value in given.items():
+    for name, value in parameters.items():
         if (fault := _misfit(value, key)) is not None:
             yield (name,), fault
         elif (each := _each(value, key)) is not None:

@@ -31,20 +31,20 @@ def written(root: Element) -> bytes:
     parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
     left: list[tuple[Element | str, int]] = [(root, 1)]
     while left:
-        one, depth = left.pop()
-        if isinstance(one, str):
-            parts.append(one)
+        item, depth = left.pop()
+        if isinstance(item, str):
+            parts.append(item)
             continue
         if depth > MAX_DEPTH:
-            refuse(one, None, f"elements are nested more than {MAX_DEPTH} deep")
-        attributes = "".join(f" {name}={quoteattr(value)}" for name, value in one.attributes.items())
-        text = "".join(escape(piece, {"\r": "&#13;"}) for piece in one.text)
-        if not one.children and not text:
-            parts.append(f"<{one.tag}{attributes}/>\n")
+            refuse(item, None, f"elements are nested more than {MAX_DEPTH} deep")
+        attributes = "".join(f" {name}={quoteattr(value)}" for name, value in item.attributes.items())
+        text = "".join(escape(piece, {"\r": "&#13;"}) for piece in item.text)
+        if not item.children and not text:
+            parts.append(f"<{item.tag}{attributes}/>\n")
             continue
-        parts.append(f"<{one.tag}{attributes}>{text or chr(10)}")
-        left.append((f"</{one.tag}>\n", depth))
-        left += [(child, depth + 1) for child in reversed(one.children)]
+        parts.append(f"<{item.tag}{attributes}>{text or chr(10)}")
+        left.append((f"</{item.tag}>\n", depth))
+        left += [(child, depth + 1) for child in reversed(item.children)]
     return "".join(parts).encode("utf-8")
 
 

@@ -89,8 +89,8 @@ def _compilers(root: Element, attribute: str) -> list[str]:
 
 def _folder(root: Element) -> str:
     """Return the folder of meshes below that of the model."""
-    found = _compilers(root, "meshdir") or _compilers(root, "assetdir")
-    return found[-1] if found else ""
+    folders = _compilers(root, "meshdir") or _compilers(root, "assetdir")
+    return folders[-1] if folders else ""
 
 
 def _stripped(root: Element) -> bool:

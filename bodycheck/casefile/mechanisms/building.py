@@ -49,11 +49,11 @@ def check_start(mechanism: Mechanism, duration: float) -> None:
 
 def _undetermined(mechanism: Mechanism, coordinates: tuple[start.Coordinate, ...]) -> Iterator[tuple[Path, str]]:
     """Yield the first coordinate of each joint or free body that nothing resists."""
-    told: set[int] = set()
+    reported: set[int] = set()
     for coordinate in coordinates:
-        if coordinate.loose > MIN_PIVOT * coordinate.locked or coordinate.body in told:
+        if coordinate.loose > MIN_PIVOT * coordinate.locked or coordinate.body in reported:
             continue
-        told.add(coordinate.body)
+        reported.add(coordinate.body)
         name = mechanism.bodies[coordinate.body].name
         if coordinate.joint is None:
             yield (
@@ -97,14 +97,14 @@ def _out_of_scale(
 ) -> Iterator[tuple[Path, str]]:
     """Yield joints about which the inertia is so small that sums with those of the whole mechanism lose it."""
     mass = sum(start.mass(body) for body in mechanism.bodies)
-    reach = max(max(_length(frames[place].origin), _length(start.centre(body))) for place, body in enumerate(mechanism.bodies))
-    told: set[int] = set()
+    reach = max(max(_length(frames[index].origin), _length(start.centre(body))) for index, body in enumerate(mechanism.bodies))
+    reported: set[int] = set()
     for coordinate in coordinates:
         joint = coordinate.joint
-        if joint is None or joint in told or mechanism.joints[joint].form.slides:
+        if joint is None or joint in reported or mechanism.joints[joint].form.slides:
             continue
         if mass * reach**2 > MAX_RATIO * coordinate.locked:
-            told.add(joint)
+            reported.add(joint)
             yield (
                 ("joints", joint),
                 f"the inertia about it is {coordinate.locked:.3g} kg m^2, and all masses times the square of the largest "
@@ -117,11 +117,11 @@ def _too_large(
 ) -> Iterator[tuple[Path, str]]:
     """Yield quantities of the motion that are so large within a duration (s) that squares and products could overflow."""
     time, gravity, energy, mass, speed, way = (Wide(duration), Wide(mechanism.gravity), *[Wide(0)] * 4)
-    for place, body in enumerate(mechanism.bodies):
-        frame, centre, own = frames[place], start.centre(body), start.mass(body)
+    for index, body in enumerate(mechanism.bodies):
+        frame, centre, mass_of_body = frames[index], start.centre(body), start.mass(body)
         velocity, spin = frame.speed(centre), frame.turn.T @ frame.spin
-        energy += Wide(own * velocity @ velocity + spin @ start.tensor(body) @ spin) / 2
-        mass, speed = mass + own, max(speed, _length(velocity))
+        energy += Wide(mass_of_body * velocity @ velocity + spin @ start.tensor(body) @ spin) / 2
+        mass, speed = mass + mass_of_body, max(speed, _length(velocity))
         way = max(way, _length(frame.point(centre)))
     push = gravity
     for coordinate in coordinates:
@@ -157,8 +157,8 @@ def _length(vector: start.WideArray) -> Wide:
     return Wide(largest * np.sqrt(np.square(vector / largest).sum())) if largest else Wide(0)
 
 
-def _told(place: start.WideArray) -> str:
-    return f"[{', '.join(f'{float(part):.6g}' for part in place)}]"
+def _told(point: start.WideArray) -> str:
+    return f"[{', '.join(f'{float(part):.6g}' for part in point)}]"
 
 
 #: The keys of a joint's axis and of the forces along it.
@@ -173,11 +173,11 @@ def build_mechanism(table: grammar.MechanismTable) -> Mechanism:
 
     Raises `Inconsistent` for what only the start can tell: see `check_start`.
     """
-    places = {grammar.WORLD: WORLD} | {body.name: place for place, body in enumerate(table.bodies)}
-    held = {joint.child for joint in table.joints}
+    places = {grammar.WORLD: WORLD} | {body.name: index for index, body in enumerate(table.bodies)}
+    children = {joint.child for joint in table.joints}
     plane = build_plane(table.scene.plane)
     mechanism = Mechanism(
-        tuple(_body(body, plane, free=body.name not in held) for body in table.bodies),
+        tuple(_body(body, plane, free=body.name not in children) for body in table.bodies),
         tuple(_joint(joint, places) for joint in table.joints),
         tuple(Loop((places[loop.bodies[0]], places[loop.bodies[1]]), loop.points) for loop in table.loops),
         table.scene.gravity,

@@ -22,7 +22,7 @@ BOUNDS = ("settotalmass", "boundmass", "boundinertia")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a <compiler> says.
+    """The settings of the <compiler>.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Settings:
 
 def settings(root: Element) -> Settings:
     """Return the settings of an MJCF file. Raises `BadInput` for those that are not followed here."""
-    found = Settings()
+    rules = Settings()
     for compiler in root.all("compiler"):
         for key, harmless in CHANGING.items():
             if (value := compiler.attributes.get(key, harmless[0])) not in harmless:
@@ -64,17 +64,17 @@ def settings(root: Element) -> Settings:
             refuse(
                 compiler, "balanceinertia", "read 'true', by which MuJoCo replaces an inertia that no body has; allowed: false"
             )
-        sequence = compiler.attributes.get("eulerseq", found.eulerseq)
+        sequence = compiler.attributes.get("eulerseq", rules.eulerseq)
         if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
             refuse(compiler, "eulerseq", f"read {quoted(sequence)}; allowed: three of the letters x, y, z, X, Y, Z")
-        before = "degree" if found.degrees else "radian"
-        found = Settings(
+        before = "degree" if rules.degrees else "radian"
+        rules = Settings(
             _word(compiler, "angle", before, ("degree", "radian")) == "degree",
             sequence,
-            _word(compiler, "inertiafromgeom", found.inertiafromgeom, ("true", "false", "auto")),
-            numbers(compiler, "inertiagrouprange", (2,), found.groups),
+            _word(compiler, "inertiafromgeom", rules.inertiafromgeom, ("true", "false", "auto")),
+            numbers(compiler, "inertiagrouprange", (2,), rules.groups),
         )
-    return found
+    return rules
 
 
 def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
@@ -96,11 +96,11 @@ class Defaults:
 
     def _add(self, element: Element, name: str | None, parent: str | None) -> None:
         """Add a class and those in it, which inherit what it has."""
-        own = self.classes.setdefault(name, dict(self.classes[parent]))
-        for one in element.all(self.tag):
-            own |= one.attributes
+        attributes = self.classes.setdefault(name, dict(self.classes[parent]))
+        for child in element.all(self.tag):
+            attributes |= child.attributes
         if name is None and (called := element.attributes.get("class")) is not None:
-            self.classes[called] = own
+            self.classes[called] = attributes
         for inner in element.all("default"):
             if "class" not in inner.attributes:
                 refuse(inner, "class", "is missing; a default class in another one has a name")
@@ -124,17 +124,17 @@ ATTITUDES = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
 
 def attitude(element: Element, rules: Settings) -> Quaternion4:
     """Return the attitude of an element, which is read exactly. Raises `BadInput` if it has several of `ATTITUDES`."""
-    given = [name for name in ATTITUDES if name in element.attributes]
-    if len(given) > 1:
-        refuse(element, given[1], f"{given[0]} is given too; allowed: one of {', '.join(ATTITUDES)}")
-    if not given:
+    stated = [name for name in ATTITUDES if name in element.attributes]
+    if len(stated) > 1:
+        refuse(element, stated[1], f"{stated[0]} is given too; allowed: one of {', '.join(ATTITUDES)}")
+    if not stated:
         return IDENTITY
     values = [
-        MP.mpf(value) for value in numbers(element, given[0], ({"quat": 4, "axisangle": 4, "xyaxes": 6}.get(given[0], 3),))
+        MP.mpf(value) for value in numbers(element, stated[0], ({"quat": 4, "axisangle": 4, "xyaxes": 6}.get(stated[0], 3),))
     ]
     factor = MP.pi / 180 if rules.degrees else MP.mpf(1)
     try:
-        match given[0]:
+        match stated[0]:
             case "quat":
                 w, x, y, z = values
                 return unit((w, x, y, z))
@@ -147,4 +147,4 @@ def attitude(element: Element, rules: Settings) -> Quaternion4:
             case _:
                 return from_z(vector(values))
     except ZeroDivisionError:
-        refuse(element, given[0], f"read {quoted(element.attributes[given[0]])}; allowed: vectors that are not 0 or parallel")
+        refuse(element, stated[0], f"read {quoted(element.attributes[stated[0]])}; allowed: vectors that are not 0 or parallel")

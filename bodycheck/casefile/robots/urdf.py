@@ -31,22 +31,22 @@ def link(root: Element, name: str | None) -> Link:
     """
     refuse_macros(root)
     links = list(root.all("link"))
-    found = chosen(root, links, name, "link")
-    inertial = found.only("inertial")
+    link_element = chosen(root, links, name, "link")
+    inertial = link_element.only("inertial")
     if inertial is None:
-        refuse(found, None, "has no <inertial>: a link without mass is no body that can move by itself")
+        refuse(link_element, None, "has no <inertial>: a link without mass is no body that can move by itself")
     about = about_file(root)
-    stated, origin = urdf_parts.mass_properties(about, found), inertial.first("origin")
+    stated, origin = urdf_parts.mass_properties(about, link_element), inertial.first("origin")
     refuse_faults(about)
-    made = without_rounding(stated)
-    if made.mass <= 0:
-        refuse(inertial.first("mass") or inertial, "value", f"read {float(made.mass)!r}; allowed: a positive number")
-    shape, shape_from = _shape(about, found, made.centre)
+    mass_properties = without_rounding(stated)
+    if mass_properties.mass <= 0:
+        refuse(inertial.first("mass") or inertial, "value", f"read {float(mass_properties.mass)!r}; allowed: a positive number")
+    shape, shape_from = _shape(about, link_element, mass_properties.centre)
     turned = " turned by its rpy" if origin is not None and "rpy" in origin.attributes else ""
     refuse_faults(about)
     return Link(
-        found.attributes.get("name", ""),
-        made,
+        link_element.attributes.get("name", ""),
+        mass_properties,
         f"{place(inertial)}{turned}",
         shape,
         shape_from,
@@ -67,9 +67,9 @@ def refuse_faults(about: About) -> None:
             raise BadInput(fault.text)
 
 
-def _shape(about: About, found: Element, centre: Vector3) -> tuple[Shape | None, str]:
+def _shape(about: About, link_element: Element, centre: Vector3) -> tuple[Shape | None, str]:
     """Return the shape of a link and where it stands; None and why there is none."""
-    collisions = list(found.all("collision"))
+    collisions = list(link_element.all("collision"))
     if len(collisions) != 1:
         return None, f"the link has {len(collisions) or 'no'} <collision>; a body has one shape"
     geometry, origin = collisions[0].only("geometry"), collisions[0].only("origin")
@@ -112,22 +112,22 @@ def tree(root: Element, world: str) -> Tables:
     holder = {joint.child: joint for joint in read.joints}
     links = {link.name: link for link in read.links}
     frames: dict[str, tuple[str, Pose]] = {read.root: (world, HERE)}
-    made: Tables = {"bodies": [], "joints": []}
+    bodies_and_joints: Tables = {"bodies": [], "joints": []}
     for name in below(read.root, read.joints):
-        held = holder[name]
-        parent, pose = frames[held.parent]
-        pose = pose.then(Pose(held.origin, held.attitude))
+        part = holder[name]
+        parent, pose = frames[part.parent]
+        pose = pose.then(Pose(part.origin, part.attitude))
         inertia = _inertia(links[name])
         if inertia is None:
-            if held.type != "fixed":
-                told = "has no mass and moves; only a link that is fixed to another one may have none"
-                refuse(links[name].element, None, told)
+            if part.type != "fixed":
+                reason = "has no mass and moves; only a link that is fixed to another one may have none"
+                refuse(links[name].element, None, reason)
             frames[name] = parent, pose
             continue
         frames[name] = name, HERE
-        made["bodies"].append(tables.body(name, inertia))
-        made["joints"].append(tables.joint(held.name, TYPES[held.type], parent, name, pose) | _properties(held))
-    return made
+        bodies_and_joints["bodies"].append(tables.body(name, inertia))
+        bodies_and_joints["joints"].append(tables.joint(part.name, TYPES[part.type], parent, name, pose) | _properties(part))
+    return bodies_and_joints
 
 
 def _inertia(link: LinkPart) -> MassProperties | None:
@@ -135,13 +135,17 @@ def _inertia(link: LinkPart) -> MassProperties | None:
     inertial = link.element.only("inertial")
     if inertial is None:
         return None
-    if not link.made.mass:
-        if any(link.made.tensor):
+    if not link.mass_properties.mass:
+        if any(link.mass_properties.tensor):
             refuse(inertial, None, "a moment of inertia without mass, which no body has")
         return None
-    if link.made.mass < 0:
-        refuse(inertial.first("mass") or inertial, "value", f"read {float(link.made.mass)!r}; allowed: a positive number")
-    return without_rounding(link.made)
+    if link.mass_properties.mass < 0:
+        refuse(
+            inertial.first("mass") or inertial,
+            "value",
+            f"read {float(link.mass_properties.mass)!r}; allowed: a positive number",
+        )
+    return without_rounding(link.mass_properties)
 
 
 def _properties(joint: JointPart) -> dict[str, Any]:
@@ -151,9 +155,9 @@ def _properties(joint: JointPart) -> dict[str, Any]:
     if joint.type in ("revolute", "prismatic"):
         return {"axis": along, "damping": joint.damping, "friction": joint.friction}
     if joint.type != "fixed" and (joint.damping or joint.friction):
-        told = f"a joint of the type {joint.type} has no damping or friction in a case"
-        refuse(element.first("dynamics") or element, None, told)
+        reason = f"a joint of the type {joint.type} has no damping or friction in a case"
+        refuse(element.first("dynamics") or element, None, reason)
     if joint.type == "planar" and along != [0.0, 0.0, 1.0]:
-        told = "the axes x and y of such a plane are not defined; allowed: the axis 0 0 1"
-        refuse(element.first("axis") or element, None, told)
+        reason = "the axes x and y of such a plane are not defined; allowed: the axis 0 0 1"
+        refuse(element.first("axis") or element, None, reason)
     return {}
