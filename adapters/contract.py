@@ -20,12 +20,12 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.adapters.method import KINDS as KINDS
+from bodycheck.adapters.method import Kind as Kind
 from bodycheck.adapters.method import Method as Method
-from bodycheck.adapters.options import KINDS as KINDS
-from bodycheck.adapters.options import Kind as Kind
-from bodycheck.adapters.options import Option as Option
-from bodycheck.adapters.options import Range as Range
-from bodycheck.adapters.options import choice as choice
+from bodycheck.adapters.method import Option as Option
+from bodycheck.adapters.method import Range as Range
+from bodycheck.adapters.method import choice as choice
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
@@ -82,7 +82,7 @@ class Engine:
         `bodycheck.reference.requirements.Requirements`, and those of mechanisms, by the names in
         `bodycheck.reference.mechanisms.requirements`.
     variants
-        Spellings of methods with options, by kind of scene. If the user names no method, they are run besides the integrators.
+        Spellings of methods with options, by kind of scene. If the user names no method, they are run with the integrators.
     precision, device
         The precision and the device of the engine's arithmetic.
     batch
@@ -152,7 +152,7 @@ class Signals(Protocol):
 
     @property
     def signals(self) -> Mapping[int, str]:
-        """What the engine signalled so far, and when, by the places of the scenes that it gave up."""
+        """The signals of the engine so far, with their times, by the indices of the scenes that it gave up."""
         ...
 
 
@@ -250,7 +250,7 @@ class InterfaceLoads(Protocol):
     def interface_loads(self, scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
         """Return the normal forces (n,), in N, between pairs that touch, in each of n steps.
 
-        The keys are the places of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
+        The keys are the indices of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
         left out. Raises `SceneUnsupported` and `EngineDiverged`.
         """
         ...
@@ -287,7 +287,7 @@ class Scripts(Protocol):
 class Calls(Protocol):
     """An adapter that names the functions of its engine which its steps call from Python.
 
-    By them the time of the engine is told from that of the loop in Python around it.
+    With them the time of the engine is told apart from that of the Python loop around it.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""What an engine is installed from, and what its processes need."""
+"""The packages that install an engine, and the environment that its processes need."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ ENVIRONMENT = "{environment}"
 
 @dataclass(frozen=True)
 class Installation:
-    """What an engine is installed from, and what its processes need.
+    """The packages that install an engine, and the environment that its processes need.
 
     Parameters
     ----------

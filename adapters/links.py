@@ -73,7 +73,7 @@ class Links(Protocol):
 def link_of(body: Body) -> Link:
     """Return the one link that a body is, with its origin at the centre of mass and the axes of the body's frame."""
     inertia = inertia_tensor(body)
-    xx, yy, zz, xy, xz, yz = (float(inertia[place]) for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    xx, yy, zz, xy, xz, yz = (float(inertia[index]) for index in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
     return Link(body.mass, (xx, yy, zz, xy, xz, yz))
 
 
@@ -105,30 +105,30 @@ def carried(rows: Array, position: ArrayLike, quaternion: ArrayLike) -> Array:
     -------
     The states (n, 13): position and velocity of the frame's origin, its attitude, and the angular velocity along its axes.
     """
-    place, attitude, velocity, spin = np.split(rows, (3, 7, 10), axis=1)
-    arm = np.broadcast_to(np.asarray(position, dtype=float), place.shape)
+    origin, attitude, velocity, spin = np.split(rows, (3, 7, 10), axis=1)
+    arm = np.broadcast_to(np.asarray(position, dtype=float), origin.shape)
     turn = np.broadcast_to(normalise(np.asarray(quaternion, dtype=float)), attitude.shape)
     turned = normalise(attitude)
-    place = place + rotate(turned, arm)
+    origin = origin + rotate(turned, arm)
     velocity = velocity + rotate(turned, np.cross(spin, arm))
-    return np.concatenate([place, multiply(attitude, turn), velocity, rotate(conjugate(turn), spin)], axis=1)
+    return np.concatenate([origin, multiply(attitude, turn), velocity, rotate(conjugate(turn), spin)], axis=1)
 
 
 def state_in(frame: tuple[ArrayLike, ArrayLike], other: State) -> State:
     """Return the state of a frame, given by its position and quaternion in another one, from the state of that one."""
     row = np.array([*other.position, *other.quaternion, *other.velocity, *other.angular_velocity])
-    place, attitude, velocity, spin = np.split(carried(row[None], *frame)[0], (3, 7, 10))
-    return State(*(tuple(part.tolist()) for part in (place, attitude, velocity, spin)))
+    origin, attitude, velocity, spin = np.split(carried(row[None], *frame)[0], (3, 7, 10))
+    return State(*(tuple(part.tolist()) for part in (origin, attitude, velocity, spin)))
 
 
 def velocity_to_origin(rows: Array, centre: ArrayLike) -> Array:
     """Return states (n, 13) of a link's frame, from rows in which the velocity is that of its centre of mass (3,), m."""
     attitude, spin = normalise(rows[:, 3:7]), rows[:, 10:]
-    made = rows.copy()
-    made[:, 7:10] -= rotate(attitude, np.cross(spin, np.asarray(centre, dtype=float)))
-    return made
+    moved = rows.copy()
+    moved[:, 7:10] -= rotate(attitude, np.cross(spin, np.asarray(centre, dtype=float)))
+    return moved
 
 
-def velocity_of(place: ArrayLike, frame: State) -> Vector:
-    """Return the velocity (m/s, world) of a place (3,), m, in a frame."""
-    return state_in((place, IDENTITY), frame).velocity
+def velocity_of(point: ArrayLike, frame: State) -> Vector:
+    """Return the velocity (m/s, world) of a point (3,), m, in a frame."""
+    return state_in((point, IDENTITY), frame).velocity

@@ -34,9 +34,9 @@ _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
     """Return the models of a mechanism by name, as `Models.models` does; none where there is no choice."""
-    there = [name for name in ADDS if lacking(mechanism, name) is None]
+    names = [name for name in ADDS if lacking(mechanism, name) is None]
     mark = "," if ":" in integrator else ":"
-    return {name: Model(f"{integrator}{mark}model={name}", ADDS[name]) for name in there} if len(there) > 1 else {}
+    return {name: Model(f"{integrator}{mark}model={name}", ADDS[name]) for name in names} if len(names) > 1 else {}
 
 
 def lacking(mechanism: Mechanism, model: str) -> str | None:
@@ -68,14 +68,14 @@ def free_bodies(mechanism: Mechanism) -> Mechanism:
     """Return a mechanism whose bodies are free and held together by loops in place of the joints."""
     start = kinematics.initial(mechanism)
     bodies = []
-    for place, body in enumerate(mechanism.bodies):
+    for index, body in enumerate(mechanism.bodies):
         position, attitude, velocity, spin = (
-            tuple(part[place, 0].tolist())
+            tuple(part[index, 0].tolist())
             for part in (start.position, start.quaternion, start.velocity, start.angular_velocity)
         )
         bodies.append(replace(body, start=BodyStart(position, attitude, velocity, spin)))
-    held = [loop for joint in mechanism.joints for loop in _held(joint)]
-    return replace(mechanism, bodies=tuple(bodies), joints=(), loops=(*held, *mechanism.loops))
+    loops = [loop for joint in mechanism.joints for loop in _held(joint)]
+    return replace(mechanism, bodies=tuple(bodies), joints=(), loops=(*loops, *mechanism.loops))
 
 
 def _held(joint: Joint) -> list[Loop]:
@@ -85,11 +85,11 @@ def _held(joint: Joint) -> list[Loop]:
         "revolute": ((0.0, 0.0, 0.0), exact.nearest_axis(joint)),
         "fixed": ((0.0, 0.0, 0.0), *_AXES),
     }
-    turn, found = np.array(exact.nearest_turn(joint.attitude)), []
+    turn, loops = np.array(exact.nearest_turn(joint.attitude)), []
     for point in points.get(joint.type, ()):
         x, y, z = (np.array(joint.position) + rotate(turn, np.array(point))).tolist()
-        found.append(Loop((joint.parent, joint.child), ((x, y, z), point)))
-    return found
+        loops.append(Loop((joint.parent, joint.child), ((x, y, z), point)))
+    return loops
 
 
 def hinge_motion(position: Array, velocity: Array) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.adapters.links import Link, carried
-from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
@@ -16,27 +16,52 @@ from bodycheck.reference.trajectory import Array
 
 def link_of(body: JointedBody) -> Link:
     """Return the mass, the centre of mass and the inertia of a body of a mechanism."""
-    found = nearest_inertia(body)
-    return Link(found.mass, found.tensor, found.centre)
+    mass_properties = nearest_inertia(body)
+    return Link(mass_properties.mass, mass_properties.tensor, mass_properties.centre)
 
 
 def starts(mechanism: Mechanism) -> tuple[tuple[Array, Array], ...]:
     """Return the initial coordinates and velocities of each joint, laid out as in `coordinates`; quaternions have norm 1."""
     motion = kinematics.start_of(mechanism)
-    return tuple((motion.position[0, held], motion.velocity[0, moving]) for held, moving in places(mechanism))
+    return tuple(
+        (motion.position[0, in_position], motion.velocity[0, in_velocity]) for in_position, in_velocity in places(mechanism)
+    )
 
 
 def frames(mechanism: Mechanism) -> tuple[State, ...]:
     """Return the initial states of the frames of all bodies: of their origins, and the angular velocity along their axes."""
     start = kinematics.initial(mechanism)
-    made = []
-    for place, body in enumerate(mechanism.bodies):
+    states = []
+    for index, body in enumerate(mechanism.bodies):
         row = np.concatenate(
-            [part[place, 0] for part in (start.position, start.quaternion, start.velocity, start.angular_velocity)]
+            [part[index, 0] for part in (start.position, start.quaternion, start.velocity, start.angular_velocity)]
         )
         origin = carried(row[None], -np.array(nearest_inertia(body).centre), IDENTITY)[0]
-        made.append(State(*(tuple(part.tolist()) for part in np.split(origin, (3, 7, 10)))))
-    return tuple(made)
+        states.append(State(*(tuple(part.tolist()) for part in np.split(origin, (3, 7, 10)))))
+    return tuple(states)
+
+
+def in_body_axes(seen: Array) -> Array:
+    """Return states (n, bodies, 13) from rows (n, 13 bodies), in which angular velocities are along the axes of the world.
+
+    Quaternions have norm 1.
+    """
+    states = seen.reshape(len(seen), -1, 13)
+    states[..., 10:] = rotate(conjugate(states[..., 3:7]), states[..., 10:])
+    return states
+
+
+def at_centres(mechanism: Mechanism, seen: Array) -> Array:
+    """Return states (n, bodies, 13) from rows (n, 13 bodies) with positions of frames, and velocities of centres of mass.
+
+    Angular velocities are along the axes of the world in the rows. Quaternions may have any norm, which they keep.
+    """
+    states = seen.reshape(len(seen), -1, 13)
+    for index, body in enumerate(mechanism.bodies):
+        unit = normalise(states[:, index, 3:7])
+        states[:, index, :3] += rotate(unit, np.broadcast_to(nearest_inertia(body).centre, (len(seen), 3)))
+        states[:, index, 10:] = rotate(conjugate(unit), states[:, index, 10:])
+    return states
 
 
 def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
@@ -45,7 +70,7 @@ def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
     Quaternions may have any norm, which they keep.
     """
     seen = np.asarray(rows, dtype=float)
-    of_bodies = [carried(seen[:, place], nearest_inertia(body).centre, IDENTITY) for place, body in enumerate(mechanism.bodies)]
+    of_bodies = [carried(seen[:, index], nearest_inertia(body).centre, IDENTITY) for index, body in enumerate(mechanism.bodies)]
     return np.stack(of_bodies, axis=1)
 
 
@@ -54,8 +79,8 @@ def from_z(axis: Array) -> Array:
     if axis[2] < 0:
         # By half a turn about x first, so that the rest is not near half a turn.
         return multiply(np.array([0.0, 1.0, 0.0, 0.0]), from_z(axis * np.array([1.0, -1.0, -1.0])))
-    made = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
-    return np.asarray(made / np.linalg.norm(made))
+    quaternion = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
+    return np.asarray(quaternion / np.linalg.norm(quaternion))
 
 
 def from_x(axis: Array) -> Array:
@@ -65,11 +90,11 @@ def from_x(axis: Array) -> Array:
 
 def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:
     """Return the places of the bodies of each tree: the root, which is the world or a free body, then what hangs on it."""
-    free = [place for place, joint in enumerate(mechanism.joint_of) if joint is None]
-    found = []
+    free = [index for index, joint in enumerate(mechanism.joint_of) if joint is None]
+    of_roots = []
     for root in (WORLD, *free):
         places = [root]
         for parent in places:
             places += [joint.child for joint in mechanism.joints if joint.parent == parent]
-        found.append(tuple(places))
-    return [tree for tree in found if tree != (WORLD,)]
+        of_roots.append(tuple(places))
+    return [tree for tree in of_roots if tree != (WORLD,)]

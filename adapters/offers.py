@@ -18,7 +18,7 @@ from bodycheck.adapters.contract import (
     kind_of,
     single_bodies,
 )
-from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.stepping import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import missing, requirements, touches
@@ -29,16 +29,16 @@ from bodycheck.suggestion import did_you_mean
 def offered(engine: Engine, scene: AnyScene) -> tuple[str, ...]:
     """Return the spellings of the methods that are run on a scene if the user names none: integrators, then variants."""
     kind = kind_of(scene)
-    return (*(own.name for own in engine.integrators if kind in own.kinds), *engine.variants.get(kind, ()))
+    return (*(integrator.name for integrator in engine.integrators if kind in integrator.kinds), *engine.variants.get(kind, ()))
 
 
 def listed(engine: Engine) -> tuple[str, ...]:
     """Return the spellings of all methods that are run on at least one kind of scene if the user names none."""
-    names = [own.name for own in engine.integrators if own.kinds]
+    names = [integrator.name for integrator in engine.integrators if integrator.kinds]
     return tuple(dict.fromkeys((*names, *(name for those in engine.variants.values() for name in those))))
 
 
-def chosen(engine: Engine, scene: AnyScene, asked: Sequence[str]) -> tuple[str, ...]:
+def chosen(engine: Engine, scene: AnyScene, named: Sequence[str]) -> tuple[str, ...]:
     """Return the spellings of the methods to run on a scene.
 
     Parameters
@@ -47,7 +47,7 @@ def chosen(engine: Engine, scene: AnyScene, asked: Sequence[str]) -> tuple[str, 
         The engine that runs the scene.
     scene
         The scene; it decides which methods the engine offers.
-    asked
+    named
         Spellings of methods that the user named. If it is empty, all offered methods are returned.
 
     Returns
@@ -56,9 +56,9 @@ def chosen(engine: Engine, scene: AnyScene, asked: Sequence[str]) -> tuple[str, 
     the engine has its integrator and its options for the scene.
     """
     plain = offered(engine, scene)
-    if not asked:
+    if not named:
         return plain
-    names = [Method.parse(spelling, 0.0) for spelling in asked]
+    names = [Method.parse(spelling, 0.0) for spelling in named]
     wanted = dict.fromkeys(method.name for method in names)
     others = [method for method in names if method.options and method.name not in plain and knows(engine, method.name)]
     fitting = [method.name for method in others if not_offered(engine, scene, method) is None]
@@ -67,12 +67,12 @@ def chosen(engine: Engine, scene: AnyScene, asked: Sequence[str]) -> tuple[str, 
 
 def demonstrations(engine: Engine) -> dict[str, str]:
     """Return what integrators are there to demonstrate, by their names, without those that users choose."""
-    return {own.name: own.demonstrates for own in engine.integrators if own.demonstrates}
+    return {integrator.name: integrator.demonstrates for integrator in engine.integrators if integrator.demonstrates}
 
 
 def integrator_of(engine: Engine, method: Method) -> Integrator | None:
     """Return the integrator of a method; None if the adapter does not know it."""
-    return next((own for own in engine.integrators if own.name == method.integrator), None)
+    return next((integrator for integrator in engine.integrators if integrator.name == method.integrator), None)
 
 
 def knows(engine: Engine, spelling: str) -> bool:
@@ -86,18 +86,18 @@ def knows(engine: Engine, spelling: str) -> bool:
 
 def check(engine: Engine, method: Method) -> None:
     """Raise `BadInput`, naming what is allowed, if an engine lacks the integrator, an option or a value of a method."""
-    own = integrator_of(engine, method)
-    if own is None:
-        known = listed(engine)
-        names = [integrator.name for integrator in engine.integrators]
+    integrator = integrator_of(engine, method)
+    if integrator is None:
+        spellings = listed(engine)
+        names = [each.name for each in engine.integrators]
         meant = did_you_mean(method.integrator, names)
-        raise BadInput(f"{engine.name} has no integrator {method.integrator!r}; there are: {', '.join(known)}{meant}")
+        raise BadInput(f"{engine.name} has no integrator {method.integrator!r}; there are: {', '.join(spellings)}{meant}")
     for key, value in method.options:
-        if key not in own.options:
-            allowed = ", ".join(own.options) or "none"
-            meant = did_you_mean(key, own.options)
-            raise BadInput(f"{engine.name} {own.name} has no option {key!r}; allowed: {allowed}{meant}")
-        _check_value(engine, own.options[key], f"{own.name}:{key}={value}", value)
+        if key not in integrator.options:
+            allowed = ", ".join(integrator.options) or "none"
+            meant = did_you_mean(key, integrator.options)
+            raise BadInput(f"{engine.name} {integrator.name} has no option {key!r}; allowed: {allowed}{meant}")
+        _check_value(engine, integrator.options[key], f"{integrator.name}:{key}={value}", value)
 
 
 def _check_value(engine: Engine, option: Option, written: str, value: str) -> None:
@@ -111,11 +111,11 @@ def not_offered(engine: Engine, scene: AnyScene, method: Method) -> str | None:
 
     The text is a predicate whose subject is the engine: "has no integrator 'RK4' for this scene".
     """
-    kind, own = kind_of(scene), integrator_of(engine, method)
-    if own is None or kind not in own.kinds:
+    kind, integrator = kind_of(scene), integrator_of(engine, method)
+    if integrator is None or kind not in integrator.kinds:
         return f"has no integrator {method.name!r} for this scene"
-    idle = [f"{key}={value}" for key, value in method.options if kind not in own.options[key].kinds]
-    return f"has no option {', '.join(idle)} of {own.name!r} for this scene" if idle else None
+    idle = [f"{key}={value}" for key, value in method.options if kind not in integrator.options[key].kinds]
+    return f"has no option {', '.join(idle)} of {integrator.name!r} for this scene" if idle else None
 
 
 def not_modelled(engine: Engine, scene: AnyScene) -> str | None:

@@ -31,17 +31,17 @@ def overheard() -> Iterator[list[str]]:
     """Keep what is written to standard output and standard error while this context lasts; its lines are there afterwards."""
     lines: list[str] = []
     flush()
-    kept = {own: os.dup(own) for own in (STDOUT, STDERR)}
+    kept = {stream: os.dup(stream) for stream in (STDOUT, STDERR)}
     with tempfile.TemporaryFile() as written:
         try:
-            for own in kept:
-                os.dup2(written.fileno(), own)
+            for stream in kept:
+                os.dup2(written.fileno(), stream)
             yield lines
         finally:
             flush()
-            for own, other in kept.items():
-                os.dup2(other, own)
-                os.close(other)
+            for stream, copy in kept.items():
+                os.dup2(copy, stream)
+                os.close(copy)
             written.seek(0)
             lines += written.read().decode(errors="replace").splitlines()
 

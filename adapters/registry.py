@@ -1,7 +1,7 @@
 """Find adapters by name: the folders beside this file, and the entry points `bodycheck.engines` of other packages.
 
 The adapter of a folder is its module `engine`; an entry point names an adapter's module, or an object in one. Nothing is
-imported before an engine is asked for by name.
+imported before an engine is asked for by name. The record of an engine is checked, since another package may hold anything.
 
 What an engine is installed from must be known even if the engine is not installed. A folder defines it as `INSTALLATION` in its
 `__init__.py`, which imports nothing of the engine. Another package names the package that installs the engine by an entry point
@@ -16,15 +16,15 @@ from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata, version
 from importlib.util import find_spec
 from pathlib import Path
+from typing import get_args
 
 from packaging.version import InvalidVersion, Version
 
 import bodycheck.adapters
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import KINDS, Adapter, Engine, Integrator, Option, Varied
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.installation import Installation
-from bodycheck.adapters.method import is_name
-from bodycheck.adapters.record import fault_of
+from bodycheck.adapters.method import MAX_NAME_LENGTH, is_name
 from bodycheck.suggestion import did_you_mean
 
 #: The group of entry points that name adapters in other packages.
@@ -46,8 +46,8 @@ def names() -> tuple[str, ...]:
 
     An entry point whose name cannot be that of an engine is not one.
     """
-    own = _own()
-    return (*own, *(point.name for point in _points(ENGINE_GROUP) if point.name not in own and is_name(point.name)))
+    folders = _own()
+    return (*folders, *(point.name for point in _points(ENGINE_GROUP) if point.name not in folders and is_name(point.name)))
 
 
 def installation(name: str) -> Installation:
@@ -57,8 +57,8 @@ def installation(name: str) -> Installation:
     """
     _check_known(name)
     if name in _own():
-        found: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
-        return found
+        stated: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
+        return stated
     for point in _points(DISTRIBUTION_GROUP, name):
         return Installation(point.value.partition(" ")[0].replace("_", "-"), tuple(point.extras))
     raise EngineMissing(
@@ -101,11 +101,11 @@ def load(name: str) -> Adapter:
     Raises `EngineMissing` if the engine is not installed, if another version is installed than the name says, or if it has no
     adapter, and `EngineBroken` if it fails.
     """
-    asked = EngineName.parse(name)
-    name = asked.adapter
+    engine_name = EngineName.parse(name)
+    name = engine_name.adapter
     _check_known(name)
-    if asked.version is not None and (there := installed(name)) != asked.version:
-        raise EngineMissing(f"{asked} is not installed: there is {there or 'none'}")
+    if engine_name.version is not None and (installed_version := installed(name)) != engine_name.version:
+        raise EngineMissing(f"{engine_name} is not installed: there is {installed_version or 'none'}")
     try:
         points = _points(ENGINE_GROUP, name)
         adapter = points[0].load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
@@ -172,8 +172,10 @@ def _all_points(path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
 
 def _check_known(name: str) -> None:
     if name not in names():
-        known = names()
-        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
+        known_names = names()
+        raise EngineMissing(
+            f"there is no engine {name!r}; there are: {', '.join(known_names)}{did_you_mean(name, known_names)}"
+        )
 
 
 def _files_of(module: str) -> list[Path]:
@@ -183,3 +185,67 @@ def _files_of(module: str) -> list[Path]:
         return []
     files = [file for folder in spec.submodule_search_locations or () for file in sorted(Path(folder).rglob("*.py"))]
     return files or [Path(spec.origin)]
+
+
+#: All that engines may let differ between scenes that they step together.
+VARIED = frozenset(get_args(Varied))
+
+#: What `is_name` demands of a name.
+RULE = f"text of 1 to {MAX_NAME_LENGTH} printable characters that begins with a letter or digit"
+
+
+def fault_of(engine: object) -> str | None:
+    """Return what is wrong with the record of an engine, as a clause without a subject's name; None if it is complete."""
+    if not isinstance(engine, Engine):
+        return f"its record is of the type {type(engine).__name__}, not Engine"
+    for key in ("name", "distribution", "version"):
+        if not _is_name(getattr(engine, key)):
+            return f"its {key} is {_shown(getattr(engine, key))}, not {RULE}"
+    if not isinstance(engine.integrators, tuple) or not all(
+        isinstance(integrator, Integrator) for integrator in engine.integrators
+    ):
+        return f"its integrators are {_shown(engine.integrators)}, not a tuple of Integrator"
+    if type(engine.models) is not frozenset or not all(type(name) is str for name in engine.models):
+        return f"its models are {_shown(engine.models)}, not a frozenset of names"
+    if type(engine.batch) is not int or engine.batch < 1:
+        return f"its batch is {_shown(engine.batch)}, not an integer of at least 1"
+    if type(engine.varies) is not frozenset or not engine.varies <= VARIED:
+        return f"its varies is {_shown(engine.varies)}, not a frozenset of {', '.join(sorted(VARIED))}"
+    return next(
+        (fault for integrator in engine.integrators if (fault := _fault_of_integrator(integrator)) is not None),
+        _fault_of_variants(engine),
+    )
+
+
+def _fault_of_integrator(integrator: Integrator) -> str | None:
+    if not _is_name(integrator.name):
+        return f"an integrator is named {_shown(integrator.name)}, not by {RULE}"
+    if not set(integrator.kinds) <= KINDS:
+        return (
+            f"its integrator {integrator.name} is for the kinds {_shown(integrator.kinds)}; allowed: {', '.join(sorted(KINDS))}"
+        )
+    if not all(_is_name(key) and isinstance(option, Option) for key, option in integrator.options.items()):
+        options = _shown(integrator.options)
+        return f"its integrator {integrator.name} has the options {options}, not values of the type Option by their names"
+    if type(integrator.demonstrates) is not str or not integrator.demonstrates.isprintable():
+        return (
+            f"its integrator {integrator.name} demonstrates {_shown(integrator.demonstrates)}, not text of printable characters"
+        )
+    return None
+
+
+def _fault_of_variants(engine: Engine) -> str | None:
+    for kind, spellings in engine.variants.items():
+        if kind not in KINDS or not all(_is_name(spelling) for spelling in spellings):
+            return f"its variants for {_shown(kind)} are {_shown(spellings)}, not spellings of methods"
+    return None
+
+
+def _is_name(value: object) -> bool:
+    return type(value) is str and is_name(value)
+
+
+def _shown(value: object) -> str:
+    """Return a short description of a value in printable characters."""
+    text = ascii(value)
+    return text if len(text) <= 80 else f"{text[:80]}…"

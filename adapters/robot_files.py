@@ -29,12 +29,12 @@ def floating_joints(file: RobotFile) -> Mapping[str, str]:
         joints = [joint for joint in root.iter("joint") if joint.get("type") == FREE["urdf"]]
         children = [(joint, joint.find("child")) for joint in joints]
         return {child.get("link", ""): joint.get("name", "") for joint, child in children if child is not None}
-    found = {}
+    names = {}
     for body in root.iter("body"):
         free = [joint for joint in body.findall("joint") if joint.get("type") == FREE["mjcf"]]
         for joint in [*body.findall("freejoint"), *free]:
-            found[body.get("name", "")] = joint.get("name", "")
-    return found
+            names[body.get("name", "")] = joint.get("name", "")
+    return names
 
 
 def places_on_root(file: RobotFile) -> Mapping[str, Place]:
@@ -43,25 +43,25 @@ def places_on_root(file: RobotFile) -> Mapping[str, Place]:
     ends = [
         {side: end.get("link", "") for side in ("parent", "child") if (end := joint.find(side)) is not None} for joint in joints
     ]
-    children = {own.get("child") for own in ends}
-    found = {}
-    for joint, own in zip(joints, ends, strict=True):
-        if joint.get("type") == FREE["urdf"] and own.get("parent") not in children and "child" in own:
+    children = {links.get("child") for links in ends}
+    places = {}
+    for joint, links in zip(joints, ends, strict=True):
+        if joint.get("type") == FREE["urdf"] and links.get("parent") not in children and "child" in links:
             origin = joint.find("origin")
             words = {} if origin is None else origin.attrib
             position = np.array([float(word) for word in words.get("xyz", "0 0 0").split()])
-            found[joint.get("name", "")] = position, turned([float(word) for word in words.get("rpy", "0 0 0").split()])
-    return found
+            places[joint.get("name", "")] = position, turned([float(word) for word in words.get("rpy", "0 0 0").split()])
+    return places
 
 
 def turned(angles: Sequence[float]) -> Array:
     """Return the quaternion (4,) w, x, y, z of turns (rad) about the fixed axes x, y and z in turn."""
-    made = np.array([1.0, 0.0, 0.0, 0.0])
+    quaternion = np.array([1.0, 0.0, 0.0, 0.0])
     for axis, angle in enumerate(angles):
-        own = np.zeros(4)
-        own[0], own[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-        made = multiply(own, made)
-    return made
+        turn = np.zeros(4)
+        turn[0], turn[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+        quaternion = multiply(turn, quaternion)
+    return quaternion
 
 
 def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
@@ -79,8 +79,8 @@ def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
     positions = dict(state.positions)
     for name, (origin, turn) in places.items():
         if name in positions:
-            held = np.array(positions[name])
-            positions[name] = (*(origin + rotate(turn, held[:3])).tolist(), *multiply(turn, held[3:]).tolist())
+            position = np.array(positions[name])
+            positions[name] = (*(origin + rotate(turn, position[:3])).tolist(), *multiply(turn, position[3:]).tolist())
 
     def along_root(values: Values) -> Values:
         turned_values = dict(values)
@@ -95,10 +95,10 @@ def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
 
 def mimics(file: RobotFile) -> Mapping[str, Mimic]:
     """Return what the joints of a URDF with a mimic element follow, by their names."""
-    found = {}
+    by_joint = {}
     for joint in ElementTree.parse(file.path).getroot().findall("joint"):
         element = joint.find("mimic")
         if element is not None:
             multiplier, offset = float(element.get("multiplier", "1")), float(element.get("offset", "0"))
-            found[joint.get("name", "")] = Mimic(element.get("joint", ""), multiplier, offset)
-    return found
+            by_joint[joint.get("name", "")] = Mimic(element.get("joint", ""), multiplier, offset)
+    return by_joint

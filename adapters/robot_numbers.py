@@ -15,9 +15,9 @@ from bodycheck.reference.trajectory import Array
 
 def components(tensor: ArrayLike) -> Components:
     """Return the components xx, yy, zz, xy, xz, yz of a tensor (3, 3)."""
-    made = np.asarray(tensor, dtype=float)
+    entries = np.asarray(tensor, dtype=float)
     places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return cast("Components", tuple(float(made[place]) for place in places))
+    return cast("Components", tuple(float(entries[index]) for index in places))
 
 
 def vector(values: ArrayLike) -> Vector:
@@ -54,5 +54,5 @@ def finite(limit: float, beyond: float = math.inf) -> float | None:
 
 def values_of(values: Mapping[str, tuple[float, ...]], joint: str, count: int) -> Array | None:
     """Return the numbers of a joint in a state; None where there are none, or not as many as the engine's joint has."""
-    given = values.get(joint, ())
-    return np.array(given) if given and len(given) == count else None
+    numbers = values.get(joint, ())
+    return np.array(numbers) if numbers and len(numbers) == count else None

@@ -1,4 +1,4 @@
-"""What an engine makes of a robot model that its own reader has read.
+"""A robot model as an engine has it after its own reader has read the file.
 
 Numbers are those of the engine, converted to the conventions of `bodycheck.reference.robots` and to the frames of the links,
 but to nothing that the engine does not have: what it does not know is None.

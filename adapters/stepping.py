@@ -1,12 +1,12 @@
-"""Simulations for engines that are stepped from Python, and for engines that do not normalise their quaternions."""
+"""Simulations that adapters share: a loop in Python, normalised quaternions, and several simulations stepped in turn."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Normalising, Simulation, Strides, single
+from bodycheck.adapters.contract import EngineDiverged, Normalising, Signals, Simulation, Strides, single
 from bodycheck.reference.trajectory import Array
 
 State = TypeVar("State")
@@ -38,15 +38,15 @@ class Loop(Generic[State]):
         """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
         step, state = self.step, self.state
         seen = np.empty((len(strides), *self.seen(state).shape))
-        for place, stride in enumerate(strides.tolist()):
+        for row, stride in enumerate(strides.tolist()):
             try:
                 for _ in range(stride):
                     state = step(state)
             except EngineDiverged as signal:
-                seen[place] = self.seen(state)
-                signal.states = single(self.rows(seen[: place + 1]))
+                seen[row] = self.seen(state)
+                signal.states = single(self.rows(seen[: row + 1]))
                 raise
-            seen[place] = self.seen(state)
+            seen[row] = self.seen(state)
         self.state = state
         if seen.ndim == 2:
             return single(self.rows(seen))
@@ -93,7 +93,7 @@ class Normalised:
 
 @runtime_checkable
 class NormalisingEach(Protocol):
-    """A simulation of several scenes that tells of each of them what `Normalising` tells of all."""
+    """A simulation of several scenes that has for each of them the error that `Normalising` has for all."""
 
     @property
     def quaternion_norm_errors(self) -> Array:
@@ -104,8 +104,59 @@ class NormalisingEach(Protocol):
 def norm_errors(simulation: Simulation, scenes: int) -> Array:
     """Return the largest deviation from 1 of the norm of a quaternion of each scene (scenes,), as the engine returned it.
 
-    It is zero where nothing is normalised. A simulation that tells only of all scenes together tells the same of each.
+    It is zero where nothing is normalised. A simulation that has one error for all scenes together has the same for each.
     """
     if isinstance(simulation, NormalisingEach):
         return simulation.quaternion_norm_errors
     return np.full(scenes, simulation.quaternion_norm_error if isinstance(simulation, Normalising) else 0.0)
+
+
+@dataclass
+class InTurn:
+    """A simulation of several scenes, of which each part steps one or more; scenes may fail without the others.
+
+    Parameters
+    ----------
+    parts
+        The simulations, each with the indices of its scenes.
+    signals
+        The signals of engines so far, by the indices of the scenes that they gave up.
+    """
+
+    parts: Sequence[tuple[Sequence[int], Simulation]]
+    signals: dict[int, str] = field(default_factory=dict)
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (scenes, n, 1, 13) of all scenes after each of n strides, as `Simulation.advance` does."""
+        states = np.full((self._scenes, len(strides), 1, 13), np.nan)
+        for places, simulation in self.parts:
+            if len(places) == 1:
+                self._advance_one(places[0], simulation, strides, states)
+                continue
+            states[list(places)] = simulation.advance(strides)
+            if isinstance(simulation, Signals):
+                self.signals |= {places[index]: text for index, text in simulation.signals.items()}
+        return states
+
+    @property
+    def quaternion_norm_errors(self) -> Array:
+        """The largest deviations of norms from 1 of the scenes (scenes,), as `NormalisingEach` has them."""
+        errors = np.zeros(self._scenes)
+        for places, simulation in self.parts:
+            errors[list(places)] = norm_errors(simulation, len(places))
+        return errors
+
+    @property
+    def _scenes(self) -> int:
+        return sum(len(places) for places, _ in self.parts)
+
+    def _advance_one(self, index: int, simulation: Simulation, strides: Strides, states: Array) -> None:
+        """Fill in the states of one scene, unless its engine has given it up before."""
+        if index in self.signals:
+            return
+        try:
+            states[index] = simulation.advance(strides)[0]
+        except EngineDiverged as signal:
+            sound = signal.states[0, :-1]  # the last is the state at the signal
+            states[index, : len(sound)] = sound
+            self.signals[index] = str(signal)

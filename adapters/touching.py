@@ -1,16 +1,17 @@
-"""Free bodies that touch a plane and each other, in the form in which engines take them."""
+"""Bodies that touch a plane and each other, in the form in which engines take them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
-from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.scene import Body, Plane, Push, Shape, State
+from bodycheck.reference.planar import describe_shape, planar_state
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class TouchingBody:
 
 @dataclass(frozen=True)
 class Law:
-    """How a pair touches: the places of two bodies, the lower first, of which the first may be `WORLD`, and coefficients."""
+    """The law of a pair: the indices of two bodies, the lower first, of which the first may be `WORLD`, and coefficients."""
 
     bodies: tuple[int, int]
     friction: float
@@ -39,17 +40,17 @@ def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
     """
     if not isinstance(scene, Mechanism):
         return (TouchingBody("body", scene.body, _shaped(scene.body.shape), scene.initial),)
-    start, made = kinematics.initial(scene), []
-    for place, body in enumerate(scene.bodies):
-        inertia, own = nearest_inertia(body), start.body(place)
+    start, bodies = kinematics.initial(scene), []
+    for index, body in enumerate(scene.bodies):
+        inertia, motion = nearest_inertia(body), start.body(index)
         xx, yy, zz, *products = inertia.tensor
         if any(products):
             raise SceneUnsupported(f"the body {body.name}, whose frame is not along its principal axes, touches others")
-        parts = (own.position, own.quaternion, own.velocity, own.angular_velocity)
+        parts = (motion.position, motion.quaternion, motion.velocity, motion.angular_velocity)
         state = State(*(tuple(part[0].tolist()) for part in parts))
         shape = _shaped(shape_of(body))
-        made.append(TouchingBody(body.name, Body(inertia.mass, (xx, yy, zz), shape), shape, state))
-    return tuple(made)
+        bodies.append(TouchingBody(body.name, Body(inertia.mass, (xx, yy, zz), shape), shape, state))
+    return tuple(bodies)
 
 
 def plane_of(scene: AnyScene) -> Plane:
@@ -83,4 +84,35 @@ def _nearest(instant: float, timestep: float) -> float:
 def _shaped(shape: Shape | None) -> Shape:
     if shape is None:
         raise SceneUnsupported(f"{describe_shape(shape)} touches others")
+    return shape
+
+
+def not_flat(scene: Scene) -> str | None:
+    """Return why no adapter models the contact of a scene with a plane as that of a flat body, as a noun phrase; else None."""
+    if scene.drag:
+        return "drag together with contact"
+    try:
+        planar_state(scene)
+    except NotFlat as error:
+        return f"this contact: {error}"
+    return None
+
+
+def corners(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction of contacts that are rigid corners, as `ContactLaw.contact_law` does."""
+    return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
+
+
+def corners_of_brick(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction of contacts at the corners of a brick, as `ContactLaw.contact_law` does; None for a cylinder."""
+    return corners(scene, method) if isinstance(scene.body.shape, Brick) else None
+
+
+def lying_shape(scene: Scene) -> Brick | Cylinder:
+    """Return the shape of a body that lies flat on the plane z = 0. Raises `SceneUnsupported` for all other scenes."""
+    if (reason := not_flat(scene)) is not None:
+        raise SceneUnsupported(reason)
+    shape = scene.body.shape
+    if not isinstance(shape, Brick | Cylinder):
+        raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
     return shape

@@ -1,7 +1,10 @@
 """Links as a URDF file, for engines whose own functions take a link's tensor from such a file only."""
 
 import math
-from collections.abc import Sequence
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from bodycheck.adapters.links import Link
 from bodycheck.reference.scene import Quaternion
@@ -50,3 +53,13 @@ def _joint(number: int, link: Link) -> str:
 def spaced(numbers: Sequence[float]) -> str:
     """Return numbers with all their digits."""
     return " ".join(repr(float(number)) for number in numbers)
+
+
+@contextmanager
+def file_of(text: str) -> Iterator[str]:
+    """Give the path of a file with a text, which is there while this context lasts."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "body.urdf")
+        with open(path, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        yield path

@@ -15,11 +15,11 @@ from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, single_bodies
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
-from bodycheck.adapters.mujoco.links import inertial, welded
+from bodycheck.adapters.mujoco.models import inertial, welded
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 
@@ -111,17 +111,17 @@ def started(xml: str, scenes: Sequence[Scene], method: Method) -> Compiled:
     check_precision(engine)
     name, scene = method.integrator, scenes[0]
     gravity, drag = jnp.array([0.0, 0.0, -scene.gravity]), scene.drag / scene.body.mass if scene.drag else None
-    q = jnp.array([[*one.initial.position, *one.initial.quaternion] for one in scenes])
-    qd = jnp.array([[*one.initial.velocity, *one.initial.angular_velocity] for one in scenes])
+    q = jnp.array([[*start.initial.position, *start.initial.quaternion] for start in scenes])
+    qd = jnp.array([[*start.initial.velocity, *start.initial.angular_velocity] for start in scenes])
     with warnings.catch_warnings():
         # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
         warnings.simplefilter("ignore")
         system = loaded(xml)
-        given = system, gravity, drag
+        system_and_forces = system, gravity, drag
         if len(scenes) == 1:
-            return Compiled(TAKE[name].one, given, START[name](system, q[0], qd[0]), lambda seen: seen)
+            return Compiled(TAKE[name].one, system_and_forces, START[name](system, q[0], qd[0]), lambda seen: seen)
         starts = jax.vmap(START[name], in_axes=(None, 0, 0))(system, q, qd)
-        return Compiled(TAKE[name].several, given, starts, lambda seen: seen)
+        return Compiled(TAKE[name].several, system_and_forces, starts, lambda seen: seen)
 
 
 def description(scene: Scene, timestep: float) -> str:
@@ -155,19 +155,19 @@ def loaded(xml: str) -> Any:
     return system.replace(mj_model=None)
 
 
-def step(pipeline: Any, given: tuple[Any, Any, Any], state: Any) -> Any:
+def step(pipeline: Any, system_and_forces: tuple[Any, Any, Any], state: Any) -> Any:
     """Return the state of a pipeline after one step.
 
     Parameters
     ----------
     pipeline
         The module of the pipeline.
-    given
+    system_and_forces
         The system, the acceleration of gravity (3,) in m/s^2, and the coefficient of drag over the mass (1/m) or None.
     state
         The state of the pipeline.
     """
-    system, gravity, drag = given
+    system, gravity, drag = system_and_forces
     if drag is not None:
         velocity = state.xd.vel[0]
         gravity = gravity - drag * jnp.linalg.norm(velocity) * velocity

@@ -39,9 +39,9 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     reading = described(compiled, kept(system), file.format)
     if not states:
         return reading
-    given = [jnp.array(rows) for rows in columns(compiled, file.format, states)]
+    columns_of_states = [jnp.array(rows) for rows in columns(compiled, file.format, states)]
     names = [body_name(compiled, body) for body in range(1, compiled.nbody)]
-    return replace(reading, terms=terms_of(system.replace(mj_model=None), names, given, gravity))
+    return replace(reading, terms=terms_of(system.replace(mj_model=None), names, columns_of_states, gravity))
 
 
 def loaded(path: str) -> Any:
@@ -77,15 +77,15 @@ def kept(system: Any) -> Any:
     )
 
 
-def terms_of(system: Any, names: Sequence[str], given: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
+def terms_of(system: Any, names: Sequence[str], columns_of_states: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
     """Return what Brax computes at states.
 
-    names: those of all links. given: positions, velocities, accelerations and applied forces (n, k).
+    names: those of all links. columns_of_states: positions, velocities, accelerations and applied forces (n, k).
     """
     down = jnp.array(gravity)
-    found = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *given)
-    numbers = {name: np.array(value, dtype=np.float64) for name, value in found.items()}
-    return tuple(_terms(numbers, names, row) for row in range(len(given[0])))
+    terms = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *columns_of_states)
+    numbers = {name: np.array(value, dtype=np.float64) for name, value in terms.items()}
+    return tuple(_terms(numbers, names, row) for row in range(len(columns_of_states[0])))
 
 
 def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> Mapping[str, Any]:

@@ -22,7 +22,7 @@ def inertia(link: Link) -> "dart.dynamics.Inertia":
 
 def pose(position: Sequence[float], quaternion: Sequence[float]) -> Any:
     """Return the pose of a frame in another one; the quaternion w x y z may have any norm."""
-    made = dart.math.Isometry3()
-    made.set_translation(np.array(position, dtype=float))
-    made.set_quaternion(dart.math.Quaternion(*normalise(np.array(quaternion, dtype=float)).tolist()))
-    return made
+    isometry = dart.math.Isometry3()
+    isometry.set_translation(np.array(position, dtype=float))
+    isometry.set_quaternion(dart.math.Quaternion(*normalise(np.array(quaternion, dtype=float)).tolist()))
+    return isometry

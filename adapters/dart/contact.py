@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import dartpy as dart
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Method, Option, choice
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
 #: DART's detectors of collisions.
@@ -50,7 +50,7 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
 
     Raises `SceneUnsupported` for a body that does not lie flat.
     """
-    shape = flat_contact.lying_shape(scene)
+    shape = lying_shape(scene)
     ground = dart.dynamics.Skeleton("ground")
     _, fixed = ground.createWeldJointAndBodyNodePair()
     side, height = 2 * GROUND_HALF_SIDE_M, 2 * GROUND_HALF_HEIGHT_M
@@ -59,19 +59,19 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
     touching(body, solid(shape), plane)
     world.addSkeleton(ground)
 
-    solver, own = world.getConstraintSolver(), method.option("settings") == "engine"
-    name = method.option("detector") or ("fcl" if own else "bullet" if isinstance(shape, Brick) else "ode")
+    solver, keeps_defaults = world.getConstraintSolver(), method.option("settings") == "engine"
+    name = method.option("detector") or ("fcl" if keeps_defaults else "bullet" if isinstance(shape, Brick) else "ode")
     solver.setCollisionDetector(DETECTORS[name]())
-    asked = method.option("solver")
-    if asked == "pgs":
+    solver_name = method.option("solver")
+    if solver_name == "pgs":
         # It cannot be constructed from Python, but every world has one for where Dantzig's algorithm fails. A world refuses its
         # own, because it would then have one solver twice.
         other = dart.simulation.World().getConstraintSolver()
         solver.setBoxedLcpSolver(other.getSecondaryBoxedLcpSolver())
-    elif asked is not None:
-        solver.setBoxedLcpSolver(CONES[asked]())
+    elif solver_name is not None:
+        solver.setBoxedLcpSolver(CONES[solver_name]())
     sleeping = world.getDeactivationOptions()
-    sleeping.mEnabled = own
+    sleeping.mEnabled = keeps_defaults
     world.setDeactivationOptions(sleeping)
 
 

@@ -15,7 +15,7 @@ from bodycheck.adapters.links import Link, links_of
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 INTEGRATOR = "semi-implicit-euler"
@@ -26,9 +26,13 @@ engine = Engine(
     version=str(dart.__version__),
     integrators=(Integrator(INTEGRATOR, order=1, evaluations=1, options=contact.OPTIONS),),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants={"plane": tuple(f"{INTEGRATOR}:{own}" for own in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))},
+    variants={
+        "plane": tuple(f"{INTEGRATOR}:{options}" for options in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))
+    },
     defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
 )
+
+contact_law = contact.law
 
 #: The functions of DART that steps call from Python.
 calls = (
@@ -61,9 +65,9 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[N
     return loop(model(scene, method, links))
 
 
-def loop(made: Model, drag: float = 0.0) -> Loop[None]:
+def loop(built: Model, drag: float = 0.0) -> Loop[None]:
     """Return the simulation of a body with the drag -c |v| v, c in kg/m, of the state at the beginning of each step."""
-    world, skeleton, body = made.world, made.skeleton, made.body
+    world, skeleton, body = built.world, built.skeleton, built.body
 
     def step(state: None) -> None:
         if drag:
@@ -109,16 +113,11 @@ def rows(seen: Array) -> Array:
     return states(position, quaternion, velocity, rotate(conjugate(quaternion), angular_velocity))
 
 
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts; None if the reference has no such law."""
-    return contact.law(scene, method)
-
-
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     """Return the normal force (n,), in N, in each of n steps."""
-    made = model(scene, method)
+    built = model(scene, method)
     load = np.empty(steps)
     for step in range(steps):
-        made.world.step()
-        load[step] = contact.load(made.world)
+        built.world.step()
+        load[step] = contact.load(built.world)
     return load

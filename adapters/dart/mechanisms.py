@@ -12,9 +12,9 @@ import numpy as np
 from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.contract import EngineDiverged, Method, Simulation
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
-from bodycheck.adapters.mechanisms import frames, link_of, starts
+from bodycheck.adapters.mechanisms import frames, in_body_axes, link_of, starts
 from bodycheck.adapters.stepping import Loop as Stepped
-from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
@@ -59,28 +59,28 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
         if not skeleton.computeKineticEnergy() < LARGEST_ENERGY_J:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
-    return Stepped(None, step, lambda _: seen(bodies), rows)
+    return Stepped(None, step, lambda _: seen(bodies), in_body_axes)
 
 
 def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]:
     """Add the bodies and joints of a mechanism to a skeleton, in their initial state, and return the bodies in their order."""
     bodies: dict[int, Any] = {WORLD: None}
-    for place, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
+    for index, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
         if body.start is not None:
-            joint, bodies[place] = skeleton.createFreeJointAndBodyNodePair()
+            joint, bodies[index] = skeleton.createFreeJointAndBodyNodePair()
             joint.setPositions(free_positions(frame.position, frame.quaternion))
             turn = np.array(frame.quaternion)
             joint.setVelocities([*rotate(turn, np.array(frame.angular_velocity)), *frame.velocity])
     of_joint = dict(zip([joint.name for joint in mechanism.joints], starts(mechanism), strict=True))
     for joint in kinematics.from_the_root(mechanism):
-        made, bodies[joint.child] = add_joint(skeleton, bodies[joint.parent], joint)
-        made.setTransformFromParentBodyNode(pose(joint.position, exact.nearest_turn(joint.attitude)))
+        dart_joint, bodies[joint.child] = add_joint(skeleton, bodies[joint.parent], joint)
+        dart_joint.setTransformFromParentBodyNode(pose(joint.position, exact.nearest_turn(joint.attitude)))
         position, velocity = in_dart(joint, *of_joint[joint.name])
-        made.setPositions(position)
-        made.setVelocities(velocity)
-    for place, body in enumerate(mechanism.bodies):
-        bodies[place].setInertia(inertia(link_of(body)))
-    return [bodies[place] for place in range(len(mechanism.bodies))]
+        dart_joint.setPositions(position)
+        dart_joint.setVelocities(velocity)
+    for index, body in enumerate(mechanism.bodies):
+        bodies[index].setInertia(inertia(link_of(body)))
+    return [bodies[index] for index in range(len(mechanism.bodies))]
 
 
 def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> tuple[Any, Any]:
@@ -94,23 +94,23 @@ def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> 
         "free": skeleton.createFreeJointAndBodyNodePair,
         "fixed": skeleton.createWeldJointAndBodyNodePair,
     }
-    made, body = create[joint.type](parent)
+    dart_joint, body = create[joint.type](parent)
     if joint.type == "universal":
-        made.setAxis1([1.0, 0.0, 0.0])
-        made.setAxis2([0.0, 1.0, 0.0])
+        dart_joint.setAxis1([1.0, 0.0, 0.0])
+        dart_joint.setAxis2([0.0, 1.0, 0.0])
     if joint.type == "planar":
-        made.setXYPlane()
+        dart_joint.setXYPlane()
     if joint.type == "spherical":
-        for place in range(3):
-            made.setDampingCoefficient(place, joint.damping)
+        for axis in range(3):
+            dart_joint.setDampingCoefficient(axis, joint.damping)
     if joint.type in ("revolute", "prismatic"):
-        made.setAxis(exact.nearest_axis(joint))
-        made.setDampingCoefficient(0, joint.damping)
-        made.setSpringStiffness(0, joint.stiffness)
-        made.setRestPosition(0, joint.rest)
-        made.setCoulombFriction(0, joint.friction)
-        made.setCommand(0, joint.effort)
-    return made, body
+        dart_joint.setAxis(exact.nearest_axis(joint))
+        dart_joint.setDampingCoefficient(0, joint.damping)
+        dart_joint.setSpringStiffness(0, joint.stiffness)
+        dart_joint.setRestPosition(0, joint.rest)
+        dart_joint.setCoulombFriction(0, joint.friction)
+        dart_joint.setCommand(0, joint.effort)
+    return dart_joint, body
 
 
 def in_dart(joint: Joint, position: Array, velocity: Array) -> tuple[Any, Any]:
@@ -135,13 +135,13 @@ def free_positions(position: Any, quaternion: Any) -> Any:
 
 def closing(bodies: list[Any], loop: Loop) -> "dart.constraint.BallJointConstraint":
     """Return DART's constraint of a loop."""
-    (one, other), (here, there) = loop.bodies, loop.points
-    if one == WORLD:
-        (one, here), (other, there) = (other, there), (one, here)
-    place = bodies[one].getWorldTransform().multiply(np.array(here))
-    if other == WORLD:
-        return dart.constraint.BallJointConstraint(bodies[one], place)
-    return dart.constraint.BallJointConstraint(bodies[one], bodies[other], place)
+    (first, second), (point, second_point) = loop.bodies, loop.points
+    if first == WORLD:
+        (first, point), (second, second_point) = (second, second_point), (first, point)
+    anchor = bodies[first].getWorldTransform().multiply(np.array(point))
+    if second == WORLD:
+        return dart.constraint.BallJointConstraint(bodies[first], anchor)
+    return dart.constraint.BallJointConstraint(bodies[first], bodies[second], anchor)
 
 
 def seen(bodies: list[Any]) -> Array:
@@ -151,10 +151,3 @@ def seen(bodies: list[Any]) -> Array:
         turn = body.getWorldTransform().quaternion().wxyz()
         parts += [body.getCOM(), turn, body.getCOMLinearVelocity(), body.getAngularVelocity()]
     return np.concatenate(parts)
-
-
-def rows(seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
-    return found

@@ -105,7 +105,7 @@ def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
     lines = [COLOURS_AND_PLACES.sub("", line).strip() for line in said]
     if world is None:
         raise ModelRefused(refusal(file.path, " ".join(lines)))
-    every = [world.getSkeleton(place) for place in range(world.getNumSkeletons())]
+    every = [world.getSkeleton(index) for index in range(world.getNumSkeletons())]
     trees = [skeleton for skeleton in every if not skeleton.getName().startswith(SHAPES)]
     if len(trees) != 1:
         raise FormatUnknown(f"the adapter of DART takes an MJCF of one tree, and this one has {len(trees)}")
@@ -116,12 +116,12 @@ def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
 
 def joints_of(skeleton: Any) -> list[Any]:
     """Return the joints of a skeleton in DART's order."""
-    return [skeleton.getJoint(place) for place in range(skeleton.getNumJoints())]
+    return [skeleton.getJoint(index) for index in range(skeleton.getNumJoints())]
 
 
 def bodies_of(skeleton: Any) -> list[Any]:
     """Return the bodies of a skeleton in DART's order."""
-    return [skeleton.getBodyNode(place) for place in range(skeleton.getNumBodyNodes())]
+    return [skeleton.getBodyNode(index) for index in range(skeleton.getNumBodyNodes())]
 
 
 def moving(skeleton: Any) -> list[Any]:
@@ -137,12 +137,12 @@ def place_of(joint: Any) -> slice:
 
 def read_bodies(skeleton: Any) -> tuple[ReadBody, ...]:
     """Return the bodies. DART's world is one of them if a body hangs on it by a joint of the file."""
-    made = []
+    bodies = []
     for joint in joints_of(skeleton):
         body, parent = joint.getChildBodyNode(), joint.getParentBodyNode()
         inertia = body.getInertia()
         on_world = None if joint.getName() == ROOT_JOINT else WORLD
-        made.append(
+        bodies.append(
             ReadBody(
                 body.getName(),
                 on_world if parent is None else parent.getName(),
@@ -151,16 +151,16 @@ def read_bodies(skeleton: Any) -> tuple[ReadBody, ...]:
                 components(inertia.getMoment()),
             )
         )
-    return (ReadBody(WORLD, None), *made) if any(body.parent == WORLD for body in made) else tuple(made)
+    return (ReadBody(WORLD, None), *bodies) if any(body.parent == WORLD for body in bodies) else tuple(bodies)
 
 
 def read_joints(skeleton: Any, followed: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
     """Return the joints that move. Joints of several velocities have the damping of the first one, as DART gives it to all."""
-    made = []
+    joints = []
     for joint in moving(skeleton):
-        one = joint.getNumDofs() == 1
+        single = joint.getNumDofs() == 1
         follows = joint.getActuatorType() == dart.dynamics.ActuatorType.MIMIC
-        made.append(
+        joints.append(
             ReadJoint(
                 name=joint.getName(),
                 type=TYPES.get(joint.getType(), joint.getType()),
@@ -173,12 +173,12 @@ def read_joints(skeleton: Any, followed: Mapping[str, Mimic]) -> tuple[ReadJoint
                 friction=joint.getCoulombFriction(0),
                 stiffness=joint.getSpringStiffness(0),
                 effort_limit=finite(joint.getForceUpperLimit(0)),
-                lower=finite(joint.getPositionLowerLimit(0)) if one else None,
-                upper=finite(joint.getPositionUpperLimit(0)) if one else None,
+                lower=finite(joint.getPositionLowerLimit(0)) if single else None,
+                upper=finite(joint.getPositionUpperLimit(0)) if single else None,
                 mimic=followed.get(joint.getName()) if follows else None,
             )
         )
-    return tuple(made)
+    return tuple(joints)
 
 
 def axis(joint: Any) -> Vector | None:
@@ -192,9 +192,9 @@ def freed(skeleton: Any) -> None:
     """Lift the limits at which DART cuts efforts, and have mimic joints take efforts too, which DART holds by a constraint."""
     for joint in moving(skeleton):
         joint.setActuatorType(dart.dynamics.ActuatorType.FORCE)
-        for place in range(joint.getNumDofs()):
-            joint.setForceLowerLimit(place, -np.inf)
-            joint.setForceUpperLimit(place, np.inf)
+        for index in range(joint.getNumDofs()):
+            joint.setForceLowerLimit(index, -np.inf)
+            joint.setForceUpperLimit(index, np.inf)
 
 
 def terms(skeleton: Any, state: RobotState, frictionless: bool) -> Terms:
@@ -247,10 +247,10 @@ def coordinates(joint: Any, position: Sequence[float]) -> Any:
 
 def in_plane(joint: Any) -> Array:
     """Return the matrix (3, 3) that takes the numbers of a planar joint to DART's, whose plane has axes of DART's choice."""
-    made = np.eye(3)
-    own = np.stack([joint.getTranslationalAxis1(), joint.getTranslationalAxis2()])
-    made[:2, :2] = own @ plane_axes(np.array(joint.getRotationalAxis(), np.longdouble))[:, :2].astype(float)
-    return made
+    rotation = np.eye(3)
+    axes = np.stack([joint.getTranslationalAxis1(), joint.getTranslationalAxis2()])
+    rotation[:2, :2] = axes @ plane_axes(np.array(joint.getRotationalAxis(), np.longdouble))[:, :2].astype(float)
+    return rotation
 
 
 def rates(skeleton: Any, state: RobotState, values: Values) -> Array:
@@ -259,31 +259,31 @@ def rates(skeleton: Any, state: RobotState, values: Values) -> Array:
     Angular accelerations turn as angular velocities do, because the further term of the derivative is the angular velocity
     times itself.
     """
-    made = np.zeros(skeleton.getNumDofs())
+    values_of_dart = np.zeros(skeleton.getNumDofs())
     for joint in moving(skeleton):
         name = joint.getName()
         if name in values:
-            own = np.array(values[name])
+            values_of_joint = np.array(values[name])
             if joint.getType() == "FreeJoint":
                 turn = joint.getTransformFromParentBodyNode().rotation()
-                spin = rotate(np.array(state.positions[name][3:]), own[3:])
-                own = np.concatenate([turn @ spin, turn @ own[:3]])
+                spin = rotate(np.array(state.positions[name][3:]), values_of_joint[3:])
+                values_of_joint = np.concatenate([turn @ spin, turn @ values_of_joint[:3]])
             elif joint.getType() == "PlanarJoint":
-                own = in_plane(joint) @ own
-            made[place_of(joint)] = own
-    return made
+                values_of_joint = in_plane(joint) @ values_of_joint
+            values_of_dart[place_of(joint)] = values_of_joint
+    return values_of_dart
 
 
 def poses(skeleton: Any) -> Mapping[str, Array]:
     """Return the poses of all bodies."""
-    made = {}
+    poses_of_links = {}
     for body in bodies_of(skeleton):
-        own = body.getWorldTransform()
-        made[body.getName()] = pose(own.translation(), own.quaternion().wxyz())
-    return made
+        transform = body.getWorldTransform()
+        poses_of_links[body.getName()] = pose(transform.translation(), transform.quaternion().wxyz())
+    return poses_of_links
 
 
 def jacobian(skeleton: Any, body: Any) -> Array:
     """Return the Jacobian (6, n) of the origin of a body's frame along the axes of the world, linear rows first."""
-    made = np.asarray(skeleton.getJacobian(body, dart.dynamics.Frame.World()))
-    return np.concatenate([made[3:], made[:3]])
+    matrix = np.asarray(skeleton.getJacobian(body, dart.dynamics.Frame.World()))
+    return np.concatenate([matrix[3:], matrix[:3]])

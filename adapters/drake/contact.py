@@ -21,7 +21,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction
 
 from bodycheck.adapters.contract import Kind, Method, Option, SceneUnsupported, choice
-from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
@@ -40,10 +40,10 @@ EDGE_IN_RADII = 0.2
 
 def contact_of(method: Method) -> str:
     """Return how a body touches the plane: hydroelastic, points, or engine. Raises `SceneUnsupported` for two answers."""
-    asked, settings = method.option("contact"), method.option("settings")
-    if asked and settings:
-        raise SceneUnsupported(f"contact={asked} together with settings={settings}, which has a contact of its own")
-    return settings or asked or "hydroelastic"
+    chosen, settings = method.option("contact"), method.option("settings")
+    if chosen and settings:
+        raise SceneUnsupported(f"contact={chosen} together with settings={settings}, which has a contact of its own")
+    return settings or chosen or "hydroelastic"
 
 
 def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str) -> None:
@@ -70,8 +70,8 @@ def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str)
         AddRigidHydroelasticProperties(on_plane)
         AddCompliantHydroelasticProperties(_edge(shape), modulus, on_body)
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "plane", on_plane)
-    for number, (geometry, place) in enumerate(_geometries(shape, contact)):
-        plant.RegisterCollisionGeometry(body, RigidTransform(place), geometry, f"body {number}", on_body)
+    for number, (geometry, pose) in enumerate(_geometries(shape, contact)):
+        plant.RegisterCollisionGeometry(body, RigidTransform(pose), geometry, f"body {number}", on_body)
 
 
 def _properties(plane: Plane) -> Any:

@@ -12,9 +12,8 @@ from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, Simulator
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, states
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
-from bodycheck.adapters.drake.models import Model, build
+from bodycheck.adapters.drake.models import Model, build, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
-from bodycheck.adapters.drake.steps import stepper
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
@@ -60,8 +59,8 @@ APPROXIMATIONS = tuple(
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release for the continuous plant, then the approximations of the discrete one."""
-    known = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
-    claims = [(name, *CLAIMS.get(name, (None, None))) for name in known]
+    names = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
+    claims = [(name, *CLAIMS.get(name, (None, None))) for name in names]
     return tuple(
         Integrator(name, order, count, KINDS - ON_PLANE if name in EXPLICIT else KINDS, OPTIONS)
         for name, order, count in claims

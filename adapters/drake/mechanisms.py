@@ -30,12 +30,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
-from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated
-from bodycheck.adapters.drake.steps import stepper
+from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated, stepper
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mechanisms import centred, frames, link_of, starts
+from bodycheck.adapters.mechanisms import centred, frames, in_body_axes, link_of, starts
 from bodycheck.adapters.stepping import Loop
-from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
@@ -90,9 +89,9 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
         plant = MultibodyPlant(config.time_step)
         ApplyMultibodyPlantConfig(config, plant)
     plant.set_name(PLANT)
-    bodies = [add_link(plant, f"body {place}", link_of(body)) for place, body in enumerate(mechanism.bodies)]
-    joints = [add_joint(plant, bodies, joint, f"joint {place}") for place, joint in enumerate(mechanism.joints)]
-    actuators = [add_actuator(plant, made, joint) for made, joint in zip(joints, mechanism.joints, strict=True)]
+    bodies = [add_link(plant, f"body {index}", link_of(body)) for index, body in enumerate(mechanism.bodies)]
+    joints = [add_joint(plant, bodies, joint, f"joint {index}") for index, joint in enumerate(mechanism.joints)]
+    actuators = [add_actuator(plant, drake_joint, joint) for drake_joint, joint in zip(joints, mechanism.joints, strict=True)]
     if mechanism.loops:
         add_loops(plant, bodies, mechanism)
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -mechanism.gravity])
@@ -117,15 +116,15 @@ def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
     parent = plant.AddFrame(FixedOffsetFrame(name, _body(plant, bodies, joint.parent).body_frame(), pose))
     child = bodies[joint.child].body_frame()
     if joint.type == "revolute":
-        made = plant.AddJoint(RevoluteJoint(name, parent, child, nearest_axis(joint), joint.damping))
+        drake_joint = plant.AddJoint(RevoluteJoint(name, parent, child, nearest_axis(joint), joint.damping))
         if joint.stiffness:
-            plant.AddForceElement(RevoluteSpring(made, joint.rest, joint.stiffness))
-        return made
+            plant.AddForceElement(RevoluteSpring(drake_joint, joint.rest, joint.stiffness))
+        return drake_joint
     if joint.type == "prismatic":
-        made = plant.AddJoint(PrismaticJoint(name, parent, child, nearest_axis(joint), damping=joint.damping))
+        drake_joint = plant.AddJoint(PrismaticJoint(name, parent, child, nearest_axis(joint), damping=joint.damping))
         if joint.stiffness:
-            plant.AddForceElement(PrismaticSpring(made, joint.rest, joint.stiffness))
-        return made
+            plant.AddForceElement(PrismaticSpring(drake_joint, joint.rest, joint.stiffness))
+        return drake_joint
     if joint.type == "fixed":
         return plant.AddJoint(WeldJoint(name, parent, child, RigidTransform()))
     if joint.type == "spherical":
@@ -134,11 +133,11 @@ def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
     return plant.AddJoint(kinds[joint.type](name, parent, child))
 
 
-def add_actuator(plant: Any, made: Any, joint: Joint) -> Any | None:
+def add_actuator(plant: Any, drake_joint: Any, joint: Joint) -> Any | None:
     """Add an actuator to a joint that has armature or effort, and return it; None without them."""
     if not joint.armature and not joint.effort:
         return None
-    actuator = plant.AddJointActuator(made.name(), made)
+    actuator = plant.AddJointActuator(drake_joint.name(), drake_joint)
     actuator.set_default_rotor_inertia(joint.armature)
     return actuator
 
@@ -149,23 +148,23 @@ def add_loops(plant: Any, bodies: list[Any], mechanism: Mechanism) -> None:
     anchor = add_link(plant, "anchor", Link(1.0, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)))
     plant.WeldFrames(plant.world_frame(), anchor.body_frame())
     for loop in mechanism.loops:
-        one, other = (anchor if place == WORLD else bodies[place] for place in loop.bodies)
+        one, other = (anchor if index == WORLD else bodies[index] for index in loop.bodies)
         plant.AddBallConstraint(one, loop.points[0], other, loop.points[1])
 
 
 def start(mechanism: Mechanism, plant: Any, context: Any, bodies: list[Any], joints: list[Any]) -> None:
     """Set the initial state of a mechanism in a context of its plant."""
-    for place, (joint, frame) in enumerate(zip(mechanism.joint_of, frames(mechanism), strict=True)):
+    for index, (joint, frame) in enumerate(zip(mechanism.joint_of, frames(mechanism), strict=True)):
         if joint is None:
             turn = np.array(frame.quaternion)
             velocity = SpatialVelocity(rotate(turn, np.array(frame.angular_velocity)), np.array(frame.velocity))
-            plant.SetFreeBodyPose(context, bodies[place], RigidTransform(Quaternion(turn), frame.position))
-            plant.SetFreeBodySpatialVelocity(context, bodies[place], velocity)
+            plant.SetFreeBodyPose(context, bodies[index], RigidTransform(Quaternion(turn), frame.position))
+            plant.SetFreeBodySpatialVelocity(context, bodies[index], velocity)
     q, v = plant.GetPositions(context), plant.GetVelocities(context)
-    for joint, made, (position, velocity) in zip(mechanism.joints, joints, starts(mechanism), strict=True):
-        own, rates = in_drake(joint, position, velocity)
-        q[made.position_start() : made.position_start() + len(own)] = own
-        v[made.velocity_start() : made.velocity_start() + len(rates)] = rates
+    for joint, drake_joint, (position, velocity) in zip(mechanism.joints, joints, starts(mechanism), strict=True):
+        positions, rates = in_drake(joint, position, velocity)
+        q[drake_joint.position_start() : drake_joint.position_start() + len(positions)] = positions
+        v[drake_joint.velocity_start() : drake_joint.velocity_start() + len(rates)] = rates
     plant.SetPositions(context, q)
     plant.SetVelocities(context, v)
 
@@ -175,8 +174,8 @@ def in_drake(joint: Joint, position: Array, velocity: Array) -> tuple[Array, Arr
     if joint.type == "spherical":
         return RollPitchYaw(Quaternion(position)).vector(), rotate(position, velocity)
     if joint.type == "free":
-        place, turn = position[:3], position[3:]
-        return np.concatenate([turn, place]), np.concatenate([rotate(turn, velocity[3:]), velocity[:3]])
+        origin, turn = position[:3], position[3:]
+        return np.concatenate([turn, origin]), np.concatenate([rotate(turn, velocity[3:]), velocity[:3]])
     return position, velocity
 
 
@@ -184,13 +183,16 @@ def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
     """Return a function that returns the poses and velocities (13 k,) of k bodies, along the axes of the world."""
     plant, context = model.plant, model.context
     # Of the context that is stepped, `cenic` leaves the poses before its last step in the cache.
-    own = plant.CreateDefaultContext()
+    own_context = plant.CreateDefaultContext()
 
     def seen(_: int) -> Array:
-        plant.SetPositionsAndVelocities(own, plant.GetPositionsAndVelocities(context))
+        plant.SetPositionsAndVelocities(own_context, plant.GetPositionsAndVelocities(context))
         parts = []
         for body in bodies:
-            pose, velocity = plant.EvalBodyPoseInWorld(own, body), plant.EvalBodySpatialVelocityInWorld(own, body)
+            pose, velocity = (
+                plant.EvalBodyPoseInWorld(own_context, body),
+                plant.EvalBodySpatialVelocityInWorld(own_context, body),
+            )
             turn = pose.rotation().ToQuaternion().wxyz()
             parts += [pose.translation(), turn, velocity.translational(), velocity.rotational()]
         return np.concatenate(parts)
@@ -200,10 +202,8 @@ def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
 
 def rows(mechanism: Mechanism, seen: Array) -> Array:
     """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
-    return centred(mechanism, found)
+    return centred(mechanism, in_body_axes(seen))
 
 
-def _body(plant: Any, bodies: list[Any], place: int) -> Any:
-    return plant.world_body() if place == WORLD else bodies[place]
+def _body(plant: Any, bodies: list[Any], index: int) -> Any:
+    return plant.world_body() if index == WORLD else bodies[index]

@@ -1,7 +1,8 @@
 """Build Drake's model of a scene: a plant with one body, in a diagram where it has contact or drag, and its simulator."""
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +14,7 @@ from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.drake.contact import add_contact, contact_of
 from bodycheck.adapters.links import Link, links_of
 from bodycheck.reference.kinematics import normalise, rotate
@@ -165,3 +166,28 @@ def integrated(simulator: Any, method: Method, continuous: bool) -> None:
         ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
         simulator.get_mutable_integrator().set_fixed_step_mode(True)
     simulator.Initialize()
+
+
+#: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process there.
+LARGEST_ENERGY_J = 1e200
+
+
+def stepper(model: Model, timestep: float) -> Callable[[int], int]:
+    """Return a function that takes a time step of a model, and returns the number of steps taken from that before it.
+
+    It raises `EngineDiverged`.
+    """
+    simulator, plant, context = model.simulator, model.plant, model.context
+
+    def step(taken: int) -> int:
+        if not plant.CalcKineticEnergy(context) < LARGEST_ENERGY_J:
+            raise EngineDiverged(f"Drake's accelerations overflow at t = {context.get_time():.6g} s")
+        try:
+            simulator.AdvanceTo((taken + 1) * timestep)
+        except RuntimeError as error:
+            # Drake counts the sources of poses in a process.
+            words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
+            raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
+        return taken + 1
+
+    return step

@@ -57,7 +57,7 @@ WORLD = "world"
 
 
 class Heard(logging.Handler):
-    """What Drake logs."""
+    """A handler that keeps the texts that Drake logs."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -103,7 +103,7 @@ class Parsed:
     @property
     def bodies(self) -> list[Any]:
         """The bodies in Drake's order, without its world."""
-        return [self.plant.get_body(BodyIndex(place)) for place in range(1, self.plant.num_bodies())]
+        return [self.plant.get_body(BodyIndex(index)) for index in range(1, self.plant.num_bodies())]
 
     @property
     def joints(self) -> list[Any]:
@@ -118,7 +118,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         names = named(robot, floating_joints(file))
         context = robot.plant.CreateDefaultContext()
         places = places_on_root(file)
-        found = tuple(terms(robot, context, names, on_root(state, places)) for state in states)
+        computed = tuple(terms(robot, context, names, on_root(state, places)) for state in states)
     notes = [f"Drake warns: {PLACE.sub('', refusal(file.path, text))}" for text in texts]
     followers = mimics(file)
     if robot.plant.num_constraints():
@@ -132,7 +132,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         links=tuple(body.name for body in links),
         velocities=robot.plant.num_velocities(),
         gravity=robot.gravity,
-        terms=found,
+        terms=computed,
         notes=tuple(dict.fromkeys(notes)),
     )
 
@@ -160,7 +160,7 @@ def welded(plant: Any, floating: set[str]) -> str:
     A root is a body without a joint, and without one of the type "floating" in the file.
     """
     moved = {joint.child_body().name() for joint in joints_of(plant)} | floating
-    names = [plant.get_body(BodyIndex(place)).name() for place in range(1, plant.num_bodies())]
+    names = [plant.get_body(BodyIndex(index)).name() for index in range(1, plant.num_bodies())]
     roots = [name for name in names if name not in moved]
     for name in roots:
         plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(name).body_frame())
@@ -181,34 +181,34 @@ def named(robot: Parsed, floating: Mapping[str, str]) -> dict[str, Any]:
 def read_bodies(robot: Parsed) -> tuple[ReadBody, ...]:
     """Return the bodies. Drake's world is one of them if the file has a link for it."""
     parents = {joint.child_body().name(): joint.parent_body().name() for joint in robot.joints}
-    made = [ReadBody(WORLD, None)] if robot.anchor == WORLD else []
+    bodies = [ReadBody(WORLD, None)] if robot.anchor == WORLD else []
     for body in robot.bodies:
-        own = body.default_spatial_inertia()
+        inertia = body.default_spatial_inertia()
         parent = parents.get(body.name(), WORLD)
-        made.append(
+        bodies.append(
             ReadBody(
                 body.name(),
                 None if body.name() == robot.anchor else robot.anchor if parent == WORLD else parent,
-                own.get_mass(),
-                vector(own.get_com()),
-                components(own.Shift(own.get_com()).CalcRotationalInertia().CopyToFullMatrix3()),
+                inertia.get_mass(),
+                vector(inertia.get_com()),
+                components(inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()),
             )
         )
-    return tuple(made)
+    return tuple(bodies)
 
 
 def read_joints(robot: Parsed, names: Mapping[str, Any], followers: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
     """Return the joints that move. One without an actuator has no armature."""
     plant = robot.plant
     actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
-    springs = [plant.get_force_element(ForceElementIndex(place)) for place in range(plant.num_force_elements())]
-    made = []
+    springs = [plant.get_force_element(ForceElementIndex(number)) for number in range(plant.num_force_elements())]
+    joints = []
     for name, joint in names.items():
         driven = [actuator for actuator in actuators if actuator.joint().index() == joint.index()]
         limits = joint.position_lower_limits(), joint.position_upper_limits()
-        one = joint.num_velocities() == 1
+        single = joint.num_velocities() == 1
         damping = set(joint.default_damping_vector().tolist())
-        made.append(
+        joints.append(
             ReadJoint(
                 name=name,
                 type=TYPES.get(joint.type_name(), joint.type_name()),
@@ -220,25 +220,25 @@ def read_joints(robot: Parsed, names: Mapping[str, Any], followers: Mapping[str,
                 damping=damping.pop() if len(damping) == 1 else None,
                 stiffness=sum(stiffness(spring, joint) for spring in springs),
                 effort_limit=finite(min(actuator.effort_limit() for actuator in driven)) if driven else None,
-                lower=finite(limits[0][0]) if one else None,
-                upper=finite(limits[1][0]) if one else None,
+                lower=finite(limits[0][0]) if single else None,
+                upper=finite(limits[1][0]) if single else None,
                 mimic=followers.get(name),
             )
         )
-    return tuple(made)
+    return tuple(joints)
 
 
 def axis(joint: Any) -> Vector | None:
     """Return the axis of a joint in the frame of its child; None if it has none."""
     if joint.type_name() == "revolute":
-        own = joint.revolute_axis()
+        direction = joint.revolute_axis()
     elif joint.type_name() == "prismatic":
-        own = joint.translation_axis()
+        direction = joint.translation_axis()
     elif joint.type_name() == "planar":
-        own = np.array([0.0, 0.0, 1.0])
+        direction = np.array([0.0, 0.0, 1.0])
     else:
         return None
-    return vector(joint.frame_on_child().GetFixedRotationMatrixInBodyFrame().matrix() @ own)
+    return vector(joint.frame_on_child().GetFixedRotationMatrixInBodyFrame().matrix() @ direction)
 
 
 def stiffness(element: Any, joint: Any) -> float:
@@ -254,8 +254,8 @@ def terms(robot: Parsed, context: Any, names: Mapping[str, Any], state: RobotSta
     positions = plant.GetPositions(robot.plant.CreateDefaultContext())
     for name, joint in names.items():
         if name in state.positions:
-            own = coordinates(joint, np.array(state.positions[name]))
-            positions[joint.position_start() : joint.position_start() + len(own)] = own
+            in_drake = coordinates(joint, np.array(state.positions[name]))
+            positions[joint.position_start() : joint.position_start() + len(in_drake)] = in_drake
     plant.SetPositions(context, positions)
     plant.SetVelocities(context, rates(plant, names, state, state.velocities))
     forces = MultibodyForces(plant)
@@ -288,16 +288,16 @@ def rates(plant: Any, names: Mapping[str, Any], state: RobotState, values: Value
     Drake's angular velocities are along the axes of the joint's frame. Angular accelerations turn as they do, because the
     further term of the derivative is the angular velocity times itself.
     """
-    made = np.zeros(plant.num_velocities())
+    velocities = np.zeros(plant.num_velocities())
     for name, joint in names.items():
         if name in values:
-            own, position = np.array(values[name]), np.array(state.positions[name])
+            values_of_joint, position = np.array(values[name]), np.array(state.positions[name])
             if joint.type_name() == "quaternion_floating":
-                own = np.concatenate([rotate(position[3:], own[3:]), own[:3]])
+                values_of_joint = np.concatenate([rotate(position[3:], values_of_joint[3:]), values_of_joint[:3]])
             elif joint.type_name() == "ball_rpy":
-                own = rotate(position, own)
-            made[joint.velocity_start() : joint.velocity_start() + len(own)] = own
-    return made
+                values_of_joint = rotate(position, values_of_joint)
+            velocities[joint.velocity_start() : joint.velocity_start() + len(values_of_joint)] = values_of_joint
+    return velocities
 
 
 def accelerations(plant: Any, context: Any, forces: Array) -> Array | None:
@@ -311,12 +311,12 @@ def accelerations(plant: Any, context: Any, forces: Array) -> Array | None:
 
 def placed(plant: Any, context: Any, body: Any) -> Array:
     """Return the pose (7,) of a body."""
-    own = plant.EvalBodyPoseInWorld(context, body)
-    return pose(own.translation(), own.rotation().ToQuaternion().wxyz())
+    transform = plant.EvalBodyPoseInWorld(context, body)
+    return pose(transform.translation(), transform.rotation().ToQuaternion().wxyz())
 
 
 def jacobian(plant: Any, context: Any, body: Any) -> Array:
     """Return the Jacobian (6, n) of the origin of a body's frame along the axes of the world, linear rows first."""
     world = plant.world_frame()
-    made = plant.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kV, body.body_frame(), np.zeros(3), world, world)
-    return np.concatenate([made[3:], made[:3]])
+    matrix = plant.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kV, body.body_frame(), np.zeros(3), world, world)
+    return np.concatenate([matrix[3:], matrix[:3]])

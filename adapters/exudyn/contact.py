@@ -7,15 +7,14 @@ four steps if that is longer, so that explicit solvers are stable. Under gravity
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import exudyn
 import numpy as np
 from exudyn import itemInterface
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Body, Brick, Plane, Scene
 
@@ -26,14 +25,9 @@ TIME_CONSTANT_S, STEPS_IN_TIME_CONSTANT = 3e-3, 4
 GROUND_SIZE_M = 1e3
 
 
-def law(scene: Scene) -> Plane | None:
-    """Return the friction law of the contacts if they were rigid; None without a plane."""
-    return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
-
-
 def brick(scene: Scene) -> Brick:
     """Return the shape of a brick that lies on the plane. Raises `SceneUnsupported` for other bodies."""
-    shape = flat_contact.lying_shape(scene)
+    shape = lying_shape(scene)
     if not isinstance(shape, Brick):
         raise SceneUnsupported(f"Exudyn's contacts are at corners, which {describe_shape(shape)} does not have")
     return shape

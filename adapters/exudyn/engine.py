@@ -9,12 +9,13 @@ import numpy as np
 from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Simulation, choice
-from bodycheck.adapters.exudyn import INSTALLATION, bodies, contact, formulations, mechanisms, stepping
+from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, jointed_bodies, kinematic_trees, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.links import Link, links_of, state_in
 from bodycheck.adapters.stepping import Normalised
+from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 # Exudyn prints warnings and errors, and writes errors to a file, besides raising them.
@@ -31,6 +32,27 @@ ORDERS = {
     "DOPRI5": (5, 7),
     "VelocityVerlet": (2, 1),
 }
+
+#: What Exudyn models of mechanisms; see `Engine.models`.
+OF_MECHANISMS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "ball joints",
+        "free joints",
+        "prismatic joints",
+        "fixed joints",
+        "planar joints",
+        "universal joints",
+        "armature",
+        "joint damping",
+        "joint springs",
+        "joint friction",
+        "joint efforts",
+        "loops",
+        "point masses",
+    }
+)
 
 VARIANTS = ("RK44:formulation=Rxyz", "GeneralizedAlpha:settings=engine", "TrapezoidalIndex2:formulation=EP")
 
@@ -61,10 +83,13 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(exudyn.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | OF_MECHANISMS,
     variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
     defaults=defaults(),
 )
+
+#: The friction law of contacts.
+contact_law = corners
 
 #: The functions of Exudyn that steps call from Python; force functions are called by Exudyn.
 calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
@@ -93,7 +118,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return mechanisms.prepare(scene, method)
+        return jointed(scene, method)
     return normalised(model(scene, method))
 
 
@@ -102,10 +127,10 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
     return normalised(model(scene, method, links))
 
 
-def normalised(made: Model) -> Simulation:
+def normalised(built: Model) -> Simulation:
     """Return the simulation of a model, whose quaternions have the norm 1."""
     # Only the Euler parameters can have another norm; the quaternions of the others are made here.
-    return Normalised(made.stepper) if made.formulation is FORMULATIONS["EP"] else made.stepper
+    return Normalised(built.stepper) if built.formulation is FORMULATIONS["EP"] else built.stepper
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
@@ -130,11 +155,11 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
     for link in links[1:]:
         part = add_link(system, formulation, link, scene)
         turn = utilities.EulerParameters2RotationMatrix(link.quaternion)
-        there = system.AddMarker(
+        parent_marker = system.AddMarker(
             itemInterface.MarkerBodyRigid(bodyNumber=body, localHT=exudyn.HT(rotation=turn, translation=[*link.position]))
         )
-        here = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=part))
-        system.AddObject(itemInterface.GenericJoint(markerNumbers=[there, here]))
+        child_marker = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=part))
+        system.AddObject(itemInterface.GenericJoint(markerNumbers=[parent_marker, child_marker]))
     if not scene.drag:
         return body
     node = system.GetObjectParameter(body, "nodeNumber")
@@ -150,21 +175,35 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
 
 def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, scene: Scene) -> Any:
     """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
-    return bodies.add(system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity)
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts, which is that of rigid corners."""
-    return contact.law(scene)
+    return formulations.add_body(
+        system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity
+    )
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     """Return the normal force (n,), in N, in each of n steps, as Exudyn's last evaluation in the step had it."""
-    made = model(scene, method)
-    assert made.contacts is not None  # the caller asks for scenes with a plane
-    made.contacts.computeContactForces = True
+    built = model(scene, method)
+    assert built.contacts is not None  # the caller asks for scenes with a plane
+    built.contacts.computeContactForces = True
     load = np.empty(steps)
     for step in range(steps):
-        made.stepper.advance(np.array([1]))
-        load[step] = made.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
+        built.stepper.advance(np.array([1]))
+        load[step] = built.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
     return load
+
+
+def jointed(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism: as a tree, where it is one of joints that trees have, or else as jointed bodies.
+
+    Raises `SceneUnsupported`.
+    """
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    redundant = bool(mechanism.loops)
+    if kinematic_trees.fits(mechanism):
+        seen, rows = kinematic_trees.add(system, mechanism, method.timestep)
+        return stepping.initialised(container, system, method, seen, rows, redundant)
+    formulation = formulations.of_method(method)
+    seen, rows = jointed_bodies.add(system, mechanism, formulation)
+    stepper = stepping.initialised(container, system, method, seen, rows, redundant)
+    return Normalised(stepper) if formulation is FORMULATIONS["EP"] else stepper

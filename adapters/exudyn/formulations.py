@@ -1,4 +1,4 @@
-"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, and what they mean.
+"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, what they mean, and bodies on them.
 
 Each has three coordinates of the position along the axes of the world, then those of the rotation. The velocities are the rates
 of the coordinates, except for the rotation vector, whose velocities are the angular velocity in the body frame.
@@ -8,11 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import exudyn
 import numpy as np
-from exudyn import itemInterface
+from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.attitudes import quaternions, rotation_vector
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
@@ -60,9 +62,9 @@ def coordinates(formulation: Formulation) -> int:
 
 def rows(formulation: Formulation, seen: Array) -> Array:
     """Return the rows (n, 13) of states from Exudyn's coordinates, which are relative to the reference, and velocities."""
-    place, velocities = np.split(seen, 2, axis=1)
-    quaternion, angular_velocity = formulation.meaning(place[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
-    return states(place[:, :3], quaternion, velocities[:, :3], angular_velocity)
+    positions, velocities = np.split(seen, 2, axis=1)
+    quaternion, angular_velocity = formulation.meaning(positions[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
+    return states(positions[:, :3], quaternion, velocities[:, :3], angular_velocity)
 
 
 def euler_parameters_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
@@ -117,8 +119,8 @@ def of_angles(angles: Array, rates: Array) -> tuple[Array, Array]:
 def rates_to_velocity(angles: Array) -> Array:
     """Return the matrices (n, 3, 3) from rates of angles (n, 3) to angular velocities in the body frame."""
     (c2, c3), (s2, s3) = np.cos(angles[:, 1:]).T, np.sin(angles[:, 1:]).T
-    nothing, one = np.zeros(len(angles)), np.ones(len(angles))
-    return np.stack([c2 * c3, s3, nothing, -c2 * s3, c3, nothing, s2, nothing, one], axis=1).reshape(-1, 3, 3)
+    zeros, ones = np.zeros(len(angles)), np.ones(len(angles))
+    return np.stack([c2 * c3, s3, zeros, -c2 * s3, c3, zeros, s2, zeros, ones], axis=1).reshape(-1, 3, 3)
 
 
 #: All formulations by the names of Exudyn's nodes, without the words that these have in common.
@@ -132,3 +134,20 @@ FORMULATIONS = {
 def of_method(method: Method) -> Formulation:
     """Return the formulation of a method: the one that it names, or Exudyn's default with its settings, or the Lie group."""
     return FORMULATIONS[method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")]
+
+
+def add_body(system: "exudyn.MainSystem", formulation: Formulation, link: Link, initial: State, gravity: float) -> Any:
+    """Add to a system a link with its weight, whose frame is in a state, and return its number."""
+    # Exudyn takes the tensor about the origin of the link; this is its own conversion.
+    inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
+    body = system.AddObject(
+        itemInterface.ObjectRigidBody(
+            nodeNumber=system.AddNode(node(formulation, initial)),
+            mass=inertia.Mass(),
+            inertia=inertia.GetInertia6D(),
+            centerOfMass=inertia.COM(),
+        )
+    )
+    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
+    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -gravity]))
+    return body

@@ -11,7 +11,7 @@ import numpy as np
 from exudyn import itemInterface, utilities
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.adapters.exudyn import bodies, formulations
+from bodycheck.adapters.exudyn import formulations
 from bodycheck.adapters.exudyn.formulations import Formulation
 from bodycheck.adapters.mechanisms import centred, frames, from_x, from_z, link_of, starts
 from bodycheck.reference.kinematics import multiply
@@ -42,13 +42,21 @@ def add(
         If a joint is universal, or has armature or dry friction.
     """
     each = zip(mechanism.bodies, frames(mechanism), strict=True)
-    made = [bodies.add(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each]
+    numbers_of_bodies = [
+        formulations.add_body(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each
+    ]
     ground = system.AddObject(itemInterface.ObjectGround())
     for joint, (position, _) in zip(mechanism.joints, starts(mechanism), strict=True):
-        add_joint(system, joint, ground if joint.parent == WORLD else made[joint.parent], made[joint.child], position)
+        add_joint(
+            system,
+            joint,
+            ground if joint.parent == WORLD else numbers_of_bodies[joint.parent],
+            numbers_of_bodies[joint.child],
+            position,
+        )
     for loop in mechanism.loops:
         ends = zip(loop.bodies, loop.points, strict=True)
-        markers = [marker(system, ground if body == WORLD else made[body], point, NO_TURN) for body, point in ends]
+        markers = [marker(system, ground if body == WORLD else numbers_of_bodies[body], point, NO_TURN) for body, point in ends]
         system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=markers))
     count, number = formulations.coordinates(formulation), len(mechanism.bodies)
 
@@ -58,8 +66,8 @@ def add(
         return np.concatenate([np.reshape(part[: number * count], (number, count)) for part in both], axis=1).ravel()
 
     def rows(numbers: Array) -> Array:
-        found = formulations.rows(formulation, numbers.reshape(-1, 2 * count))
-        return centred(mechanism, found.reshape(len(numbers), number, 13))
+        states = formulations.rows(formulation, numbers.reshape(-1, 2 * count))
+        return centred(mechanism, states.reshape(len(numbers), number, 13))
 
     return seen, rows
 

@@ -34,7 +34,7 @@ SEEN = ("Position", "RotationMatrix", "Velocity", "AngularVelocityLocal")
 
 @dataclass(frozen=True)
 class Place:
-    """Where a frame is: the number of a link, and the frame's origin (3,) and attitude (4,), w x y z, in the link's frame."""
+    """The place of a frame: the number of a link, and origin (3,) and attitude (4,), w x y z, in the frame of the link."""
 
     link: int
     origin: Array
@@ -83,14 +83,14 @@ def linked(mechanism: Mechanism) -> tuple[list[Link], list[Place]]:
     places = {WORLD: Place(-1, np.zeros(3), none)}
     links: list[Link] = []
     for joint in kinematics.from_the_root(mechanism):
-        there = places[joint.parent].after(np.array(joint.position), np.array(exact.nearest_turn(joint.attitude)))
+        frame = places[joint.parent].after(np.array(joint.position), np.array(exact.nearest_turn(joint.attitude)))
         for (kind, axis), position, velocity in zip(elements(joint), *values[joint.name], strict=True):
             turn = from_z(axis)
-            at = there.after(np.zeros(3), turn)
-            links.append(Link(kind, at.link, at.origin, at.turn, position, velocity, joint))
-            there = Place(len(links) - 1, np.zeros(3), conjugate(turn))
-        places[joint.child] = there
-    return links, [places[place] for place in range(len(mechanism.bodies))]
+            joint_frame = frame.after(np.zeros(3), turn)
+            links.append(Link(kind, joint_frame.link, joint_frame.origin, joint_frame.turn, position, velocity, joint))
+            frame = Place(len(links) - 1, np.zeros(3), conjugate(turn))
+        places[joint.child] = frame
+    return links, [places[index] for index in range(len(mechanism.bodies))]
 
 
 def add(
@@ -119,7 +119,7 @@ def add(
         markers = [marker(system, tree, mechanism, places, *end) for end in zip(loop.bodies, loop.points, strict=True)]
         system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=markers))
     each = zip(places, mechanism.bodies, strict=True)
-    sensors = [sensor for place, body in each for sensor in told(system, tree, place, body)]
+    sensors = [sensor for frame, body in each for sensor in told(system, tree, frame, body)]
 
     def seen() -> Array:
         return np.concatenate([system.GetSensorValues(sensor) for sensor in sensors])
@@ -131,14 +131,14 @@ def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place]
     """Return Exudyn's tree, with the inertia of each link summed over the bodies on it."""
     matrix = utilities.EulerParameters2RotationMatrix
     sums: list[Any] = [None] * len(links)
-    for place, body in zip(places, mechanism.bodies, strict=True):
-        if place.link >= 0:
-            own, turn = link_of(body), matrix(place.turn)
-            centre = place.origin + turn @ np.array(own.center_of_mass)
-            part = utilities.RigidBodyInertia(own.mass, turn @ tensor(own) @ turn.T, centre, inertiaTensorAtCOM=True)
-            sums[place.link] = part if sums[place.link] is None else sums[place.link] + part
+    for frame, body in zip(places, mechanism.bodies, strict=True):
+        if frame.link >= 0:
+            inertia, turn = link_of(body), matrix(frame.turn)
+            centre = frame.origin + turn @ np.array(inertia.center_of_mass)
+            part = utilities.RigidBodyInertia(inertia.mass, turn @ tensor(inertia) @ turn.T, centre, inertiaTensorAtCOM=True)
+            sums[frame.link] = part if sums[frame.link] is None else sums[frame.link] + part
     none = utilities.RigidBodyInertia(0.0, np.zeros((3, 3)))
-    inertias = [none if own is None else own for own in sums]
+    inertias = [none if inertia is None else inertia for inertia in sums]
     return itemInterface.ObjectKinematicTree(
         nodeNumber=node,
         gravity=[0.0, 0.0, -mechanism.gravity],
@@ -146,9 +146,9 @@ def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place]
         linkParents=[link.parent for link in links],
         jointTransformations=exudyn.Matrix3DList([matrix(link.turn) for link in links]),
         jointOffsets=exudyn.Vector3DList([link.origin for link in links]),
-        linkInertiasCOM=exudyn.Matrix3DList([own.InertiaCOM() for own in inertias]),
-        linkCOMs=exudyn.Vector3DList([own.COM() for own in inertias]),
-        linkMasses=[own.Mass() for own in inertias],
+        linkInertiasCOM=exudyn.Matrix3DList([inertia.InertiaCOM() for inertia in inertias]),
+        linkCOMs=exudyn.Vector3DList([inertia.COM() for inertia in inertias]),
+        linkMasses=[inertia.Mass() for inertia in inertias],
         jointForceVector=[link.acting.effort for link in links],
         jointPositionOffsetVector=[link.acting.rest for link in links],
         jointVelocityOffsetVector=[0.0] * len(links),
@@ -172,10 +172,10 @@ def add_friction(system: "exudyn.MainSystem", mechanism: Mechanism, links: Seque
     point = system.AddNode(itemInterface.NodePointGround())
     ground = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=point, coordinate=0))
     for number, joint in rubbing:
-        there = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+        coordinate = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
         system.AddObject(
             itemInterface.CoordinateSpringDamperExt(
-                markerNumbers=[ground, there],
+                markerNumbers=[ground, coordinate],
                 dynamicFrictionForce=joint.friction,
                 frictionProportionalZone=friction_zone(mechanism, joint, timestep),
             )
@@ -188,12 +188,12 @@ def friction_zone(mechanism: Mechanism, joint: Joint, timestep: float) -> float:
     It is twice the speed that the friction takes from the child alone in a step, so that no step reverses the motion of a joint
     whose inertia is at least half of the child's. It vanishes with the step.
     """
-    own = link_of(mechanism.bodies[joint.child])
-    inertia = joint.armature + own.mass
+    link = link_of(mechanism.bodies[joint.child])
+    inertia = joint.armature + link.mass
     if joint.type == "revolute":
-        axis, centre = np.array(exact.nearest_axis(joint)), np.array(own.center_of_mass)
+        axis, centre = np.array(exact.nearest_axis(joint)), np.array(link.center_of_mass)
         arm = np.cross(axis, centre)
-        inertia = joint.armature + float(axis @ tensor(own) @ axis + own.mass * arm @ arm)
+        inertia = joint.armature + float(axis @ tensor(link) @ axis + link.mass * arm @ arm)
     return 2 * timestep * (joint.friction / inertia if inertia else 1.0)
 
 
@@ -202,27 +202,27 @@ def marker(
 ) -> Any:
     """Add a marker at a point of a body or of the world to a system, and return its number."""
     if body == WORLD or places[body].link < 0:
-        place = places[body] if body != WORLD else Place(-1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        frame = places[body] if body != WORLD else Place(-1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
         ground = system.AddObject(itemInterface.ObjectGround())
-        there = place.origin + rotate(place.turn, np.array(point))
-        return system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=ground, localPosition=there))
-    place = places[body]
-    there = place.origin + rotate(place.turn, np.array(point))
+        position = frame.origin + rotate(frame.turn, np.array(point))
+        return system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=ground, localPosition=position))
+    frame = places[body]
+    position = frame.origin + rotate(frame.turn, np.array(point))
     return system.AddMarker(
-        itemInterface.MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=place.link, localPosition=there)
+        itemInterface.MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=frame.link, localPosition=position)
     )
 
 
-def told(system: "exudyn.MainSystem", tree: Any, place: Place, body: JointedBody) -> list[Any]:
+def told(system: "exudyn.MainSystem", tree: Any, frame: Place, body: JointedBody) -> list[Any]:
     """Add sensors of a body, at its centre of mass, to a system, and return their numbers; none where it cannot move."""
-    if place.link < 0:
+    if frame.link < 0:
         return []
-    centre = place.origin + rotate(place.turn, np.array(exact.nearest_inertia(body).centre))
+    centre = frame.origin + rotate(frame.turn, np.array(exact.nearest_inertia(body).centre))
     return [
         system.AddSensor(
             itemInterface.SensorKinematicTree(
                 objectNumber=tree,
-                linkNumber=place.link,
+                linkNumber=frame.link,
                 localPosition=centre,
                 outputVariableType=getattr(exudyn.OutputVariableType, kind),
                 writeToFile=False,
@@ -235,15 +235,15 @@ def told(system: "exudyn.MainSystem", tree: Any, place: Place, body: JointedBody
 def rows(mechanism: Mechanism, places: Sequence[Place], numbers: Array) -> Array:
     """Return the states (n, bodies, 13) of the contract from what the sensors of a tree tell (n, k)."""
     first = kinematics.initial(mechanism)
-    found = []
-    told = iter(np.split(numbers, range(18, numbers.shape[1], 18), axis=1))
-    for number, place in enumerate(places):
-        if place.link < 0:
+    states = []
+    readings = iter(np.split(numbers, range(18, numbers.shape[1], 18), axis=1))
+    for number, frame in enumerate(places):
+        if frame.link < 0:
             still = (first.position, first.quaternion, first.velocity, first.angular_velocity)
-            found.append(np.tile(np.concatenate([part[number, 0] for part in still]), (len(numbers), 1)))
+            states.append(np.tile(np.concatenate([part[number, 0] for part in still]), (len(numbers), 1)))
             continue
-        centre, attitude, velocity, spin = np.split(next(told), (3, 12, 15), axis=1)
+        centre, attitude, velocity, spin = np.split(next(readings), (3, 12, 15), axis=1)
         turn = Rotation.from_matrix(attitude.reshape(-1, 3, 3)).as_quat(scalar_first=True)
-        turned = np.broadcast_to(place.turn, turn.shape)
-        found.append(np.concatenate([centre, multiply(turn, turned), velocity, rotate(conjugate(turned), spin)], axis=1))
-    return np.stack(found, axis=1)
+        turned = np.broadcast_to(frame.turn, turn.shape)
+        states.append(np.concatenate([centre, multiply(turn, turned), velocity, rotate(conjugate(turned), spin)], axis=1))
+    return np.stack(states, axis=1)

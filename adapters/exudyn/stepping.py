@@ -76,9 +76,9 @@ class Stepper:
 
 def settings(method: Method) -> "exudyn.SimulationSettings":
     """Return the settings with which a solver takes the fixed steps of a method, writes no file and prints nothing."""
-    made = exudyn.SimulationSettings()
-    made.solution.file.write = False
-    time = made.timeIntegration
+    simulation = exudyn.SimulationSettings()
+    simulation.solution.file.write = False
+    time = simulation.timeIntegration
     time.verboseMode = 0
     time.numberOfSteps, time.endTime = 1, method.timestep
     time.automaticStepSize = False
@@ -93,7 +93,7 @@ def settings(method: Method) -> "exudyn.SimulationSettings":
     if method.integrator == "TrapezoidalIndex2":
         # What Exudyn's own function for this solver sets.
         time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = True
-    return made
+    return simulation
 
 
 def solver(method: Method) -> Any:
@@ -124,14 +124,14 @@ def initialised(
         If Exudyn refuses the system.
     """
     system.Assemble()
-    own, made = settings(method), solver(method)
+    chosen, engine_solver = settings(method), solver(method)
     if redundant:
-        own.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
-        own.linearSolver.ignoreSingularJacobian = True
+        chosen.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
+        chosen.linearSolver.ignoreSingularJacobian = True
     try:
-        refusal = "" if made.InitializeSolver(system, own) else made.GetErrorString()
+        refusal = "" if engine_solver.InitializeSolver(system, chosen) else engine_solver.GetErrorString()
     except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where there are constraints
         refusal = str(error).partition(" [Python file")[0]
     if refusal:
         raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")
-    return Stepper(container, system, made, own, seen, rows, method.timestep)
+    return Stepper(container, system, engine_solver, chosen, seen, rows, method.timestep)

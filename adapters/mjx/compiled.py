@@ -17,9 +17,9 @@ STRIDES_PER_CALL = 64
 
 def check_precision(engine: Engine) -> None:
     """Raise `RuntimeError` if JAX computes in another precision in this process than the engine's record says."""
-    if (own := np.dtype(jnp.float64 if jax.config.jax_enable_x64 else jnp.float32).name) != engine.precision:
+    if (precision := np.dtype(jnp.float64 if jax.config.jax_enable_x64 else jnp.float32).name) != engine.precision:
         raise RuntimeError(
-            f"JAX computes in {own} in this process, and {engine.name} in {engine.precision}: "
+            f"JAX computes in {precision} in this process, and {engine.name} in {engine.precision}: "
             f"the environment variable JAX_ENABLE_X64 must be {'true' if engine.precision == 'float64' else 'false'}"
         )
 

@@ -34,6 +34,6 @@ def read_robot(engine: Engine, file: RobotFile, states: Sequence[RobotState], gr
         kept = mjx.put_model(compiled)
     except NotImplementedError as error:
         raise ModelRefused(f"MJX refuses the model: {error}") from error
-    own = described(compiled, kept, file.format)
+    kept_by_mjx = described(compiled, kept, file.format)
     terms = tuple(Terms() for _ in states)
-    return replace(reading, bodies=own.bodies, joints=own.joints, terms=terms, notes=(*reading.notes, NO_TERMS))
+    return replace(reading, bodies=kept_by_mjx.bodies, joints=kept_by_mjx.joints, terms=terms, notes=(*reading.notes, NO_TERMS))

@@ -16,17 +16,16 @@ import numpy as np
 from jax import numpy as jnp
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
-from bodycheck.adapters.mujoco.models import Joints
+from bodycheck.adapters.mujoco.models import Joints, compiled_model
+from bodycheck.adapters.stepping import InTurn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package of its other backend, Warp, is not installed
@@ -78,22 +77,22 @@ def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
     model, data = handed_over(compiled)
     start = mujoco.MjData(compiled)
     begin(compiled, start, mechanism)
-    given = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
+    initial_values = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
     states = states_of(compiled, [body.name for body in mechanism.bodies])
-    return Compiled(TAKE_COORDINATES.one, model, data.replace(**given), states, len(mechanism.bodies))
+    return Compiled(TAKE_COORDINATES.one, model, data.replace(**initial_values), states, len(mechanism.bodies))
 
 
 def unjointed(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more single bodies. Raises as `prepare` does."""
     scene = scenes[0]
-    described = [adapter.description(one, method, "six-coordinates" if one.plane is None else "contact") for one in scenes]
+    described = [adapter.description(each, method, "six-coordinates" if each.plane is None else "contact") for each in scenes]
     (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
     dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
-    drag, joints = scene.drag if dragged else None, [own for _, own in described]
+    drag, joints = scene.drag if dragged else None, [joints_of_scene for _, joints_of_scene in described]
     if len(scenes) <= MOST_TOGETHER:
         return started(engine, xml, joints, drag)
     places = [range(len(scenes))[first : first + MOST_TOGETHER] for first in range(0, len(scenes), MOST_TOGETHER)]
-    return InTurn([(part, started(engine, xml, [joints[place] for place in part], drag)) for part in places])
+    return InTurn([(part, started(engine, xml, [joints[index] for index in part], drag)) for part in places])
 
 
 def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -112,7 +111,7 @@ def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | No
     """
     check_precision(engine)
     model, data = handed_over(compiled_model(xml))
-    qpos, qvel = jnp.array([own.qpos for own in joints]), jnp.array([own.qvel for own in joints])
+    qpos, qvel = jnp.array([joint.qpos for joint in joints]), jnp.array([joint.qvel for joint in joints])
     if len(joints) == 1:
         return Compiled(TAKE.one, (model, drag), data.replace(qpos=qpos[0], qvel=qvel[0]), lambda seen: seen[:, :13])
     several = jax.vmap(lambda qpos, qvel: data.replace(qpos=qpos, qvel=qvel))(qpos, qvel)
@@ -155,11 +154,6 @@ TAKE = strider(step, seen)
 
 #: Takes strides of the coordinates of a mechanism; compiled once for each structure of a model.
 TAKE_COORDINATES = strider(stepped, lambda data: jnp.concatenate([data.qpos, data.qvel]))
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts, which are those of MuJoCo; None if the reference has no such law."""
-    return adapter.contact_law(scene, method)
 
 
 def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Array:

@@ -4,8 +4,9 @@ from functools import partial
 
 from bodycheck.adapters.mjx import robots, simulation
 from bodycheck.adapters.mjx32 import INSTALLATION
+from bodycheck.adapters.mujoco import engine as adapter
 
 engine = simulation.record("mjx32", INSTALLATION.distribution, "float32")
 prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
 read_robot = partial(robots.read_robot, engine)
-contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)
+contact_law, contact_load = adapter.contact_law, partial(simulation.contact_load, engine)

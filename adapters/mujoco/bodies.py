@@ -30,19 +30,19 @@ class Models:
 
     Parameters
     ----------
-    of
+    at
         Returns the models of the scenes at some places. They are valid until the next call.
     most
         The largest number of places in a call.
     """
 
-    of: Callable[[Sequence[int]], list[mujoco.MjModel]]
+    at: Callable[[Sequence[int]], list[mujoco.MjModel]]
     most: int
 
 
 def compiled(models: Sequence[mujoco.MjModel]) -> Models:
     """Return models that were each compiled by itself."""
-    return Models(lambda places: [models[place] for place in places], len(models))
+    return Models(lambda places: [models[index] for index in places], len(models))
 
 
 def with_bodies(model: mujoco.MjModel, scenes: Sequence[Scene]) -> Models:
@@ -61,19 +61,19 @@ def with_bodies(model: mujoco.MjModel, scenes: Sequence[Scene]) -> Models:
     copies = [copy.copy(model) for _ in range(min(COPIES, len(scenes)))]
     data = mujoco.MjData(model)
 
-    def of(places: Sequence[int]) -> list[mujoco.MjModel]:
+    def at(places: Sequence[int]) -> list[mujoco.MjModel]:
         chosen = copies[: len(places)]
-        for one, (mass, *moments, gravity) in zip(chosen, numbers[list(places)].tolist(), strict=True):
-            one.body_mass[BODY], one.body_inertia[BODY], one.opt.gravity[2] = mass, moments, -gravity
-            mujoco.mj_setConst(one, data)
+        for copied, (mass, *moments, gravity) in zip(chosen, numbers[list(places)].tolist(), strict=True):
+            copied.body_mass[BODY], copied.body_inertia[BODY], copied.opt.gravity[2] = mass, moments, -gravity
+            mujoco.mj_setConst(copied, data)
         return chosen
 
-    return Models(of, len(copies))
+    return Models(at, len(copies))
 
 
 def numbers_of(scenes: Sequence[Scene]) -> Array:
     """Return the mass (kg), the three moments (kg m^2) and the gravity (m/s^2) of scenes, as (scenes, 5)."""
-    return np.array([(one.body.mass, *one.body.moments, one.gravity) for one in scenes])
+    return np.array([(scene.body.mass, *scene.body.moments, scene.gravity) for scene in scenes])
 
 
 def may_be_refused(scenes: Sequence[Scene]) -> list[int]:

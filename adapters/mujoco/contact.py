@@ -25,7 +25,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind, Option, Range, SceneUnsupported, choice
-from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 

@@ -21,7 +21,6 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import (
     KINDS,
@@ -41,16 +40,16 @@ from bodycheck.adapters.mujoco import (
     bodies,
     contact,
     exporting,
-    links,
     mechanism_xml,
     mechanisms,
     robots,
     touching,
 )
 from bodycheck.adapters.mujoco import models as scene_models
-from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
+from bodycheck.adapters.touching import not_flat
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
@@ -157,11 +156,11 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
         return larger_mechanisms.models(scene, integrator)
     if scene.plane is not None and method.options:
         return {}
-    own = {
+    methods = {
         name: replace(method, options=tuple(sorted((*method.options, ("model", name)))))
         for name in scene_models.available_models(scene)
     }
-    return {name: Model(own[name].name, adds) for name, adds in scene_models.available_models(scene).items()}
+    return {name: Model(methods[name].name, adds) for name, adds in scene_models.available_models(scene).items()}
 
 
 def model_of(scene: Scene, method: Method) -> str:
@@ -170,8 +169,8 @@ def model_of(scene: Scene, method: Method) -> str:
     A rotating body has a free joint even if it does not move away. On a ball joint, which would suffice, `implicitfast` and
     `discrete` would become another scheme: semi-implicit Euler, like `Euler`.
     """
-    if (asked := method.option("model")) is not None:
-        return asked
+    if (model := method.option("model")) is not None:
+        return model
     if scene.plane is not None:
         return "contact"
     return "translation" if requirements(scene).rotation == "none" else "six-coordinates"
@@ -212,23 +211,23 @@ def unjointed(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
         return stepper(scenes[0], method)
     model = model_of(scenes[0], method)
     if differ_in_numbers_alone(scenes, method, model):
-        for place in bodies.may_be_refused(scenes):
-            compiled_model(description(scenes[place], method, model)[0])
+        for index in bodies.may_be_refused(scenes):
+            compiled_model(description(scenes[index], method, model)[0])
         xml, _ = description(scenes[0], method, model)
         models = bodies.with_bodies(compiled_model(xml), scenes)
-        joints = [scene_models.joints(one, model) for one in scenes]
+        joints = [scene_models.joints(scene, model) for scene in scenes]
     else:
-        described = [description(one, method, model) for one in scenes]
+        described = [description(scene, method, model) for scene in scenes]
         models = bodies.compiled([compiled_model(xml) for xml, _ in described])
-        joints = [own for _, own in described]
-    data = mujoco.MjData(models.of([0])[0])
-    return Worlds(models, data, joints, [external_force(one, method, model, data) for one in scenes])
+        joints = [joints_of_scene for _, joints_of_scene in described]
+    data = mujoco.MjData(models.at([0])[0])
+    return Worlds(models, data, joints, [external_force(scene, method, model, data) for scene in scenes])
 
 
 def differ_in_numbers_alone(scenes: Sequence[Scene], method: Method, model: str) -> bool:
     """Return whether the models of scenes differ at most in mass, moments and gravity."""
     plain = scenes[0].plane is None and model in scene_models.WITHOUT_STATE and method.option("drag") != "fluid"
-    return plain and len({one.body.axes for one in scenes}) == 1
+    return plain and len({scene.body.axes for scene in scenes}) == 1
 
 
 def stepper(scene: Scene, method: Method) -> Stepper:
@@ -302,8 +301,8 @@ def description(scene: Scene, method: Method, model: str) -> tuple[str, scene_mo
 
 def description_of_links(given: Sequence[Link], scene: Scene, method: Method) -> tuple[str, scene_models.Joints]:
     """Return the XML of a body of links on a free joint, and that joint. Raises `SceneUnsupported` for another model."""
-    if (asked := method.option("model") or "six-coordinates") != "six-coordinates":
-        raise SceneUnsupported(f"links with the model {asked!r}, whose joints are those of a body about its centre of mass")
+    if (model := method.option("model") or "six-coordinates") != "six-coordinates":
+        raise SceneUnsupported(f"links with the model {model!r}, whose joints are those of a body about its centre of mass")
     joints = scene_models.free_joint(scene)
     xml = XML.format(
         timestep=method.timestep,
@@ -312,21 +311,21 @@ def description_of_links(given: Sequence[Link], scene: Scene, method: Method) ->
         density=0.0,
         origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
-        inertial=links.inertial(given[0]),
-        parts=contact.Parts(geoms=links.welded(given[1:])),
+        inertial=scene_models.inertial(given[0]),
+        parts=contact.Parts(geoms=scene_models.welded(given[1:])),
     )
     return xml, joints
 
 
 def check_supported(scene: Scene, method: Method, model: str) -> None:
     """Raise `SceneUnsupported` if the contact, the model or the contact options do not fit the scene."""
-    if scene.plane is not None and (reason := flat_contact.unsupported(scene)) is not None:
+    if scene.plane is not None and (reason := not_flat(scene)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
-    if method.option("model") and model not in (there := scene_models.available_models(scene)):
-        raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(there)}")
-    own = [f"{key}={value}" for key, value in method.options if key in contact.OPTIONS]
-    if own and not touches_plane(scene, method):
-        raise SceneUnsupported(f"contact options {', '.join(own)} for the model {model!r}, which has no contact")
+    if method.option("model") and model not in (models_of_scene := scene_models.available_models(scene)):
+        raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(models_of_scene)}")
+    contact_options = [f"{key}={value}" for key, value in method.options if key in contact.OPTIONS]
+    if contact_options and not touches_plane(scene, method):
+        raise SceneUnsupported(f"contact options {', '.join(contact_options)} for the model {model!r}, which has no contact")
 
 
 def fluid_density(scene: Scene) -> float:

@@ -92,10 +92,10 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     ElementTree.SubElement(ElementTree.SubElement(root, "option", option), "flag", flags)
     friction = {key: chosen[key] for key in ("solreffriction", "solimpfriction") if key in chosen}
     elements = {WORLD: ElementTree.SubElement(root, "worldbody")}
-    for place in depth_first(mechanism):
-        joint = mechanism.joint_of[place]
+    for index in depth_first(mechanism):
+        joint = mechanism.joint_of[index]
         parent = elements[WORLD if joint is None else joint.parent]
-        elements[place] = add_body(parent, mechanism.bodies[place], joint, friction, hinges)
+        elements[index] = add_body(parent, mechanism.bodies[index], joint, friction, hinges)
     add_loops(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
@@ -109,7 +109,7 @@ def constrained(mechanism: Mechanism) -> bool:
 def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> None:
     """Raise `SceneUnsupported` for options without an effect, or a time constant that MuJoCo would raise."""
     rubbing = any(joint.friction for joint in mechanism.joints)
-    for key, there, lacking in (
+    for key, present, lacking in (
         ("solref", mechanism.loops, "loops"),
         ("solimp", mechanism.loops, "loops"),
         ("solreffriction", rubbing, "dry friction"),
@@ -117,7 +117,7 @@ def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen
         ("noslip", rubbing, "dry friction"),
         ("eulerdamp", any(joint.damping for joint in mechanism.joints), "damping"),
     ):
-        if key in chosen and not there:
+        if key in chosen and not present:
             raise SceneUnsupported(f"the option {key}={chosen[key]} for a mechanism without {lacking}")
     for key in ("solref", "solreffriction"):
         contact.check_time_constant(chosen, contact.shortest_time_constant(integrator, timestep), key)
@@ -130,21 +130,21 @@ def add_body(
 
     hinges: whether a ball is three hinges.
     """
-    place = {"name": body.name}
+    attributes = {"name": body.name}
     if joint is not None:
-        place |= {"pos": numbers_written(*joint.position), "quat": numbers_written(*exact.nearest_turn(joint.attitude))}
-    element = ElementTree.SubElement(parent, "body", place)
+        attributes |= {"pos": numbers_written(*joint.position), "quat": numbers_written(*exact.nearest_turn(joint.attitude))}
+    element = ElementTree.SubElement(parent, "body", attributes)
     if joint is None or (joint.type == "free" and joint.parent == WORLD):
         ElementTree.SubElement(element, "freejoint", {} if joint is None else {"name": joint.name})
     else:
         add_joints(element, joint, THREE_HINGES if hinges and joint.type == "spherical" else PARTS[joint.type], friction)
     inertia = exact.nearest_inertia(body)
-    own = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
+    inertial = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
     if any(inertia.tensor[3:]):
-        own["fullinertia"] = numbers_written(*inertia.tensor)
+        inertial["fullinertia"] = numbers_written(*inertia.tensor)
     else:
-        own["diaginertia"] = numbers_written(*inertia.tensor[:3])
-    ElementTree.SubElement(element, "inertial", own)
+        inertial["diaginertia"] = numbers_written(*inertia.tensor[:3])
+    ElementTree.SubElement(element, "inertial", inertial)
     return element
 
 
@@ -152,19 +152,19 @@ def add_joints(
     element: ElementTree.Element, joint: Joint, parts: Sequence[tuple[str, str | None]], friction: Mapping[str, str]
 ) -> None:
     """Add MuJoCo's joints of a joint, given as in `PARTS`, to the element of its child."""
-    given = {
+    numbers = {
         "armature": joint.armature,
         "damping": joint.damping,
         "stiffness": joint.stiffness,
         "springref": joint.rest,
         "frictionloss": joint.friction,
     }
-    written = {key: numbers_written(value) for key, value in given.items() if value}
+    written = {key: numbers_written(value) for key, value in numbers.items() if value}
     for number, (kind, axis) in enumerate(parts):
         name = joint.name if len(parts) == 1 else f"{joint.name}:{number + 1}"
         along = numbers_written(*exact.nearest_axis(joint)) if axis is None else axis
-        own = {"name": name, "type": kind} | ({"axis": along} if along else {}) | written
-        ElementTree.SubElement(element, "joint", own | (dict(friction) if joint.friction else {}))
+        attributes = {"name": name, "type": kind} | ({"axis": along} if along else {}) | written
+        ElementTree.SubElement(element, "joint", attributes | (dict(friction) if joint.friction else {}))
 
 
 def add_loops(
@@ -176,6 +176,6 @@ def add_loops(
     equality = ElementTree.SubElement(root, "equality")
     for number, loop in enumerate(mechanism.loops, start=1):
         sites = (f"loop {number}:1", f"loop {number}:2")
-        for site, place, point in zip(sites, loop.bodies, loop.points, strict=True):
-            ElementTree.SubElement(elements[place], "site", name=site, pos=numbers_written(*point))
+        for site, body, point in zip(sites, loop.bodies, loop.points, strict=True):
+            ElementTree.SubElement(elements[body], "site", name=site, pos=numbers_written(*point))
         ElementTree.SubElement(equality, "connect", {"site1": sites[0], "site2": sites[1], **softness})

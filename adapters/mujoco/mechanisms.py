@@ -17,9 +17,9 @@ import numpy as np
 from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
-from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.exporting import ADVANCE
 from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -97,18 +97,18 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
 
 def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> None:
     """Set the initial coordinates and velocities of a mechanism in MuJoCo's data, and its constant forces."""
-    held, origins, joint_of = starts(mechanism), frames(mechanism), mechanism.joint_of
-    for place, joint in enumerate(joint_of):
+    coordinates, origins, joint_of = starts(mechanism), frames(mechanism), mechanism.joint_of
+    for index, joint in enumerate(joint_of):
         if joint is not None and joint.type == "fixed":
             continue
-        first = model.body_jntadr[model.body(mechanism.bodies[place].name).id]
+        first = model.body_jntadr[model.body(mechanism.bodies[index].name).id]
         at, by = model.jnt_qposadr[first], model.jnt_dofadr[first]
         if joint is None or model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
             # Its coordinates are along the world's axes, not those of the joint's frame.
-            start = origins[place]
+            start = origins[index]
             position, velocity = [*start.position, *start.quaternion], [*start.velocity, *start.angular_velocity]
         else:
-            parts = held[mechanism.joints.index(joint)]
+            parts = coordinates[mechanism.joints.index(joint)]
             if joint.type == "spherical" and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_HINGE:
                 parts = mechanism_models.hinge_motion(*parts)
             position, velocity = (part.tolist() for part in parts)

@@ -6,14 +6,17 @@ that bears it, and friction by the reference's law is an external force.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
+import mujoco
 import numpy as np
 
-from bodycheck.adapters.contract import states
-from bodycheck.adapters.mujoco.contact import Parts, numbers_written
+from bodycheck.adapters.contract import SceneUnsupported, states
+from bodycheck.adapters.links import Link
+from bodycheck.adapters.mujoco.contact import Parts, numbers_written, written
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.requirements import requirements
@@ -180,11 +183,11 @@ def principal_axes(scene: Scene, carried: Joints) -> str:
 
 def parts(scene: Scene, model: str, contact: Parts | None) -> Parts:
     """Return the parts of a model besides its body; `contact` holds those of a model that touches the plane, else None."""
-    found = contact or Parts()
+    of_model = contact or Parts()
     if contact is None and model in ("far-geometry", *MODELS_WITH_CONTACT) and scene.body.shape is not None:
         plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR_PLANE_DEPTH_M!r}"/>'
-        found = replace(found, flags="", plane=plane, geoms=geometry(scene.body.shape))
-    return replace(found, flags='energy="enable"', sensors=SENSORS) if model == "everything" else found
+        of_model = replace(of_model, flags="", plane=plane, geoms=geometry(scene.body.shape))
+    return replace(of_model, flags='energy="enable"', sensors=SENSORS) if model == "everything" else of_model
 
 
 def geometry(shape: Shape) -> str:
@@ -261,3 +264,28 @@ def friction_force(scene: Scene, plane: Plane, timestep: float, data: Any) -> Fo
         forces[:] = fx, fy, *others, torque
 
     return force
+
+
+@lru_cache(maxsize=8)
+def compiled_model(xml: str) -> mujoco.MjModel:
+    """Return MuJoCo's model of an XML text. Raises `SceneUnsupported` if MuJoCo refuses it.
+
+    The initial state is in MuJoCo's data and nothing changes a model, so runs of one scene and method share theirs: timing and
+    the comparison of runs with perturbed initial states prepare the same model many times.
+    """
+    try:
+        return mujoco.MjModel.from_xml_string(xml)
+    except ValueError as error:
+        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
+
+
+def inertial(link: Link) -> str:
+    """Return the XML element of a link's inertia."""
+    attributes = {"pos": numbers_written(*link.center_of_mass), "mass": numbers_written(link.mass)}
+    return f"<inertial {written(attributes | {'fullinertia': numbers_written(*link.inertia)})}/>"
+
+
+def welded(links: Sequence[Link]) -> str:
+    """Return the XML elements of links that are welded to the body around them, in whose frame their frames are."""
+    poses = ({"pos": numbers_written(*link.position), "quat": numbers_written(*link.quaternion)} for link in links)
+    return "\n      ".join(f"<body {written(pose)}>{inertial(link)}</body>" for pose, link in zip(poses, links, strict=True))

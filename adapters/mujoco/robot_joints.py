@@ -62,16 +62,16 @@ def joint_name(model: mujoco.MjModel, joint: int) -> str:
 def joints_of(model: mujoco.MjModel, format: str) -> list[Joint]:
     """Return the joints of a model that was compiled from a file of a format, in MuJoCo's order."""
     names = [joint_name(model, joint) for joint in range(model.njnt)]
-    found, joint = [], 0
+    joints, joint = [], 0
     while joint < model.njnt:
         name, type = names[joint], TYPES[int(model.jnt_type[joint])]
         three = names[joint : joint + 3]
         if format == "urdf" and three == [name.removesuffix(PLANAR[0]) + end for end in PLANAR]:
             name, type = name.removesuffix(PLANAR[0]), "planar"
-        place = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-        found.append(Joint(name, type, int(model.jnt_bodyid[joint]), joint, *place))
+        addresses = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        joints.append(Joint(name, type, int(model.jnt_bodyid[joint]), joint, *addresses))
         joint += 3 if type == "planar" else 1
-    return found
+    return joints
 
 
 def limits(model: mujoco.MjModel, joint: int) -> tuple[float | None, float | None]:
@@ -89,15 +89,15 @@ def effort_limit(model: mujoco.MjModel, joint: int) -> float | None:
 
 def mimics(model: mujoco.MjModel) -> dict[int, Mimic]:
     """Return, by the places of the joints, those that an equality constraint makes follow another one in a fixed ratio."""
-    found = {}
-    for one in range(model.neq):
-        joint, followed = int(model.eq_obj1id[one]), int(model.eq_obj2id[one])
-        offset, ratio, *rest = model.eq_data[one][:5].tolist()
-        if model.eq_type[one] != mujoco.mjtEq.mjEQ_JOINT or followed < 0 or any(rest):
+    mimics_by_joint = {}
+    for equality in range(model.neq):
+        joint, followed = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+        offset, ratio, *rest = model.eq_data[equality][:5].tolist()
+        if model.eq_type[equality] != mujoco.mjtEq.mjEQ_JOINT or followed < 0 or any(rest):
             continue
-        own, other = (float(model.qpos0[model.jnt_qposadr[place]]) for place in (joint, followed))
-        found[joint] = Mimic(joint_name(model, followed), ratio, offset + own - ratio * other)
-    return found
+        position, followed_position = (float(model.qpos0[model.jnt_qposadr[index]]) for index in (joint, followed))
+        mimics_by_joint[joint] = Mimic(joint_name(model, followed), ratio, offset + position - ratio * followed_position)
+    return mimics_by_joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,26 +112,29 @@ class Coordinates:
 
 def coordinates(model: mujoco.MjModel, joints: Sequence[Joint], state: RobotState) -> Coordinates:
     """Return a state in MuJoCo's coordinates; joints that it does not have stay where they are."""
-    found = Coordinates(np.array(model.qpos0), *(np.zeros(model.nv) for _ in range(3)))
+    in_engine = Coordinates(np.array(model.qpos0), *(np.zeros(model.nv) for _ in range(3)))
     for joint in joints:
         if (position := values_of(state.positions, joint.name, COORDINATES[joint.type])) is not None:
-            found.qpos[joint.qpos : joint.qpos + len(position)] = _position(model, joint, position)
+            in_engine.qpos[joint.qpos : joint.qpos + len(position)] = _position(model, joint, position)
         parts: tuple[tuple[Array, Values], ...] = (
-            (found.qvel, state.velocities),
-            (found.qacc, state.accelerations),
-            (found.applied, state.efforts),
+            (in_engine.qvel, state.velocities),
+            (in_engine.qacc, state.accelerations),
+            (in_engine.applied, state.efforts),
         )
         for part, values in parts:
             if (value := values_of(values, joint.name, joint.count)) is not None:
                 part[joint.dof : joint.dof + joint.count] = _velocity(model, joint, value)
-    return found
+    return in_engine
 
 
 def columns(model: mujoco.MjModel, format: str, states: Sequence[RobotState]) -> list[Array]:
     """Return n states of a model from a file of a format: positions (n, nq), velocities, accelerations and forces (n, nv)."""
     joints = joints_of(model, format)
     at = [coordinates(model, joints, state) for state in states]
-    return [np.array(rows) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)]
+    return [
+        np.array(rows)
+        for rows in zip(*((in_mujoco.qpos, in_mujoco.qvel, in_mujoco.qacc, in_mujoco.applied) for in_mujoco in at), strict=True)
+    ]
 
 
 def _position(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:

@@ -71,12 +71,12 @@ def _chain(
     start, turn = wide(model.body_pos[body]), matrices(wide(model.body_quat[body])[None])[0]
     chain: list[tuple[str, RobotJoint]] = []
     origin = NOWHERE  # of the last link, along the axes of the body and from its origin
-    for place in range(first, first + count):
-        anchor = NOWHERE if TYPES[int(model.jnt_type[place])] == "floating" else wide(model.jnt_pos[place])
-        shift, back = _reference(model, place)
+    for index in range(first, first + count):
+        anchor = NOWHERE if TYPES[int(model.jnt_type[index])] == "floating" else wide(model.jnt_pos[index])
+        shift, back = _reference(model, index)
         frame = start + turn @ (anchor - origin + shift), turn @ back
-        joint = _joint(model, place, followers.get(place), (parent, next_place + len(chain)), frame)
-        is_body = place == first + count - 1 and not anchor.any()
+        joint = _joint(model, index, followers.get(index), (parent, next_place + len(chain)), frame)
+        is_body = index == first + count - 1 and not anchor.any()
         chain.append((name if is_body else f"{name}/{joint.name}", joint))
         parent, origin, start, turn = joint.child, anchor, NOWHERE, UNTURNED
     if not count or origin.any():
@@ -86,34 +86,34 @@ def _chain(
 
 
 def _joint(
-    model: mujoco.MjModel, place: int, mimic: Mimic | None, links: tuple[int, int], frame: tuple[Wide, Wide]
+    model: mujoco.MjModel, index: int, mimic: Mimic | None, links: tuple[int, int], frame: tuple[Wide, Wide]
 ) -> RobotJoint:
     """Return one of MuJoCo's joints between two links, by their places, in a frame given by its origin and its axes."""
-    type, dof = TYPES[int(model.jnt_type[place])], int(model.jnt_dofadr[place])
+    type, dof = TYPES[int(model.jnt_type[index])], int(model.jnt_dofadr[index])
     single = type in ("revolute", "prismatic")
-    lower, upper = limits(model, place)
+    lower, upper = limits(model, index)
     return RobotJoint(
-        joint_name(model, place),
+        joint_name(model, index),
         type,
         *links,
         *frame,
-        axis=unit(model.jnt_axis[place]) if single else NOWHERE,
+        axis=unit(model.jnt_axis[index]) if single else NOWHERE,
         armature=float(model.dof_armature[dof]),
         damping=float(model.dof_damping[dof]),
         friction=float(model.dof_frictionloss[dof]),
-        stiffness=float(model.jnt_stiffness[place]),
-        rest=float(model.qpos_spring[model.jnt_qposadr[place]]) if single else 0.0,
-        effort_limit=effort_limit(model, place),
+        stiffness=float(model.jnt_stiffness[index]),
+        rest=float(model.qpos_spring[model.jnt_qposadr[index]]) if single else 0.0,
+        effort_limit=effort_limit(model, index),
         lower=lower,
         upper=upper,
         mimic=mimic,
     )
 
 
-def _reference(model: mujoco.MjModel, place: int) -> tuple[Wide, Wide]:
+def _reference(model: mujoco.MjModel, index: int) -> tuple[Wide, Wide]:
     """Return by how much the joint's frame is shifted (3,) and turned (3, 3) back from the pose of the file."""
-    reference = wide(model.qpos0[[model.jnt_qposadr[place]]])
-    type, axis = TYPES[int(model.jnt_type[place])], unit(model.jnt_axis[place])
+    reference = wide(model.qpos0[[model.jnt_qposadr[index]]])
+    type, axis = TYPES[int(model.jnt_type[index])], unit(model.jnt_axis[index])
     if type == "prismatic":
         return -reference * axis, UNTURNED
     if type == "revolute":
@@ -128,5 +128,5 @@ def wide(values: ArrayLike) -> Wide:
 
 def unit(axis: ArrayLike) -> Wide:
     """Return an axis (3,) in the 80-bit type, at unit length."""
-    made = wide(axis)
-    return np.asarray(made / np.sqrt(made @ made))
+    direction = wide(axis)
+    return np.asarray(direction / np.sqrt(direction @ direction))

@@ -1,4 +1,4 @@
-"""What MuJoCo computes at states of a compiled robot model."""
+"""The terms that MuJoCo computes at states of a compiled robot model."""
 
 from collections.abc import Sequence
 

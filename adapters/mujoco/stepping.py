@@ -67,12 +67,14 @@ def warnings(data: mujoco.MjData) -> dict[str, mujoco.mjtWarning]:
 
 def refuse_warnings(data: mujoco.MjData, time: float) -> None:
     """Raise `EngineDiverged` if MuJoCo has given a warning; `time` (s) is the time of the warning, for the message."""
-    if given := warnings(data):
+    if given_warnings := warnings(data):
         # After a bad state MuJoCo resets to the initial state; contacts that exceed its buffers are dropped with a warning.
         signal, answer = (
-            (EngineReset, "reset itself after") if RESET_WARNINGS & set(given.values()) else (EngineDiverged, "warned of")
+            (EngineReset, "reset itself after")
+            if RESET_WARNINGS & set(given_warnings.values())
+            else (EngineDiverged, "warned of")
         )
-        raise signal(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
+        raise signal(f"MuJoCo {answer} {', '.join(given_warnings)} at t = {time:.6g} s")
 
 
 @lru_cache(maxsize=4)
@@ -191,18 +193,18 @@ class Stepper:
 
     def _find_warning(self, strides: Strides, rows: Array, first: int) -> None:
         """Repeat the strides from the first on, in which MuJoCo gave a warning, and raise `EngineDiverged` at that step."""
-        for place in range(first, len(strides)):
+        for index in range(first, len(strides)):
             before = self._state()
-            self._stride(strides[place : place + 1], rows[place : place + 1])
+            self._stride(strides[index : index + 1], rows[index : index + 1])
             if not warnings(self.data):
                 continue
             self._restore(before)
             try:
-                for _ in range(strides[place]):
+                for _ in range(strides[index]):
                     time = self.data.time
                     mujoco.mj_step(self.model, self.data)
                     refuse_warnings(self.data, max(time, self.data.time))
             except EngineDiverged as signal:
-                rows[place] = np.concatenate([self.data.qpos, self.data.qvel])
-                signal.states = single(self.rows(rows[: place + 1]))
+                rows[index] = np.concatenate([self.data.qpos, self.data.qvel])
+                signal.states = single(self.rows(rows[: index + 1]))
                 raise

@@ -23,9 +23,8 @@ import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
 from bodycheck.adapters.mujoco import contact
-from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.contact import numbers_written
-from bodycheck.adapters.mujoco.models import Force, geometry
+from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
 from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -70,8 +69,8 @@ class Touching:
                 parts.append(self.stepper.advance(np.diff(stretch, prepend=self.done)))
             except EngineDiverged as signal:
                 seen = np.concatenate([*parts, signal.states], axis=1)
-                known = np.searchsorted(stops, ends)
-                signal.states = seen[:, [*known[known < seen.shape[1] - 1], seen.shape[1] - 1]][:, : len(ends)]
+                rows = np.searchsorted(stops, ends)
+                signal.states = seen[:, [*rows[rows < seen.shape[1] - 1], seen.shape[1] - 1]][:, : len(ends)]
                 raise
             self.done = int(stretch[-1])
         return np.concatenate(parts, axis=1)[:, np.searchsorted(stops, ends)]
@@ -79,7 +78,7 @@ class Touching:
     def loads(self, steps: int) -> dict[tuple[int, int], Array]:
         """Return the normal forces (n,), in N, of the pairs that touch in any of n steps; see `interface_loads`."""
         model, data = self.stepper.model, self.stepper.data
-        found: dict[tuple[int, int], Array] = {}
+        by_pair: dict[tuple[int, int], Array] = {}
         force, body_of = np.empty(6), model.geom_bodyid
         for first, last in self._stretches(steps):
             self._switch()
@@ -92,10 +91,10 @@ class Touching:
                     for number, geoms in enumerate(zip(data.contact.geom1, data.contact.geom2, strict=True)):
                         mujoco.mj_contactForce(model, data, number, force)
                         # The world is MuJoCo's body 0, and the bodies follow in their order.
-                        one, other = sorted((body_of[list(geoms)] - 1).tolist())
-                        found.setdefault((one, other), np.zeros(steps))[step] += force[0]
+                        first_body, second_body = sorted((body_of[list(geoms)] - 1).tolist())
+                        by_pair.setdefault((first_body, second_body), np.zeros(steps))[step] += force[0]
             self.done = last
-        return found
+        return by_pair
 
     def _stretches(self, steps: int) -> list[tuple[int, int]]:
         """Return the first steps, and those after the last, of the parts of a number of steps with the same pushes each."""
@@ -133,7 +132,7 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
 
 def coordinates(bodies: Sequence[TouchingBody]) -> tuple[list[float], list[float]]:
     """Return MuJoCo's coordinates and velocities of free bodies at t = 0."""
-    starts = [own.start for own in bodies]
+    starts = [body.start for body in bodies]
     qpos = [number for start in starts for number in (*start.position, *start.quaternion)]
     return qpos, [number for start in starts for number in (*start.velocity, *start.angular_velocity)]
 
@@ -146,16 +145,16 @@ def states_of(seen: Array, bodies: int) -> Array:
 
 def torques(data: mujoco.MjData, pushes: Sequence[Push]) -> Force:
     """Return the torques about the centres of mass of pushes, along the axes of the bodies, as a passive force on data."""
-    places = [push.body for push in pushes]
+    indices = [push.body for push in pushes]
     points, forces = np.array([push.point for push in pushes]), np.array([push.force for push in pushes])
-    attitudes = [data.qpos[7 * place + 3 : 7 * place + 7] for place in places]
-    passive = [data.qfrc_passive[6 * place + 3 : 6 * place + 6] for place in places]
+    attitudes = [data.qpos[7 * index + 3 : 7 * index + 7] for index in indices]
+    passive = [data.qfrc_passive[6 * index + 3 : 6 * index + 6] for index in indices]
 
     def force(_model: object, _data: object) -> None:
         quaternions = np.array(attitudes)  # in a stage of RK4 they have norm 1 too
         turned = np.cross(points, rotate(conjugate(quaternions), forces))
-        for own, torque in zip(passive, turned, strict=True):
-            own += torque
+        for forces_of_body, torque in zip(passive, turned, strict=True):
+            forces_of_body += torque
 
     return force
 
@@ -173,13 +172,15 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
         ElementTree.SubElement(element, "flag", multiccd=chosen["multiccd"])
     usual, *others = laws(scene)
     rolling = contact.TORSION_AND_ROLLING_FRICTION_M
-    own = law_written(usual.friction, usual.restitution, method) | {"friction": numbers_written(usual.friction, *rolling)}
-    ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", own)
+    law_of_plane = law_written(usual.friction, usual.restitution, method) | {
+        "friction": numbers_written(usual.friction, *rolling)
+    }
+    ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", law_of_plane)
     world = ElementTree.SubElement(root, "worldbody")
     turn = numbers_written(math.cos(plane.incline / 2), 0, math.sin(plane.incline / 2), 0)
     ElementTree.SubElement(world, "geom", name=geom_name(WORLD), type="plane", size="0 0 1", quat=turn)
-    for place, body in enumerate(bodies):
-        add_body(world, place, body)
+    for index, body in enumerate(bodies):
+        add_body(world, index, body)
     if others:
         pairs = ElementTree.SubElement(root, "contact")
         for law in others:
@@ -191,21 +192,21 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def add_body(world: ElementTree.Element, place: int, own: TouchingBody) -> None:
+def add_body(world: ElementTree.Element, index: int, body: TouchingBody) -> None:
     """Add a free body with its shape to the XML of the world."""
-    element = ElementTree.SubElement(world, "body", name=own.name, pos=numbers_written(*own.start.position))
+    element = ElementTree.SubElement(world, "body", name=body.name, pos=numbers_written(*body.start.position))
     ElementTree.SubElement(element, "freejoint")
-    axes, moments = numbers_written(*own.body.axes), numbers_written(*own.body.moments)
-    mass = numbers_written(own.body.mass)
+    axes, moments = numbers_written(*body.body.axes), numbers_written(*body.body.moments)
+    mass = numbers_written(body.body.mass)
     ElementTree.SubElement(element, "inertial", pos="0 0 0", mass=mass, quat=axes, diaginertia=moments)
-    geom = ElementTree.fromstring(geometry(own.shape))
-    geom.set("name", geom_name(place))
+    geom = ElementTree.fromstring(geometry(body.shape))
+    geom.set("name", geom_name(index))
     element.append(geom)
 
 
-def geom_name(place: int) -> str:
+def geom_name(index: int) -> str:
     """Return the name of the geom of a body, or of the plane."""
-    return "plane" if place == WORLD else f"shape {place + 1}"
+    return "plane" if index == WORLD else f"shape {index + 1}"
 
 
 def check_options(scene: AnyScene, method: Method) -> None:
@@ -217,23 +218,23 @@ def check_options(scene: AnyScene, method: Method) -> None:
     if "restitution" in chosen:
         if "solref" in chosen:
             raise SceneUnsupported("restitution=solref besides solref: both choose the stiffness of a contact")
-        given = [law.restitution for law in laws(scene) if law.restitution]
-        if not given:
+        coefficients = [law.restitution for law in laws(scene) if law.restitution]
+        if not coefficients:
             raise SceneUnsupported("restitution=solref: nothing in the scene has a coefficient of restitution")
-        if min(given) < LEAST_RESTITUTION:
-            least = f"a coefficient of {min(given):g}; the least is {LEAST_RESTITUTION:g}"
+        if min(coefficients) < LEAST_RESTITUTION:
+            least = f"a coefficient of {min(coefficients):g}; the least is {LEAST_RESTITUTION:g}"
             raise SceneUnsupported(f"restitution=solref: its damping is not resolved by the steps of a bounce for {least}")
 
 
 def law_written(friction: float, restitution: float, method: Method) -> dict[str, str]:
     """Return the attributes of a geom or a pair that has these coefficients, besides those of friction."""
     chosen = dict(method.options)
-    found = {"condim": contact.dimensions(friction, chosen)}
-    found |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
+    attributes = {"condim": contact.dimensions(friction, chosen)}
+    attributes |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
     if "restitution" in chosen and restitution:
         stiffness, damping = bounce(restitution, method.timestep)
-        found["solref"] = numbers_written(-stiffness, -damping)
-    return found
+        attributes["solref"] = numbers_written(-stiffness, -damping)
+    return attributes
 
 
 def bounce(restitution: float, timestep: float) -> tuple[float, float]:

@@ -3,16 +3,16 @@
 A rollout of a scene goes on from its state, but not from what MuJoCo's solver of constraints found in the last step, unless the
 solver is told. MuJoCo tells it only of the scene that was rolled out last. Models in which something can touch are therefore
 rolled out one after another, and so are those with an external force, which is a function in Python; all others together, in
-as many threads as `threads.count` allows.
+as many threads as `threads` returns.
 """
 
 import math
+import os
 from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
 
-from bodycheck.adapters import threads
 from bodycheck.adapters.contract import EngineDiverged, Strides
 from bodycheck.adapters.mujoco import stepping
 from bodycheck.adapters.mujoco.bodies import Models
@@ -53,16 +53,16 @@ class Worlds:
     def __init__(self, models: Models, data: mujoco.MjData, joints: Sequence[Joints], forces: Sequence[Force | None]) -> None:
         self.models, self.joints, self.forces = models, joints, forces
         self.signals: dict[int, str] = {}
-        (first,) = models.of([0])
+        (first,) = models.at([0])
         self.together = not first.ngeom and forces[0] is None
-        count = min(threads.count(), len(joints)) if self.together else 1
+        count = min(threads(), len(joints)) if self.together else 1
         self.data = [data, *(mujoco.MjData(first) for _ in range(count - 1))]
         self.pool = stepping.Rollout(nthread=count if count > 1 else 0)  # none: rollouts in the calling thread
         # A reset sets the clock to 0 before its step. It begins one step later, so that a reset is seen in any step.
         self.states = np.zeros((len(joints), mujoco.mj_stateSize(first, FULL)))
         self.states[:, 0] = first.opt.timestep
         self.moving = slice(1, 1 + first.nq + first.nv)
-        self.states[:, self.moving] = [(*own.qpos, *own.qvel) for own in joints]
+        self.states[:, self.moving] = [(*joint.qpos, *joint.qvel) for joint in joints]
         self.warmstarts = np.zeros((len(joints), first.nv))
         self.scratch = scratch(max(MOST_STATES, count) * self.states.shape[1])
 
@@ -73,17 +73,17 @@ class Worlds:
         for places in self._parts(int(strides.sum())):
             with external_force(self.forces[places[0]]):
                 seen, sound = self._rolled_out(places, np.cumsum(strides))
-            for place, rows, held in zip(places, seen, sound, strict=True):
-                if held:
-                    states[place, :, 0] = self.joints[place].rows(rows)
+            for index, rows, is_sound in zip(places, seen, sound, strict=True):
+                if is_sound:
+                    states[index, :, 0] = self.joints[index].rows(rows)
                 else:
-                    known = self._until_signal(place, before[place], warm[place], strides)
-                    states[place, : len(known)] = known
+                    before_signal = self._until_signal(index, before[index], warm[index], strides)
+                    states[index, : len(before_signal)] = before_signal
         return states
 
     def _parts(self, steps: int) -> Iterator[list[int]]:
         """Yield the places of the scenes that are rolled out together, without those that MuJoCo gave up."""
-        left = [place for place in range(len(self.joints)) if place not in self.signals]
+        left = [index for index in range(len(self.joints)) if index not in self.signals]
         size = min(self.models.most, max(len(self.data), MOST_STATES // max(1, steps))) if self.together else 1
         for first in range(0, len(left), size):
             yield left[first : first + size]
@@ -93,7 +93,7 @@ class Worlds:
 
         Returns the coordinates and velocities (scenes, n, nq + nv) there, and whether MuJoCo gave no warning (scenes,).
         """
-        models, now = self.models.of(places), self.states[places]
+        models, now = self.models.at(places), self.states[places]
         seen = np.empty((len(places), len(ends), self.moving.stop - 1))
         seen[:, ends == 0] = now[:, None, self.moving]
         sound = np.ones(len(places), dtype=bool)
@@ -121,16 +121,27 @@ class Worlds:
         self.pool.rollout(models, self.data, start, nstep=count, initial_warmstart=warmstarts, state=states, skip_checks=True)
         return states
 
-    def _until_signal(self, place: int, before: Array, warm: Array, strides: Strides) -> Array:
+    def _until_signal(self, index: int, before: Array, warm: Array, strides: Strides) -> Array:
         """Repeat the strides of a scene that MuJoCo gave up, and return its states (k, 1, 13) before the signal."""
-        (model,), data = self.models.of([place]), self.data[0]
+        (model,), data = self.models.at([index]), self.data[0]
         mujoco.mj_resetData(model, data)
         mujoco.mj_setState(model, data, before, FULL)
         data.time -= model.opt.timestep
         data.qacc_warmstart[:] = warm
         try:
-            Stepper(model, data, self.joints[place].rows, self.forces[place]).advance(strides)
+            Stepper(model, data, self.joints[index].rows, self.forces[index]).advance(strides)
         except EngineDiverged as signal:
-            self.signals[place] = str(signal)
+            self.signals[index] = str(signal)
             return np.asarray(signal.states[0, :-1])
         raise AssertionError("a rollout of several scenes gave up one that is stepped alone without a warning")
+
+
+def threads() -> int:
+    """Return the number of processors that this process may use, or fewer if the variable OMP_NUM_THREADS says so.
+
+    The variable is the one by which schedulers and parents of several workers share out processors. Its value may be a list of
+    numbers for nested levels, of which the first counts; a value that is no positive integer counts as none.
+    """
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    wanted = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
+    return min(processors, int(wanted)) if wanted.isascii() and wanted.isdigit() and int(wanted) else processors

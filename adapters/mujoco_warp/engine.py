@@ -6,20 +6,20 @@ from typing import Any
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from mujoco import MjModel
+from mujoco import MjData, MjModel, mj_forward
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, single_bodies
-from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.mechanisms import MODELS
-from bodycheck.adapters.mujoco.models import Joints
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms, robots
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
+from bodycheck.adapters.mujoco.models import Joints, compiled_model
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
+from bodycheck.adapters.stepping import InTurn, Loop
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 #: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts.
@@ -30,8 +30,14 @@ def integrators() -> tuple[Integrator, ...]:
     """Return MuJoCo's integrators, with the orders that it claims; those that MuJoCo Warp lacks are offered for no scene."""
     here = {member.name for member in mjw.IntegratorType}
     return tuple(
-        Integrator(own.name, own.order, own.evaluations, own.kinds if own.name.upper() in here else frozenset(), OPTIONS)
-        for own in mujoco.engine.integrators
+        Integrator(
+            integrator.name,
+            integrator.order,
+            integrator.evaluations,
+            integrator.kinds if integrator.name.upper() in here else frozenset(),
+            OPTIONS,
+        )
+        for integrator in mujoco.engine.integrators
     )
 
 
@@ -60,7 +66,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-read_robot = robots.read_robot
+read_robot, contact_law = robots.read_robot, mujoco.contact_law
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
@@ -84,13 +90,18 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
     Bodies that do not rotate have models of their own for each attitude, which are stepped one after another.
     """
     if isinstance(scenes[0], Mechanism):
-        return mechanisms.prepare(scenes[0], method)
+        return jointed(scenes[0], method)
     bodies = single_bodies(scenes)
     described = [described_by_mujoco(scene, method) for scene in bodies]
     xml, _ = described[0]
     if any(other != xml for other, _ in described):
         parts = zip(described, bodies, strict=True)
-        return InTurn([((place,), stepped(*started(own, [one], scene))) for place, ((own, one), scene) in enumerate(parts)])
+        return InTurn(
+            [
+                ((index,), stepped(*started(xml_of_scene, [joint], scene)))
+                for index, ((xml_of_scene, joint), scene) in enumerate(parts)
+            ]
+        )
     return stepped(*started(xml, [joints for _, joints in described], bodies[0]))
 
 
@@ -150,14 +161,9 @@ def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
         raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
     # With room for no constraint at all (njmax = 0), most integrators of MuJoCo Warp 4.0.0 ignore all forces.
     data = mjw.put_data(first.model, first.data, nworld=len(joints))
-    data.qpos.assign(np.array([own.qpos for own in joints]))
-    data.qvel.assign(np.array([own.qvel for own in joints]))
+    data.qpos.assign(np.array([joint.qpos for joint in joints]))
+    data.qvel.assign(np.array([joint.qvel for joint in joints]))
     return model, data, first.rows
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts, which is that of MuJoCo's."""
-    return mujoco.contact_law(scene, method)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
@@ -174,3 +180,20 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
 
     graph, normal = graphs.record(step), forces.numpy()[:, 0]
     return np.array([normal.sum() for _ in range(steps) if graphs.replay(graph)], dtype=np.float64)
+
+
+def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
+    """Return the simulation of a mechanism, whose poses MuJoCo computes after a step. Raises `SceneUnsupported`."""
+    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    start = MjData(compiled)
+    begin(compiled, start, mechanism)
+    mj_forward(compiled, start)  # so that the data have room for its constraints
+    try:
+        model = mjw.put_model(compiled)
+    except NotImplementedError as error:
+        raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
+    data = mjw.put_data(compiled, start)
+    qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
+    graph = graphs.record(lambda: mjw.step(model, data))
+    rows = states_of(compiled, [body.name for body in mechanism.bodies])
+    return Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), rows)

@@ -48,13 +48,13 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         raise ModelRefused(f"MuJoCo Warp refuses the model: {error}") from error
     worlds = mjw.put_data(compiled, mujoco.MjData(compiled), nworld=max(1, len(states)))
     # The first axis of these arrays is that of worlds, which share them.
-    own = described(compiled, SimpleNamespace(**{name: getattr(model, name).numpy()[0] for name in KEPT}), file.format)
-    reading = replace(reading, bodies=own.bodies, joints=own.joints)
+    kept_by_warp = described(compiled, SimpleNamespace(**{name: getattr(model, name).numpy()[0] for name in KEPT}), file.format)
+    reading = replace(reading, bodies=kept_by_warp.bodies, joints=kept_by_warp.joints)
     if not states or not compiled.nv:
         return replace(reading, terms=tuple(Terms() for _ in states))
-    given = columns(compiled, file.format, states)
-    terms = terms_of(compiled, model, worlds, given, gravity)
-    return replace(reading, terms=terms, rounding=rounding(compiled, given[0]))
+    columns_of_states = columns(compiled, file.format, states)
+    terms = terms_of(compiled, model, worlds, columns_of_states, gravity)
+    return replace(reading, terms=terms, rounding=rounding(compiled, columns_of_states[0]))
 
 
 def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
@@ -71,12 +71,14 @@ def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
     return ROUNDINGS * float(np.finfo(np.float32).eps) * largest
 
 
-def terms_of(compiled: mujoco.MjModel, model: Any, worlds: Any, given: Sequence[Array], gravity: Vector) -> tuple[Terms, ...]:
+def terms_of(
+    compiled: mujoco.MjModel, model: Any, worlds: Any, columns_of_states: Sequence[Array], gravity: Vector
+) -> tuple[Terms, ...]:
     """Return what MuJoCo Warp computes at states.
 
-    given: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
+    columns_of_states: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
     """
-    qpos, qvel, qacc, applied = given
+    qpos, qvel, qacc, applied = columns_of_states
     model.opt.gravity.assign(np.array([gravity]))
     worlds.qpos.assign(qpos)
     worlds.qvel.assign(qvel)

@@ -1,7 +1,6 @@
 """The adapter of Newton; the package says which solvers its methods are, and what is switched off."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,15 +9,14 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
-from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
-from bodycheck.adapters.newton.frames import transform, twist
+from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
-from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.stepping import InTurn, Loop, Normalised
+from bodycheck.adapters.touching import corners_of_brick, lying_shape
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene, State
@@ -31,13 +29,18 @@ engine = Engine(
     name="newton",
     distribution=INSTALLATION.distribution,
     version=str(newton.__version__),
-    integrators=tuple(Integrator(name, own.order, own.evaluations, own.kinds, own.options) for name, own in SOLVERS.items()),
+    integrators=tuple(
+        Integrator(name, solver.order, solver.evaluations, solver.kinds, solver.options) for name, solver in SOLVERS.items()
+    ),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants=VARIANTS,
     precision="float32",
     device=graphs.DEVICE,
     batch=2,
 )
+
+#: The friction law of contacts.
+contact_law = corners_of_brick
 
 calls = graphs.CALLS
 
@@ -70,7 +73,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Normalised | InTurn:
     bodies = single_bodies(scenes)
     links = links_of(bodies[0])
     if len(bodies) > 1 and method.option("dynamics_solver") in NOT_TOGETHER:
-        return InTurn([((place,), started(links, [scene], method)) for place, scene in enumerate(bodies)])
+        return InTurn([((index,), started(links, [scene], method)) for index, scene in enumerate(bodies)])
     return started(links, bodies, method)
 
 
@@ -96,10 +99,12 @@ def started(links: Sequence[Link], scenes: Sequence[Scene], method: Method) -> N
     return Normalised(Loop(graph, graphs.replay, seen, rows=partial(rows, links[0])))
 
 
-def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, following: Any) -> Callable[[], None]:
+def stepper(
+    scene: Scene, method: Method, solver_of_method: Solver, model: Any, state: Any, following: Any
+) -> Callable[[], None]:
     """Return a function that takes a step of a state, for which another state is needed."""
-    solver, control = own.make(model, method), model.control()
-    pipeline = newton.CollisionPipeline(model) if scene.plane is not None and own.collides else None
+    solver, control = solver_of_method.make(model, method), model.control()
+    pipeline = newton.CollisionPipeline(model) if scene.plane is not None and solver_of_method.collides else None
     contacts = pipeline.contacts() if pipeline is not None else None
 
     def step() -> None:
@@ -136,8 +141,8 @@ def replicated(link: Link, scenes: Sequence[Scene], method: Method) -> Any:
     builder.replicate(single, len(scenes))
     model = finished(builder, len(scenes))
     starts = [scene.initial for scene in scenes]
-    poses = np.array([list(transform(own.position, own.quaternion)) for own in starts])
-    twists = np.array([twist(link, own) for own in starts])
+    poses = np.array([list(transform(state.position, state.quaternion)) for state in starts])
+    twists = np.array([twist(link, state) for state in starts])
     for places, values in ((model.body_q, poses), (model.body_qd, twists)):
         places.assign(values.astype(np.float32))
     model.joint_q.assign(poses.astype(np.float32).ravel())
@@ -175,16 +180,16 @@ def add_body(builder: Any, links: Sequence[Link], scene: Scene, method: Method) 
 
 def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
     """Add a link without a joint, as it is where the first link is in the initial state, and return its number."""
-    own = state_in((link.position, link.quaternion), initial)
+    state = state_in((link.position, link.quaternion), initial)
     body: int = builder.add_link(
-        xform=transform(own.position, own.quaternion),
+        xform=transform(state.position, state.quaternion),
         com=wp.vec3(*link.center_of_mass),
         mass=link.mass,
         inertia=wp.mat33(*tensor(link).ravel().tolist()),
         lock_inertia=True,
         custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
     )
-    builder.body_qd[body] = twist(link, own)
+    builder.body_qd[body] = twist(link, state)
     return body
 
 
@@ -212,10 +217,3 @@ def rows(link: Link, seen: Array) -> Array:
     quaternion = seen[:, [6, 3, 4, 5]]
     spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
     return velocity_to_origin(states(seen[:, :3], quaternion, seen[:, 7:10], spin), link.center_of_mass)
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts: that of four corners for a brick, and none for a cylinder."""
-    if scene.plane is None or not isinstance(scene.body.shape, Brick):
-        return None
-    return replace(scene.plane, law="corners", pressure="balanced")

@@ -12,16 +12,16 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.links import Link, tensor, velocity_of
 from bodycheck.adapters.mechanisms import frames, link_of, starts
 from bodycheck.adapters.mujoco_warp import graphs
-from bodycheck.adapters.newton.frames import transform, twist
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
 from bodycheck.reference.mechanisms.requirements import of_mechanism
+from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 
 #: What at least one of Newton's solvers models of mechanisms; see `Engine.models`.
@@ -45,19 +45,19 @@ MODELS = frozenset(
 
 def prepare(mechanism: Mechanism, method: Method) -> Normalised:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
-    own = SOLVERS[method.integrator]
-    lacking = [name for name in of_mechanism(mechanism).names() if name in own.lacks]
+    solver_of_method = SOLVERS[method.integrator]
+    lacking = [name for name in of_mechanism(mechanism).names() if name in solver_of_method.lacks]
     if lacking:
         raise SceneUnsupported(f"Newton's solver {method.integrator} has no {', '.join(lacking)}")
     model = built(mechanism, method)
     state, following, control = model.state(), model.state(), model.control()
     forces = control.joint_f.numpy()
-    for place, joint in enumerate(in_order(mechanism)):
+    for index, joint in enumerate(in_order(mechanism)):
         if joint is not None and joint.effort:
-            forces[model.joint_qd_start.numpy()[place]] = joint.effort
+            forces[model.joint_qd_start.numpy()[index]] = joint.effort
     control.joint_f.assign(forces)
     try:
-        solver = own.make(model, method)
+        solver = solver_of_method.make(model, method)
     except ValueError as error:  # such as moments of which one is the sum of the others, rounded to single precision
         raise SceneUnsupported(
             f"Newton's solver {method.integrator} refuses the model: {' '.join(str(error).split())}"
@@ -77,7 +77,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
 
 def in_order(mechanism: Mechanism) -> list[Joint | None]:
     """Return the joints in the order in which Newton gets them: tree by tree, each after its parent; None for a free body."""
-    return [mechanism.joint_of[place] for place in depth_first(mechanism)]
+    return [mechanism.joint_of[index] for index in depth_first(mechanism)]
 
 
 def built(mechanism: Mechanism, method: Method) -> Any:
@@ -98,21 +98,21 @@ def built(mechanism: Mechanism, method: Method) -> Any:
         builder.body_qd[number] = twist(link, frame)
     values = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
     tree: list[int] = []
-    for place in depth_first(mechanism):
-        joint = mechanism.joint_of[place]
+    for index in depth_first(mechanism):
+        joint = mechanism.joint_of[index]
         if tree and (joint is None or joint.parent == WORLD):
             builder.add_articulation(tree)
             tree = []
         if joint is None:
-            number = builder.add_joint_free(place)
-            held, moving = [*transform(first[place].position, first[place].quaternion)], [*builder.body_qd[place]]
+            number = builder.add_joint_free(index)
+            positions, velocities = [*transform(first[index].position, first[index].quaternion)], [*builder.body_qd[index]]
         else:
             number = add_joint(builder, joint)
-            held, moving = in_newton(joint, *values[place])
+            positions, velocities = in_newton(joint, *values[index])
         tree.append(number)
         at, by = builder.joint_q_start[number], builder.joint_qd_start[number]
-        builder.joint_q[at : at + len(held)] = held
-        builder.joint_qd[by : by + len(moving)] = moving
+        builder.joint_q[at : at + len(positions)] = positions
+        builder.joint_qd[by : by + len(velocities)] = velocities
     builder.add_articulation(tree)
     builder.color()
     # The check of inertia would replace moments of which one is nearly the sum of the others.
@@ -152,12 +152,28 @@ def in_newton(joint: Joint, position: Array, velocity: Array) -> tuple[list[floa
 
 def rows(mechanism: Mechanism, seen: Array) -> Array:
     """Return the states (n, bodies, 13) of the contract from poses and twists (n, 13 bodies); see `engine.rows`."""
-    found = seen.reshape(len(seen), -1, 13)
-    made = []
-    for place, body in enumerate(mechanism.bodies):
-        own = found[:, place]
-        turn = own[:, [6, 3, 4, 5]]
+    engine_rows = seen.reshape(len(seen), -1, 13)
+    states_of_bodies = []
+    for index, body in enumerate(mechanism.bodies):
+        engine_rows_of_body = engine_rows[:, index]
+        turn = engine_rows_of_body[:, [6, 3, 4, 5]]
         unit = normalise(turn)
-        centre = own[:, :3] + rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(own), 3)))
-        made.append(states(centre, turn, own[:, 7:10], rotate(conjugate(unit), own[:, 10:])))
-    return np.stack(made, axis=1)
+        centre = engine_rows_of_body[:, :3] + rotate(
+            unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(engine_rows_of_body), 3))
+        )
+        states_of_bodies.append(
+            states(centre, turn, engine_rows_of_body[:, 7:10], rotate(conjugate(unit), engine_rows_of_body[:, 10:]))
+        )
+    return np.stack(states_of_bodies, axis=1)
+
+
+def twist(link: Link, state: State) -> tuple[float, ...]:
+    """Return Newton's twist of a link whose frame is in a state: the velocity of its centre of mass and its spin (world)."""
+    spin = rotate(np.array(state.quaternion), np.array(state.angular_velocity))
+    return (*velocity_of(link.center_of_mass, state), *spin.tolist())
+
+
+def transform(position: Vector, quaternion: Quaternion) -> Any:
+    """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return wp.transform(position, wp.quat(x, y, z, w))

@@ -53,12 +53,12 @@ NO_POSITION, NO_EFFORT = float(newton.MAXVAL), 1e6
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint of Newton's model: its place, name, type, body and parent, and its first and one after its last place.
+    """A joint of Newton's model: its index, name, type, body and parent, and the slices of its coordinates and velocities.
 
     The frames `at` and `on`, of position and quaternion x, y, z, w, are those of the joint in the parent and in the child.
     """
 
-    place: int
+    index: int
     name: str
     type: str
     body: int
@@ -120,17 +120,17 @@ def imported(file: RobotFile) -> Imported:
     at, on = model.joint_X_p.numpy(), model.joint_X_c.numpy()
     joints = tuple(
         Joint(
-            place,
+            index,
             named(file, model, label),
-            TYPES.get(newton.JointType(int(types[place])), newton.JointType(int(types[place])).name.lower()),
-            int(children[place]),
-            int(parents[place]),
-            slice(int(held[place]), int(held[place + 1])),
-            slice(int(moved[place]), int(moved[place + 1])),
-            at[place].astype(float),
-            on[place].astype(float),
+            TYPES.get(newton.JointType(int(types[index])), newton.JointType(int(types[index])).name.lower()),
+            int(children[index]),
+            int(parents[index]),
+            slice(int(held[index]), int(held[index + 1])),
+            slice(int(moved[index]), int(moved[index + 1])),
+            at[index].astype(float),
+            on[index].astype(float),
         )
-        for place, label in enumerate(model.joint_label)
+        for index, label in enumerate(model.joint_label)
     )
     return Imported(model, model.state(), names, joints)
 
@@ -154,22 +154,22 @@ def read_bodies(robot: Imported) -> tuple[ReadBody, ...]:
     )
     parents = {joint.body: robot.names[joint.parent] for joint in robot.joints if joint.parent >= 0}
     return tuple(
-        ReadBody(name, parents.get(place), float(masses[place]), vector(centres[place]), components(tensors[place]))
-        for place, name in enumerate(robot.names)
+        ReadBody(name, parents.get(index), float(masses[index]), vector(centres[index]), components(tensors[index]))
+        for index, name in enumerate(robot.names)
     )
 
 
 def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
     """Return a joint that moves. Those of several velocities have the properties of the first one, as importers give them."""
     model, first = robot.model, joint.moved.start
-    one = joint.moved.stop - first == 1
+    single = joint.moved.stop - first == 1
 
     def of(array: Any) -> float:
         return float(array.numpy()[first])
 
     leader, (offset, multiplier) = (
-        int(model.joint_mimic_joint.numpy()[joint.place]),
-        model.joint_mimic_coeffs.numpy()[joint.place],
+        int(model.joint_mimic_joint.numpy()[joint.index]),
+        model.joint_mimic_coeffs.numpy()[joint.index],
     )
     return ReadJoint(
         name=joint.name,
@@ -177,34 +177,36 @@ def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
         child=robot.names[joint.body],
         first=first,
         count=joint.moved.stop - first,
-        axis=vector(matrix(scalar_first(joint.on[3:])) @ model.joint_axis.numpy()[first]) if one else None,
+        axis=vector(matrix(scalar_first(joint.on[3:])) @ model.joint_axis.numpy()[first]) if single else None,
         armature=of(model.joint_armature),
         damping=of(model.joint_damping),
         friction=of(model.joint_friction),
         stiffness=of(model.joint_stiffness),
         effort_limit=finite(of(model.joint_effort_limit), NO_EFFORT),
-        lower=finite(of(model.joint_limit_lower), NO_POSITION) if one else None,
-        upper=finite(of(model.joint_limit_upper), NO_POSITION) if one else None,
+        lower=finite(of(model.joint_limit_lower), NO_POSITION) if single else None,
+        upper=finite(of(model.joint_limit_upper), NO_POSITION) if single else None,
         mimic=Mimic(robot.joints[leader].name, float(multiplier), float(offset)) if leader >= 0 else None,
     )
 
 
 def terms(robot: Imported, state: RobotState) -> Terms:
     """Return what Newton computes at a state."""
-    model, own, number = robot.model, robot.state, robot.model.joint_dof_count
-    own.joint_q.assign(positions(robot, state).astype(np.float32))
-    own.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))
-    newton.eval_fk(model, own.joint_q, own.joint_qd, own)
-    poses = {name: pose(row[:3], scalar_first(row[3:])) for name, row in zip(robot.names, own.body_q.numpy(), strict=True)}
+    model, engine_state, number = robot.model, robot.state, robot.model.joint_dof_count
+    engine_state.joint_q.assign(positions(robot, state).astype(np.float32))
+    engine_state.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))
+    newton.eval_fk(model, engine_state.joint_q, engine_state.joint_qd, engine_state)
+    poses = {
+        name: pose(row[:3], scalar_first(row[3:])) for name, row in zip(robot.names, engine_state.body_q.numpy(), strict=True)
+    }
     if not number:
         return Terms(poses=poses)
     most = model.max_dofs_per_articulation
     mass = wp.zeros((model.articulation_count, most, most), dtype=wp.float32)
     pull, bias, wanted, efforts = (wp.zeros(number, dtype=wp.float32) for _ in range(4))
-    newton.eval_inverse_dynamics_passive(model, own, mass_matrix=mass, gravity_force=pull, coriolis_force=bias)
+    newton.eval_inverse_dynamics_passive(model, engine_state, mass_matrix=mass, gravity_force=pull, coriolis_force=bias)
     wanted.assign(accelerations(robot, state).astype(np.float32))
     newton.eval_inverse_dynamics_force(
-        model, own, mass_matrix=mass, joint_qdd=wanted, coriolis_force=bias, gravity_force=pull, joint_f=efforts
+        model, engine_state, mass_matrix=mass, joint_qdd=wanted, coriolis_force=bias, gravity_force=pull, joint_f=efforts
     )
     return Terms(
         poses=poses,
@@ -226,11 +228,11 @@ def trees(robot: Imported) -> Iterator[tuple[slice, slice]]:
 
 def whole(robot: Imported, blocks: Array) -> Array:
     """Return the mass matrix (n, n) from those of the articulations (articulations, k, k), each in its first rows."""
-    made = np.zeros((robot.model.joint_dof_count, robot.model.joint_dof_count))
+    mass_matrix = np.zeros((robot.model.joint_dof_count, robot.model.joint_dof_count))
     for block, (_, moved) in zip(blocks, trees(robot), strict=True):
         count = moved.stop - moved.start
-        made[moved, moved] = block[:count, :count]
-    return made
+        mass_matrix[moved, moved] = block[:count, :count]
+    return mass_matrix
 
 
 def along_joints(robot: Imported, forces: Array) -> Array:
@@ -238,59 +240,59 @@ def along_joints(robot: Imported, forces: Array) -> Array:
 
     Newton has the forces of these along the axes of the world.
     """
-    made, poses = forces.copy(), robot.state.body_q.numpy().astype(float)
+    turned, poses = forces.copy(), robot.state.body_q.numpy().astype(float)
     for joint in robot.moving:
         if joint.type == "floating":
             parent = np.eye(3) if joint.parent < 0 else matrix(scalar_first(poses[joint.parent][3:]))
             turn = parent @ matrix(scalar_first(joint.at[3:]))
-            own = made[joint.moved]
-            made[joint.moved] = np.concatenate([turn.T @ own[:3], turn.T @ own[3:]])
-    return made
+            force = turned[joint.moved]
+            turned[joint.moved] = np.concatenate([turn.T @ force[:3], turn.T @ force[3:]])
+    return turned
 
 
 def positions(robot: Imported, state: RobotState) -> Array:
     """Return Newton's coordinates of all joints."""
-    made = np.array(robot.model.joint_q.numpy(), dtype=float)
+    coordinates = np.array(robot.model.joint_q.numpy(), dtype=float)
     for joint in robot.moving:
         if joint.name in state.positions and joint.type != OTHER:
-            own = state.positions[joint.name]
+            position = state.positions[joint.name]
             if joint.type in ("floating", "spherical"):
-                *place, w, x, y, z = own
-                own = (*place, x, y, z, w)
-            made[joint.held] = own
-    return made
+                *origin, w, x, y, z = position
+                position = (*origin, x, y, z, w)
+            coordinates[joint.held] = position
+    return coordinates
 
 
 def rates(robot: Imported, state: RobotState, values: Values) -> Array:
     """Return Newton's velocities of all joints from those of a state, or accelerations but for terms of the velocities."""
-    made = np.zeros(robot.model.joint_dof_count)
+    velocities = np.zeros(robot.model.joint_dof_count)
     for joint in robot.moving:
         if joint.name not in values or joint.type == OTHER:
             continue
-        own, held = np.array(values[joint.name]), np.array(state.positions[joint.name])
+        values_of_joint, position = np.array(values[joint.name]), np.array(state.positions[joint.name])
         if joint.type == "spherical":
-            own = rotate(held, own)
+            values_of_joint = rotate(position, values_of_joint)
         elif joint.type == "floating":
-            spin = rotate(held[3:], own[3:])
-            own = np.concatenate([own[:3] + np.cross(spin, arm(robot, joint, held)), spin])
-        made[joint.moved] = own
-    return made
+            spin = rotate(position[3:], values_of_joint[3:])
+            values_of_joint = np.concatenate([values_of_joint[:3] + np.cross(spin, arm(robot, joint, position)), spin])
+        velocities[joint.moved] = values_of_joint
+    return velocities
 
 
 def accelerations(robot: Imported, state: RobotState) -> Array:
     """Return Newton's accelerations of all joints; that of a centre of mass has the centripetal one too."""
-    made = rates(robot, state, state.accelerations)
+    rates_of_joints = rates(robot, state, state.accelerations)
     for joint in robot.moving:
         if joint.type == "floating" and joint.name in state.accelerations:
-            held = np.array(state.positions[joint.name])
-            spin = rotate(held[3:], np.array(state.velocities[joint.name][3:]))
-            made[joint.moved][:3] += np.cross(spin, np.cross(spin, arm(robot, joint, held)))
-    return made
+            position = np.array(state.positions[joint.name])
+            spin = rotate(position[3:], np.array(state.velocities[joint.name][3:]))
+            rates_of_joints[joint.moved][:3] += np.cross(spin, np.cross(spin, arm(robot, joint, position)))
+    return rates_of_joints
 
 
-def arm(robot: Imported, joint: Joint, held: Array) -> Array:
+def arm(robot: Imported, joint: Joint, position: Array) -> Array:
     """Return the centre of mass of a floating joint's child from the origin of its frame, along the axes of the joint."""
-    return rotate(held[3:], robot.model.body_com.numpy()[joint.body].astype(float))
+    return rotate(position[3:], robot.model.body_com.numpy()[joint.body].astype(float))
 
 
 def jacobians(robot: Imported) -> Mapping[str, Array]:
@@ -299,10 +301,10 @@ def jacobians(robot: Imported) -> Mapping[str, Array]:
     bodies = [joint.body for joint in robot.joints]
     rows = np.zeros((len(bodies), 6, robot.model.joint_dof_count))
     for block, (joints, moved) in zip(blocks, trees(robot), strict=True):
-        own = block.reshape(-1, 6, block.shape[-1])
-        rows[joints, :, moved] = own[: joints.stop - joints.start, :, : moved.stop - moved.start]
+        rows_of_tree = block.reshape(-1, 6, block.shape[-1])
+        rows[joints, :, moved] = rows_of_tree[: joints.stop - joints.start, :, : moved.stop - moved.start]
     turns = robot.state.body_q.numpy().astype(float)[bodies][:, [6, 3, 4, 5]]
     arms = rotate(normalise(turns), robot.model.body_com.numpy().astype(float)[bodies])
     linear = rows[:, :3] - np.cross(rows[:, 3:], arms[:, :, None], axis=1)
-    made = np.concatenate([linear, rows[:, 3:]], axis=1)
-    return {robot.names[body]: own for body, own in zip(bodies, made, strict=True)}
+    matrices = np.concatenate([linear, rows[:, 3:]], axis=1)
+    return {robot.names[body]: rows_of_tree for body, rows_of_tree in zip(bodies, matrices, strict=True)}

@@ -3,7 +3,7 @@
 The module `engine` is the adapter. `models` lists the models of a scene, `joints` builds the joints of a body, `coordinates`
 converts their coordinates to states, `schemes` contains the integration schemes, `flights` steps bodies in flight, and
 `contact` a body with Pinocchio's rigid contact. `mechanism_model` builds bodies on joints, and `mechanisms` steps them by the
-same schemes. `robots` reads robot models: `robot_joints` converts their states, and `robot_terms` computes.
+same schemes. `robots` reads robot models: `robot_joints` converts their states.
 
 Links are appended to the last joint, as the bodies of fixed joints in a URDF file are, and Pinocchio adds up their inertia.
 Schemes on the body twist take the same steps about any origin; `semi-implicit-euler` integrates the velocity of the origin

@@ -33,7 +33,7 @@ class Point:
         The places of the two bodies, the lower first; the first may be `WORLD`.
     number
         Its number among the points of these two.
-    place
+    position
         (3,) where it is, world frame (m).
     axes
         (3, 3) two tangents and the normal, which points from the first body to the second, as columns.
@@ -43,7 +43,7 @@ class Point:
 
     bodies: tuple[int, int]
     number: int
-    place: Array
+    position: Array
     axes: Array
     gap: float
 
@@ -70,16 +70,16 @@ def radius(shape: Shape) -> float:
             return own
 
 
-def on_plane(place: int, body: Placed, axes: Array, margin: float) -> Iterator[Point]:
+def on_plane(index: int, body: Placed, axes: Array, margin: float) -> Iterator[Point]:
     """Yield the points of a body that are no further than a margin (m) from the plane through the origin with such axes."""
     normal = axes[:, 2]
     if normal @ body.centre - radius(body.shape) > margin:
         return
-    found = body.centre + lowest(body.shape, -normal @ body.turn) @ body.turn.T
-    gaps = (found @ normal).tolist()
+    points = body.centre + lowest(body.shape, -normal @ body.turn) @ body.turn.T
+    gaps = (points @ normal).tolist()
     for number, gap in enumerate(gaps):
         if gap <= margin:
-            yield Point((WORLD, place), number, found[number], axes, gap)
+            yield Point((WORLD, index), number, points[number], axes, gap)
 
 
 def lowest(shape: Shape, down: Array) -> Array:
@@ -117,7 +117,7 @@ def between(places: tuple[int, int], one: Placed, other: Placed, margin: float) 
 
 
 def _on_brick(
-    places: tuple[int, int], brick: Placed, half: Array, centre: Array, own: float, sign: float, margin: float
+    places: tuple[int, int], brick: Placed, half: Array, centre: Array, radius_of_ball: float, sign: float, margin: float
 ) -> Iterator[Point]:
     """Yield the point of a sphere on a brick; sign: 1 where the normal points from the brick to the sphere."""
     local = (centre - brick.centre) @ brick.turn
@@ -132,7 +132,7 @@ def _on_brick(
         normal[axis] = math.copysign(1.0, local[axis])
         distance = float(abs(local[axis]) - half[axis])
         closest[axis] = normal[axis] * half[axis]
-    if (gap := distance - own) <= margin:
+    if (gap := distance - radius_of_ball) <= margin:
         axes = with_tangents(sign * (brick.turn @ normal))
         yield Point(places, 0, brick.centre + brick.turn @ closest, axes, gap)
 
@@ -164,11 +164,11 @@ def _face_to_face(
             if not len(polygon):
                 return
     axes = with_tangents(normal if which == 0 else -normal)
-    found = base.centre + polygon @ base.turn.T
-    gaps = ((found - base.centre) @ normal - half[axis]).tolist()
+    points = base.centre + polygon @ base.turn.T
+    gaps = ((points - base.centre) @ normal - half[axis]).tolist()
     for number, gap in enumerate(gaps):
         if gap <= margin:
-            yield Point(places, number, found[number], axes, gap)
+            yield Point(places, number, points[number], axes, gap)
 
 
 def _separations(one: tuple[Placed, Array], other: tuple[Placed, Array], apart: Array) -> Array:
@@ -182,12 +182,12 @@ def _cut(polygon: Array, beyond: Array) -> Array:
     if (beyond <= 0).all():
         return polygon
     kept = []
-    for place in range(len(polygon)):
-        here, there = float(beyond[place - 1]), float(beyond[place])
+    for index in range(len(polygon)):
+        here, there = float(beyond[index - 1]), float(beyond[index])
         if (here <= 0) != (there <= 0):
-            kept.append(polygon[place - 1] + here / (here - there) * (polygon[place] - polygon[place - 1]))
+            kept.append(polygon[index - 1] + here / (here - there) * (polygon[index] - polygon[index - 1]))
         if there <= 0:
-            kept.append(polygon[place])
+            kept.append(polygon[index])
     return np.array(kept).reshape(-1, 3)
 
 

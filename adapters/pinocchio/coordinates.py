@@ -41,7 +41,7 @@ class Coordinates:
 def initial_states(scenes: Sequence[Scene]) -> Array:
     """Return the initial states of scenes as rows (m, 13) in the columns of `Simulation.advance`."""
     starts = [scene.initial for scene in scenes]
-    return np.array([(*one.position, *one.quaternion, *one.velocity, *one.angular_velocity) for one in starts])
+    return np.array([(*start.position, *start.quaternion, *start.velocity, *start.angular_velocity) for start in starts])
 
 
 def _rows(shape: tuple[int, ...], position: ArrayLike, quaternion: ArrayLike, velocity: ArrayLike, rates: ArrayLike) -> Array:

@@ -17,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import (
     Engine,
@@ -30,12 +29,10 @@ from bodycheck.adapters.contract import (
     choice,
     single_bodies,
 )
-from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.pinocchio import (
     INSTALLATION,
     contact,
-    contact_script,
     exporting,
     flights,
     mechanism_script,
@@ -46,7 +43,8 @@ from bodycheck.adapters.pinocchio import (
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.stepping import InTurn, Loop
+from bodycheck.adapters.touching import not_flat
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
@@ -136,17 +134,17 @@ def check_supported(scene: Scene, method: Method) -> None:
     """Raise `SceneUnsupported` if the contact or the selected model does not fit the scene."""
     if scene.plane is not None and (reason := unsupported_contact(scene, scene.plane)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
-    if scene.plane is not None or (asked := method.option("model")) is None:
+    if scene.plane is not None or (model := method.option("model")) is None:
         return
-    if asked not in (there := scene_models.in_flight(scene, method.integrator)):
-        raise SceneUnsupported(f"no model {asked!r} of this scene for {method.integrator!r}; there are: {', '.join(there)}")
+    if model not in (available := scene_models.in_flight(scene, method.integrator)):
+        raise SceneUnsupported(f"no model {model!r} of this scene for {method.integrator!r}; there are: {', '.join(available)}")
 
 
 def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
     """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
     if not scene.drag and not scene.gravity:
         return "contact without a weight"
-    if (reason := flat_contact.unsupported(scene)) is not None:
+    if (reason := not_flat(scene)) is not None:
         return reason
     try:
         friction(scene.body, plane, scene.gravity)
@@ -162,10 +160,10 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
     if isinstance(scene, Mechanism):
         return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(scene, integrator)
     if scene.plane is not None:
-        own = {"contact": "admm", "everything": "admm:model=everything"}
-        asked = {name: own.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
+        of_admm = {"contact": "admm", "everything": "admm:model=everything"}
+        methods = {name: of_admm.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
         return (
-            {name: Model(asked[name], scene_models.ON_PLANE[name]) for name in scene_models.ON_PLANE}
+            {name: Model(methods[name], scene_models.ON_PLANE[name]) for name in scene_models.ON_PLANE}
             if integrator == "law-force"
             else {}
         )
@@ -179,8 +177,8 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
 
 def model_of(scene: Scene, method: Method) -> str:
     """Return the model named by `:model=`, or the smallest model on which the integrator is the same scheme."""
-    if (asked := method.option("model")) is not None:
-        return asked
+    if (model := method.option("model")) is not None:
+        return model
     if scene.plane is not None:
         return SMALLEST_ON_PLANE[method.integrator]
     return next(iter(scene_models.in_flight(scene, method.integrator)))
@@ -213,7 +211,7 @@ def unjointed(scenes: Sequence[Scene], method: Method) -> Simulation:
         return flights.flights(scenes, method, coordinates)
     if len(scenes) == 1:
         return alone(first, method)
-    return InTurn([((place,), alone(scene, method)) for place, scene in enumerate(scenes)])
+    return InTurn([((index,), alone(scene, method)) for index, scene in enumerate(scenes)])
 
 
 def alone(scene: Scene, method: Method) -> Loop[tuple[Array, Array]]:
@@ -262,7 +260,7 @@ def script(scene: AnyScene, method: Method, duration: float, samples: int) -> st
     if method.integrator != "admm":
         raise SceneUnsupported(f"a script of {method.name!r}: its friction is a force of bodycheck, not of Pinocchio")
     joints = scene_models.JOINTS_ON_PLANE[model](scene, scene.gravity)
-    return contact_script.script(scene, scene.plane, joints, model, method.timestep, duration, samples)
+    return exporting.contact_script(scene, scene.plane, joints, model, method.timestep, duration, samples)
 
 
 def loop(step: Step, joints: Joints) -> Loop[tuple[Array, Array]]:

@@ -42,10 +42,10 @@ class Part:
         scheme, model, acceleration, h = self.scheme, self.model, self.acceleration, self.timestep
         q, v = self.q, self.v
         configurations, velocities = np.empty((len(strides), len(q))), np.empty((len(strides), len(v)))
-        for place, stride in enumerate(strides.tolist()):
+        for row, stride in enumerate(strides.tolist()):
             for _ in range(stride):
                 q, v = scheme(model, acceleration, q, v, h)
-            configurations[place], velocities[place] = q, v
+            configurations[row], velocities[row] = q, v
         self.q, self.v = q, v
         return configurations, velocities
 
@@ -88,11 +88,11 @@ def flights(scenes: Sequence[Scene], method: Method, coordinates: Coordinates) -
     bodies: Sequence[object] = ()
     for begin in range(0, len(scenes), BODIES):
         part = slice(begin, begin + BODIES)
-        asked = [(one.body, one.initial.quaternion if coordinates.turned else None) for one in scenes[part]]
-        if not parts or asked != bodies:
+        bodies_and_turns = [(scene.body, scene.initial.quaternion if coordinates.turned else None) for scene in scenes[part]]
+        if not parts or bodies_and_turns != bodies:
             model = model_of(scenes[part], coordinates)
-        bodies = asked
-        data, count = workspace(coordinates, len(asked)), len(asked)
+        bodies = bodies_and_turns
+        data, count = workspace(coordinates, len(bodies_and_turns)), len(bodies_and_turns)
         scheme, acceleration = schemes.of_bodies(method.integrator, count), acceleration_of(scenes[0], model, data, count)
         parts.append(Part(model, scheme, acceleration, np.full(model.nv, method.timestep), q[part].ravel(), v[part].ravel()))
     return Flights(parts, coordinates, first)

@@ -158,8 +158,8 @@ def add_body(model: pin.Model, links: Sequence[Link], joints: Sequence[pin.Joint
     turn = np.eye(3) if attitude is None else attitude
     for link in links:
         inertia = pin.Inertia(link.mass, np.array(link.center_of_mass), tensor(link))
-        place = pin.SE3(to_pinocchio(link.quaternion).matrix(), np.array(link.position))
-        model.appendBodyToJoint(joint, inertia, pin.SE3(turn, np.zeros(3)) * place)
+        placement = pin.SE3(to_pinocchio(link.quaternion).matrix(), np.array(link.position))
+        model.appendBodyToJoint(joint, inertia, pin.SE3(turn, np.zeros(3)) * placement)
     return joint
 
 
@@ -169,7 +169,7 @@ def to_pinocchio(quaternion: Quaternion) -> pin.Quaternion:
     return pin.Quaternion(w, x, y, z)
 
 
-def flat_states(height: float, place: Array, yaw: Array, velocity: Array, spin: Array) -> Array:
+def flat_states(height: float, position: Array, yaw: Array, velocity: Array, spin: Array) -> Array:
     """Return the rows (n, 13) of a flat body.
 
     Parameters
@@ -187,7 +187,7 @@ def flat_states(height: float, place: Array, yaw: Array, velocity: Array, spin: 
     """
     nothing = np.zeros(len(yaw))
     return states(
-        np.column_stack([place, nothing + height]),
+        np.column_stack([position, nothing + height]),
         np.column_stack([np.cos(yaw / 2), nothing, nothing, np.sin(yaw / 2)]),
         np.column_stack([velocity, nothing]),
         np.column_stack([nothing, nothing, spin]),

@@ -92,21 +92,21 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
     model = world(mechanism.gravity)
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
     q, v, kinds = list[float](), list[float](), list[Kind]()
-    held, origins, first = starts(mechanism), frames(mechanism), dict[Joint, tuple[int, int]]()
-    for place in depth_first(mechanism):
-        body, joint = mechanism.bodies[place], mechanism.joint_of[place]
+    coordinates, origins, first = starts(mechanism), frames(mechanism), dict[Joint, tuple[int, int]]()
+    for index in depth_first(mechanism):
+        body, joint = mechanism.bodies[index], mechanism.joint_of[index]
         parent, frame = places[WORLD if joint is None else joint.parent]
         if joint is not None:
             frame = frame * placement(joint.position, exact.nearest_turn(joint.attitude))
             first[joint] = len(q), len(v)
         for kind in THREE_HINGES if hinges and is_ball(joint) else joints_of(joint, body_twist):
-            made = getattr(pin, f"JointModel{kind[0]}")(*kind[1])
-            parent, frame = model.addJoint(parent, made, frame, f"{body.name} {model.njoints}"), pin.SE3.Identity()
+            joint_model = getattr(pin, f"JointModel{kind[0]}")(*kind[1])
+            parent, frame = model.addJoint(parent, joint_model, frame, f"{body.name} {model.njoints}"), pin.SE3.Identity()
             kinds.append(kind)
         if joint is None:
-            position, velocity = free_start(origins[place], body_twist)
+            position, velocity = free_start(origins[index], body_twist)
         else:
-            parts = held[mechanism.joints.index(joint)]
+            parts = coordinates[mechanism.joints.index(joint)]
             if hinges and is_ball(joint):
                 position, velocity = (part.tolist() for part in hinge_motion(*parts))
             else:
@@ -114,21 +114,21 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
         q += position
         v += velocity
         model.appendBodyToJoint(parent, inertia_of(body), frame)
-        places[place] = parent, frame
+        places[index] = parent, frame
     add_armature(model, [(first[joint][1], joint.armature) for joint in mechanism.joints if joint.armature])
-    own = tuple(places[place] for place in range(len(mechanism.bodies)))
-    return Built(model, np.array(q), np.array(v), own, tuple(first[joint] for joint in mechanism.joints), tuple(kinds))
+    of_bodies = tuple(places[index] for index in range(len(mechanism.bodies)))
+    return Built(model, np.array(q), np.array(v), of_bodies, tuple(first[joint] for joint in mechanism.joints), tuple(kinds))
 
 
-def add_armature(model: pin.Model, given: Sequence[tuple[int, float]]) -> None:
+def add_armature(model: pin.Model, armatures: Sequence[tuple[int, float]]) -> None:
     """Add armature to velocities, given as pairs of a place in v and the inertia. Raises `SceneUnsupported`."""
-    if not given:
+    if not armatures:
         return
     if not hasattr(model, "armature"):
         raise SceneUnsupported(f"armature: Pinocchio {pin.__version__} has no `model.armature`")
     armature = np.zeros(model.nv)
-    for place, value in given:
-        armature[place] = value
+    for index, value in armatures:
+        armature[index] = value
     model.armature = armature
 
 
@@ -158,9 +158,11 @@ def placement(position: Vector, quaternion: Quaternion) -> pin.SE3:
 
 def inertia_of(body: JointedBody) -> pin.Inertia:
     """Return the inertia of a body in its frame."""
-    own = exact.nearest_inertia(body)
-    xx, yy, zz, xy, xz, yz = own.tensor
-    return pin.Inertia(own.mass, np.array(own.centre), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    mass_properties = exact.nearest_inertia(body)
+    xx, yy, zz, xy, xz, yz = mass_properties.tensor
+    return pin.Inertia(
+        mass_properties.mass, np.array(mass_properties.centre), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    )
 
 
 def free_start(start: State, body_twist: bool) -> tuple[list[float], list[float]]:

@@ -59,7 +59,7 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
     """Return a script for Pinocchio alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
     mechanism = mechanisms.modelled(mechanism, method)
     scheme, body_twist = SCHEMES[method.integrator]
-    made = built(mechanism, body_twist, method.option("model") == "three-hinges")
+    built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
     dynamics = mechanisms.constrained if mechanism.loops else mechanisms.unconstrained
     needed = [transport, scheme] if scheme is rk4 else [scheme]
     return SCRIPT.format(
@@ -67,15 +67,15 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         sampling=scripts.sampling(method.timestep, duration, samples),
         bodies=[body.name for body in mechanism.bodies],
         gravity=-mechanism.gravity,
-        joints=joint_lines(made),
-        armature=armature_line(mechanism, made),
-        q=scripts.written(made.q),
-        v=scripts.written(made.v),
-        places="\n".join(f"    ({joint}, {placed(frame)})," for joint, frame in made.places),
+        joints=joint_lines(built_mechanism),
+        armature=armature_line(mechanism, built_mechanism),
+        q=scripts.written(built_mechanism.q),
+        v=scripts.written(built_mechanism.v),
+        places="\n".join(f"    ({joint}, {placed(frame)})," for joint, frame in built_mechanism.places),
         centres=mechanisms.centres_of(mechanism).tolist(),
-        forces="\n".join(f"    {array(numbers)}," for numbers in mechanisms.joint_numbers(mechanism, made)),
+        forces="\n".join(f"    {array(numbers)}," for numbers in mechanisms.joint_numbers(mechanism, built_mechanism)),
         source=scripts.source(rotate, mechanisms.forces_of, dynamics, mechanisms.states_of, *needed),
-        acceleration=acceleration_line(mechanism, made, method),
+        acceleration=acceleration_line(mechanism, built_mechanism, method),
         loop=scripts.mechanism_loop(
             f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, step_length)",
             "states(q[None], v[None])[0]",
@@ -83,19 +83,19 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
     )
 
 
-def joint_lines(made: Built) -> str:
+def joint_lines(built_mechanism: Built) -> str:
     """Return the lines that add the joints of a model, with the inertia of what hangs on each."""
-    model, lines = made.model, []
-    for place, (kind, numbers) in enumerate(made.kinds, start=1):
-        inertia = model.inertias[place]
+    model, lines = built_mechanism.model, []
+    for number, (kind, numbers) in enumerate(built_mechanism.kinds, start=1):
+        inertia = model.inertias[number]
         lines.append(
             JOINT.format(
-                parent=model.parents[place],
+                parent=model.parents[number],
                 kind=kind,
                 numbers=", ".join(map(repr, numbers)),
-                frame=placed(model.jointPlacements[place]),
-                name=model.names[place],
-                place=place,
+                frame=placed(model.jointPlacements[number]),
+                name=model.names[number],
+                place=number,
                 mass=float(inertia.mass),
                 lever=scripts.written(inertia.lever),
                 tensor=scripts.written(inertia.inertia.ravel()),
@@ -104,20 +104,20 @@ def joint_lines(made: Built) -> str:
     return "\n".join(lines)
 
 
-def armature_line(mechanism: Mechanism, made: Built) -> str:
+def armature_line(mechanism: Mechanism, built_mechanism: Built) -> str:
     """Return the line that sets the armature, empty without one."""
     if not any(joint.armature for joint in mechanism.joints):
         return ""
-    return f"model.armature = np.array({scripts.written(made.model.armature)})"
+    return f"model.armature = np.array({scripts.written(built_mechanism.model.armature)})"
 
 
-def acceleration_line(mechanism: Mechanism, made: Built, method: Method) -> str:
+def acceleration_line(mechanism: Mechanism, built_mechanism: Built, method: Method) -> str:
     """Return the line that defines the accelerations."""
     if not mechanism.loops:
         return "acceleration = unconstrained(model, data, forces)"
     ends = ", ".join(
         f"({one}, {array(point)}, {other}, {array(second)})"
-        for one, point, other, second in mechanisms.ends_of(mechanism, made)
+        for one, point, other, second in mechanisms.ends_of(mechanism, built_mechanism)
     )
     gains, accuracy = mechanisms.gains_of(method), mechanisms.ACCURACY
     return f"acceleration = constrained(model, data, forces, [{ends}], {gains}, {accuracy})"

@@ -65,17 +65,17 @@ def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
     """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     scheme, body_twist = SCHEMES[method.integrator]
     mechanism = modelled(mechanism, method)
-    made = built(mechanism, body_twist, method.option("model") == "three-hinges")
-    model, nq = made.model, made.model.nq
+    built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
+    model, nq = built_mechanism.model, built_mechanism.model.nq
     check_memory(model)
-    data, forces = model.createData(), forces_of(*joint_numbers(mechanism, made))
+    data, forces = model.createData(), forces_of(*joint_numbers(mechanism, built_mechanism))
     if mechanism.loops:
-        acceleration = constrained(model, data, forces, ends_of(mechanism, made), gains_of(method), ACCURACY)
+        acceleration = constrained(model, data, forces, ends_of(mechanism, built_mechanism), gains_of(method), ACCURACY)
     else:
         acceleration = unconstrained(model, data, forces)
-    step, rows = np.full(model.nv, method.timestep), states_of(model, data, made.places, centres_of(mechanism))
+    step, rows = np.full(model.nv, method.timestep), states_of(model, data, built_mechanism.places, centres_of(mechanism))
     return Loop(
-        (made.q, made.v),
+        (built_mechanism.q, built_mechanism.v),
         lambda state: scheme(model, acceleration, *state, step),
         lambda state: np.concatenate(state),
         lambda seen: rows(seen[:, :nq], seen[:, nq:]),
@@ -107,14 +107,14 @@ def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
     return mechanism
 
 
-def joint_numbers(mechanism: Mechanism, made: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
+def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
     """Return efforts, dampings, stiffnesses, rests and frictions (nv,) of joints, and the places in q of their coordinates."""
-    effort, damping, stiffness, rest, friction = (np.zeros(made.model.nv) for _ in range(5))
-    position = np.zeros(made.model.nv, dtype=np.int64)
-    for joint, (in_q, in_v) in zip(mechanism.joints, made.first, strict=True):
-        own = slice(in_v, in_v + VELOCITIES[joint.type])
-        damping[own], friction[own], effort[own] = joint.damping, joint.friction, joint.effort
-        stiffness[own], rest[own], position[own] = joint.stiffness, joint.rest, in_q
+    effort, damping, stiffness, rest, friction = (np.zeros(built_mechanism.model.nv) for _ in range(5))
+    position = np.zeros(built_mechanism.model.nv, dtype=np.int64)
+    for joint, (in_q, in_v) in zip(mechanism.joints, built_mechanism.first, strict=True):
+        of_joint = slice(in_v, in_v + VELOCITIES[joint.type])
+        damping[of_joint], friction[of_joint], effort[of_joint] = joint.damping, joint.friction, joint.effort
+        stiffness[of_joint], rest[of_joint], position[of_joint] = joint.stiffness, joint.rest, in_q
     return effort, damping, stiffness, rest, friction, position
 
 
@@ -138,22 +138,22 @@ def unconstrained(model: pin.Model, data: pin.Data, forces: Callable[[Array, Arr
     return lambda q, v: pin.aba(model, data, q, v, forces(q, v))
 
 
-def ends_of(mechanism: Mechanism, made: Built) -> tuple[Ends, ...]:
+def ends_of(mechanism: Mechanism, built_mechanism: Built) -> tuple[Ends, ...]:
     """Return the two ends of each loop."""
-    places = {WORLD: (UNIVERSE, pin.SE3.Identity()), **dict(enumerate(made.places))}
-    found = []
+    places = {WORLD: (UNIVERSE, pin.SE3.Identity()), **dict(enumerate(built_mechanism.places))}
+    ends = []
     for loop in mechanism.loops:
         (one, first), (other, second) = (places[body] for body in loop.bodies)
         points = (frame.act(np.array(point)) for frame, point in zip((first, second), loop.points, strict=True))
-        found.append((one, next(points), other, next(points)))
-    return tuple(found)
+        ends.append((one, next(points), other, next(points)))
+    return tuple(ends)
 
 
 def gains_of(method: Method) -> tuple[float, float] | None:
     """Return the gains of the correction of loops, 1/s^2 and 1/s; None without one."""
-    if (given := method.option("baumgarte")) is None:
+    if (gains := method.option("baumgarte")) is None:
         return None
-    stiffness, damping = map(float, given.split())
+    stiffness, damping = map(float, gains.split())
     return stiffness, damping
 
 

@@ -40,7 +40,7 @@ class Joint:
     ----------
     name, type
         Its name, and its type in the words of robot models or, if they have none, Pinocchio's.
-    place
+    index
         The place in the model of the joint that it is, or that it is a part of.
     position, coordinates
         The place of its first coordinate, and how many it has.
@@ -52,7 +52,7 @@ class Joint:
 
     name: str
     type: str
-    place: int
+    index: int
     position: int
     coordinates: int
     first: int
@@ -62,28 +62,28 @@ class Joint:
 
 def joints_of(model: pin.Model, file: RobotFile) -> list[Joint]:
     """Return the joints of the model of a file, in Pinocchio's order."""
-    found = []
-    for place in range(1, model.njoints):
-        joint, name = model.joints[place], str(model.names[place])
+    joints = []
+    for index in range(1, model.njoints):
+        joint, name = model.joints[index], str(model.names[index])
         if joint.shortname() == "JointModelComposite":
             names = names_of_parts(file, name)
-            found += [_joint(part, own, place) for part, own in zip(joint.extract().joints, names, strict=True)]
+            joints += [_joint(part, part_name, index) for part, part_name in zip(joint.extract().joints, names, strict=True)]
         else:
-            found.append(replace(_joint(joint, name, place), frame=frame_of(model, file, place)))
-    return found
+            joints.append(replace(_joint(joint, name, index), frame=frame_of(model, file, index)))
+    return joints
 
 
-def frame_of(model: pin.Model, file: RobotFile, place: int) -> tuple[float, ...]:
+def frame_of(model: pin.Model, file: RobotFile, index: int) -> tuple[float, ...]:
     """Return the frame that a file gives a free joint, if Pinocchio has none of it."""
-    joint, known = model.joints[place], model.referenceConfigurations
-    if file.format == "urdf" or joint.nq != COORDINATES["floating"] or "qpos0" not in known:
+    joint, configurations = model.joints[index], model.referenceConfigurations
+    if file.format == "urdf" or joint.nq != COORDINATES["floating"] or "qpos0" not in configurations:
         return ()
-    x, y, z, i, j, k, w = np.array(known["qpos0"])[joint.idx_q : joint.idx_q + joint.nq].tolist()
+    x, y, z, i, j, k, w = np.array(configurations["qpos0"])[joint.idx_q : joint.idx_q + joint.nq].tolist()
     return x, y, z, w, i, j, k
 
 
-def _joint(joint: pin.JointModel, name: str, place: int) -> Joint:
-    return Joint(name, word(joint.shortname()), place, joint.idx_q, joint.nq, joint.idx_v, joint.nv)
+def _joint(joint: pin.JointModel, name: str, index: int) -> Joint:
+    return Joint(name, word(joint.shortname()), index, joint.idx_q, joint.nq, joint.idx_v, joint.nv)
 
 
 def word(kind: str) -> str:
@@ -114,38 +114,38 @@ class Coordinates:
 
 def coordinates(model: pin.Model, joints: Sequence[Joint], state: RobotState) -> Coordinates:
     """Return a state in Pinocchio's coordinates; joints that it does not have stay in the neutral configuration."""
-    found = Coordinates(np.array(pin.neutral(model)), *(np.zeros(model.nv) for _ in range(3)))
+    in_engine = Coordinates(np.array(pin.neutral(model)), *(np.zeros(model.nv) for _ in range(3)))
     parts = state.velocities, state.accelerations, state.efforts
     for joint in joints:
         if joint.count == joint.coordinates == 1:  # as most are, and there are many
             places = joint.position, joint.first, joint.first, joint.first
-            for part, place, values in zip(
-                (found.q, found.v, found.a, found.tau), places, (state.positions, *parts), strict=True
+            for part, index, values in zip(
+                (in_engine.q, in_engine.v, in_engine.a, in_engine.tau), places, (state.positions, *parts), strict=True
             ):
-                if len(given := values.get(joint.name, ())) == 1:
-                    part[place] = given[0]
+                if len(numbers := values.get(joint.name, ())) == 1:
+                    part[index] = numbers[0]
             continue
-        own = slice(joint.first, joint.first + joint.count)
-        told = [values_of(part, joint.name, joint.count) for part in parts]
-        velocity, acceleration, effort = (np.zeros(joint.count) if value is None else value for value in told)
+        of_joint = slice(joint.first, joint.first + joint.count)
+        values_of_joint = [values_of(part, joint.name, joint.count) for part in parts]
+        velocity, acceleration, effort = (np.zeros(joint.count) if value is None else value for value in values_of_joint)
         count = next((count for type, count in COORDINATES.items() if type == joint.type), joint.coordinates)
         if (position := values_of(state.positions, joint.name, count)) is not None:
-            found.q[joint.position : joint.position + joint.coordinates] = configuration(joint, position)
+            in_engine.q[joint.position : joint.position + joint.coordinates] = configuration(joint, position)
             if joint.type in ("floating", "planar"):
                 velocity, acceleration, effort = in_child(joint.type, position, velocity, acceleration, effort)
-        found.v[own], found.a[own], found.tau[own] = velocity, acceleration, effort
-    return found
+        in_engine.v[of_joint], in_engine.a[of_joint], in_engine.tau[of_joint] = velocity, acceleration, effort
+    return in_engine
 
 
 def configuration(joint: Joint, position: Array) -> Array:
     """Return the positions of a joint in Pinocchio's coordinates."""
     match joint.type:
         case "floating":
-            place, turn = position[:3], position[3:]
+            origin, turn = position[:3], position[3:]
             if joint.frame:
                 frame = np.array(joint.frame)
-                place, turn = frame[:3] + rotate(frame[3:], place), multiply(frame[3:], turn)
-            return np.concatenate([place, turn[1:], turn[:1]])
+                origin, turn = frame[:3] + rotate(frame[3:], origin), multiply(frame[3:], turn)
+            return np.concatenate([origin, turn[1:], turn[:1]])
         case "spherical":
             return np.concatenate([position[1:], position[:1]])
         case "planar":
@@ -168,6 +168,6 @@ def in_child(type: str, position: Array, velocity: Array, acceleration: Array, e
     # The derivative of a vector's components along axes that turn.
     turned[1] = turned[1] - np.cross(spin, turned[0])
     size = linear.stop
-    own = zip(turned, (velocity, acceleration, effort), strict=True)
-    moved = [np.concatenate([vector[:size], part[angular]]) for vector, part in own]
+    pairs = zip(turned, (velocity, acceleration, effort), strict=True)
+    moved = [np.concatenate([vector[:size], part[angular]]) for vector, part in pairs]
     return moved[0], moved[1], moved[2]

@@ -7,33 +7,34 @@ Pinocchio's dynamics have neither damping nor dry friction nor springs: it keeps
 leaves them to its user. Joints that mimic others move by themselves, unless its user asks for something else.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
-from bodycheck.adapters.pinocchio.robot_joints import Joint, joints_of
-from bodycheck.adapters.pinocchio.robot_terms import terms_of
+from bodycheck.adapters.pinocchio.robot_joints import Coordinates, Joint, coordinates, joints_of
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import components, finite, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
     """Return what Pinocchio makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
     model = loaded(file)
-    joints, own, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
+    joints, standard, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
     carrier = carried(model, frames)
     return RobotReading(
         bodies=bodies(model, carrier),
         joints=read_joints(model, carrier, joints),
         links=tuple(str(frame.name) for frame in frames.values()),
         velocities=int(model.nv),
-        gravity=own,
-        terms=terms_of(model, {place: str(frame.name) for place, frame in frames.items()}, joints, states, gravity),
+        gravity=standard,
+        terms=terms_of(model, {index: str(frame.name) for index, frame in frames.items()}, joints, states, gravity),
         notes=notes(file, joints),
     )
 
@@ -53,7 +54,7 @@ def loaded(file: RobotFile) -> pin.Model:
 
 def links(model: pin.Model) -> dict[int, pin.Frame]:
     """Return the frames of links by their places, in Pinocchio's order."""
-    return {place: frame for place, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
+    return {index: frame for index, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
 
 
 def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody, ...]:
@@ -78,13 +79,13 @@ def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody
 
 def carried(model: pin.Model, frames: Mapping[int, pin.Frame]) -> dict[int, pin.Frame]:
     """Return the frames of the links that joints move, by the places of the joints, and that of the root for the world's."""
-    own = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
-    found: dict[int, pin.Frame] = {}
+    joint_frames = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
+    carriers: dict[int, pin.Frame] = {}
     for frame in frames.values():
-        joint = 0 if parent_joint(frame) == 0 else own.get(parent_frame(frame))
+        joint = 0 if parent_joint(frame) == 0 else joint_frames.get(parent_frame(frame))
         if joint is not None:
-            found.setdefault(joint, frame)
-    return found
+            carriers.setdefault(joint, frame)
+    return carriers
 
 
 def parent_joint(frame: pin.Frame) -> int:
@@ -104,8 +105,8 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
     velocities = np.reshape(pin.computeJointJacobians(model, data, pin.neutral(model)), (6, model.nv))
     read = []
     for joint in joints:
-        body = carrier.get(joint.place)
-        attitude = data.oMi[joint.place].rotation @ (np.eye(3) if body is None else body.placement.rotation)
+        body = carrier.get(joint.index)
+        attitude = data.oMi[joint.index].rotation @ (np.eye(3) if body is None else body.placement.rotation)
         moving = velocities[:, joint.first]
         along = {"revolute": moving[3:], "prismatic": moving[:3]}.get(joint.type)
         bounded = joint.type in ("revolute", "prismatic") and joint.coordinates == 1
@@ -113,7 +114,7 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
             ReadJoint(
                 name=joint.name,
                 type=joint.type,
-                child=model.names[joint.place] if body is None else body.name,
+                child=model.names[joint.index] if body is None else body.name,
                 first=joint.first,
                 count=joint.count,
                 axis=None if along is None else vector(attitude.T @ along),
@@ -130,8 +131,8 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
 
 def value(model: pin.Model, velocity: int, *names: str) -> float | None:
     """Return a property of a velocity, by the first of its names that the release knows; None if it knows none of them."""
-    own = next((name for name in names if hasattr(model, name)), None)
-    return None if own is None else float(getattr(model, own)[velocity])
+    attribute = next((name for name in names if hasattr(model, name)), None)
+    return None if attribute is None else float(getattr(model, attribute)[velocity])
 
 
 def limit(stated: float | None) -> float | None:
@@ -147,3 +148,63 @@ def notes(file: RobotFile, joints: Sequence[Joint]) -> tuple[str, ...]:
     if any(joint.type == "planar" for joint in joints):
         said.append("the plane of a planar joint is that of x and y of its frame, whichever axis the file has")
     return tuple(said)
+
+
+#: Where the components of a pose are in Pinocchio's, whose quaternion is x, y, z, w.
+POSE = [0, 1, 2, 6, 3, 4, 5]
+
+
+def terms_of(
+    model: pin.Model, links: Mapping[int, str], joints: Sequence[Joint], states: Sequence[RobotState], gravity: Vector
+) -> tuple[Terms, ...]:
+    """Return what Pinocchio computes at states with a gravity (m/s^2, world), which the model keeps.
+
+    links: the names of links by the places of their frames in the model.
+    """
+    data = model.createData()
+    return tuple(_terms(model, data, links, coordinates(model, joints, state), gravity) for state in states)
+
+
+def _terms(model: pin.Model, data: pin.Data, links: Mapping[int, str], at: Coordinates, gravity: Vector) -> Terms:
+    """Return what Pinocchio computes in one state, with poses and Jacobians of frames by their places."""
+    rest = np.zeros(model.nv)
+    model.gravity = pin.Motion.Zero()
+    coriolis = np.array(pin.rnea(model, data, at.q, at.v, rest))
+    model.gravity = pin.Motion(np.array(gravity), np.zeros(3))
+    poses, jacobians = poses_and_jacobians(model, data, at.q, links.items())
+    return Terms(
+        poses=poses,
+        jacobians=jacobians,
+        mass_matrix=mass_matrix(model, data, at.q),
+        gravity_force=np.array(pin.computeGeneralizedGravity(model, data, at.q)),
+        coriolis_force=coriolis,
+        forward_dynamics=np.array(pin.aba(model, data, at.q, at.v, at.tau)),
+        inverse_dynamics=np.array(pin.rnea(model, data, at.q, at.v, at.a)),
+    )
+
+
+def mass_matrix(model: pin.Model, data: pin.Data, q: Array) -> Array:
+    """Return the mass matrix (nv, nv), of which Pinocchio computes the upper triangle."""
+    upper = np.triu(np.reshape(pin.crba(model, data, q), (model.nv, model.nv)))
+    return np.asarray(upper + np.triu(upper, 1).T)
+
+
+def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
+    """Return the Jacobian (6, nv) of a frame along the world's axes, from data whose Jacobians and frames are computed."""
+    if not model.nv:  # Pinocchio crashes
+        return np.zeros((6, 0))
+    jacobian = np.array(pin.getFrameJacobian(model, data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
+    return jacobian.reshape(6, model.nv)  # with a single column it is a vector
+
+
+def poses_and_jacobians(
+    model: pin.Model, data: pin.Data, q: Array, links: Iterable[tuple[int, str]]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return pose (7,) and Jacobian (6, nv) along the world's axes of frames, by the names beside their places."""
+    pin.computeJointJacobians(model, data, q)
+    pin.updateFramePlacements(model, data)
+    poses, jacobians = {}, {}
+    for index, name in links:
+        poses[name] = np.array(pin.SE3ToXYZQUAT(data.oMf[index]))[POSE]
+        jacobians[name] = frame_jacobian(model, data, index)
+    return poses, jacobians

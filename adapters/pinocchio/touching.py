@@ -72,12 +72,12 @@ class Contacts:
         self.bodies, self.timestep = bodies, timestep
         self.model = world(scene.gravity)
         self.joints = [
-            add_body(self.model, [link_of(own.body)], [pin.JointModelTranslation(), pin.JointModelSpherical()])
-            for own in bodies
+            add_body(self.model, [link_of(body.body)], [pin.JointModelTranslation(), pin.JointModelSpherical()])
+            for body in bodies
         ]
         self.data = self.model.createData()
         # For these velocities the mass matrix does not depend on the configuration; here it is in units of the largest mass.
-        self.mass = max(own.body.mass for own in bodies)
+        self.mass = max(body.body.mass for body in bodies)
         inverse = self.mass * pin.computeMinverse(self.model, self.data, pin.neutral(self.model))
         self.inverse = [inverse[start : start + 6, start : start + 6] for start in range(0, self.model.nv, 6)]
         self.fall = scene.gravity * timestep
@@ -88,7 +88,7 @@ class Contacts:
         )
         usual, *others = laws(scene)
         self.usual, self.others = usual, {law.bodies: law for law in others}
-        self.radii = np.array([radius(own.shape) for own in bodies])
+        self.radii = np.array([radius(body.shape) for body in bodies])
         self.pushes, self.steps = switches(scene.pushes, timestep), 0
         self.acting: tuple[Push, ...] = ()
         self.guess: dict[tuple[tuple[int, int], int], Array] = {}
@@ -105,8 +105,8 @@ class Contacts:
         v = v + self.timestep * pin.aba(self.model, self.data, q, v, self._forces(q))
         pin.forwardKinematics(self.model, self.data, q)
         placed = [
-            Placed(own.shape, self.data.oMi[joint].translation.copy(), self.data.oMi[joint].rotation.copy())
-            for own, joint in zip(self.bodies, self.joints, strict=True)
+            Placed(body.shape, self.data.oMi[joint].translation.copy(), self.data.oMi[joint].rotation.copy())
+            for body, joint in zip(self.bodies, self.joints, strict=True)
         ]
         points = list(self._points(placed, v))
         self.pressed = {}
@@ -129,16 +129,16 @@ class Contacts:
         moving = v.reshape(-1, 6)
         reach = np.linalg.norm(moving[:, :3], axis=1) + np.linalg.norm(moving[:, 3:], axis=1) * self.radii
         margins = 2 * self.timestep * (reach + 2 * self.unit)
-        found: list[Point] = []
-        for place, body in enumerate(placed):
-            found.extend(on_plane(place, body, self.plane, float(margins[place])))
+        points: list[Point] = []
+        for index, body in enumerate(placed):
+            points.extend(on_plane(index, body, self.plane, float(margins[index])))
         centres = np.array([body.centre for body in placed])
         apart = np.linalg.norm(centres[:, None] - centres, axis=2)
         sizes = self.radii + margins
         near = np.argwhere(np.triu(apart <= sizes[:, None] + sizes, 1))  # a few of many pairs
         for one, other in near.tolist():
-            found.extend(between((one, other), placed[one], placed[other], float(margins[one] + margins[other])))
-        return found
+            points.extend(between((one, other), placed[one], placed[other], float(margins[one] + margins[other])))
+        return points
 
     def _change(self, points: Sequence[Point], placed: Sequence[Placed], before: Array, v: Array) -> Array:
         """Return the change of the velocities by contacts; v: (6 bodies,) those of the step without contact."""
@@ -147,9 +147,9 @@ class Contacts:
         drift = jacobian.velocities(v)
         normal, incoming = drift[2::3].copy(), jacobian.velocities(before)[2::3]
         gaps = np.array([point.gap for point in points])
-        given = np.array([law.restitution for law in laws])
-        bouncing = (gaps + self.timestep * normal < 0) & (-given * incoming > self.fall)
-        drift[2::3] += np.where(bouncing, given * incoming, gaps / self.timestep)
+        restitutions = np.array([law.restitution for law in laws])
+        bouncing = (gaps + self.timestep * normal < 0) & (-restitutions * incoming > self.fall)
+        drift[2::3] += np.where(bouncing, restitutions * incoming, gaps / self.timestep)
         keys = [(point.bodies, point.number) for point in points]
         guess = np.concatenate([self.guess.get(key, np.zeros(3)) for key in keys])
         impulses = self._solved(jacobian.delassus(self.inverse), drift / self.unit, guess, tuple(law.friction for law in laws))
@@ -167,13 +167,13 @@ class Contacts:
             self.models[frictions] = models, pin.ADMMConstraintSolver(3 * len(frictions))
         models, admm = self.models[frictions]
         tolerance = max(TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
-        asked, result = self.settings, self.result
-        contact.set_tolerance(asked, tolerance)
-        asked.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
+        chosen, result = self.settings, self.result
+        contact.set_tolerance(chosen, tolerance)
+        chosen.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
         for rule, most in RULES.items():
-            asked.admm_update_rule, asked.max_iterations = getattr(pin.ADMMUpdateRule, rule), most
+            chosen.admm_update_rule, chosen.max_iterations = getattr(pin.ADMMUpdateRule, rule), most
             result.setConstraintImpulseGuess(guess)
-            residual = contact.residual_of(admm, models, delassus, drift, asked, result)
+            residual = contact.residual_of(admm, models, delassus, drift, chosen, result)
             if residual < contact.STALL_RESIDUAL:
                 return np.asarray(result.retrieveConstraintImpulses()).copy()
         raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {self.steps * self.timestep:.6g} s")
@@ -186,51 +186,51 @@ class Jacobian:
     """
 
     def __init__(self, points: Sequence[Point], placed: Sequence[Placed]) -> None:
-        found: dict[int, list[tuple[int, Array]]] = {}
+        by_body: dict[int, list[tuple[int, Array]]] = {}
         for number, point in enumerate(points):
-            for place, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
-                if place != WORLD:
-                    x, y, z = point.place - placed[place].centre
+            for index, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
+                if index != WORLD:
+                    x, y, z = point.position - placed[index].centre
                     crossed = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
                     along = sign * point.axes.T
-                    found.setdefault(place, []).append((number, np.hstack([along, along @ crossed @ placed[place].turn])))
+                    by_body.setdefault(index, []).append((number, np.hstack([along, along @ crossed @ placed[index].turn])))
         self.size, self.bodies = 3 * len(points), len(placed)
         self.blocks = {
-            place: (
-                np.concatenate([np.arange(3 * number, 3 * number + 3) for number, _ in own]),
-                np.vstack([b for _, b in own]),
+            index: (
+                np.concatenate([np.arange(3 * number, 3 * number + 3) for number, _ in blocks_of_body]),
+                np.vstack([b for _, b in blocks_of_body]),
             )
-            for place, own in found.items()
+            for index, blocks_of_body in by_body.items()
         }
 
     def velocities(self, v: Array) -> Array:
         """Return the velocities (3n,) at the points of velocities (6 bodies,)."""
-        made = np.zeros(self.size)
-        for place, (rows, block) in self.blocks.items():
-            made[rows] += block @ v[6 * place : 6 * place + 6]
-        return made
+        at_points = np.zeros(self.size)
+        for index, (rows, block) in self.blocks.items():
+            at_points[rows] += block @ v[6 * index : 6 * index + 6]
+        return at_points
 
     def delassus(self, inverse: Sequence[Array]) -> Array:
         """Return the map (3n, 3n) from impulses to velocities at the points; inverse: (6, 6), of the masses of each body."""
-        made = np.zeros((self.size, self.size))
-        for place, (rows, block) in self.blocks.items():
-            made[np.ix_(rows, rows)] += block @ inverse[place] @ block.T
-        return made
+        matrix = np.zeros((self.size, self.size))
+        for index, (rows, block) in self.blocks.items():
+            matrix[np.ix_(rows, rows)] += block @ inverse[index] @ block.T
+        return matrix
 
     def change(self, inverse: Sequence[Array], impulses: Array) -> Array:
         """Return the velocities (6 bodies,) that impulses (3n,) give."""
-        made = np.zeros(6 * self.bodies)
-        for place, (rows, block) in self.blocks.items():
-            made[6 * place : 6 * place + 6] = inverse[place] @ (block.T @ impulses[rows])
-        return made
+        of_bodies = np.zeros(6 * self.bodies)
+        for index, (rows, block) in self.blocks.items():
+            of_bodies[6 * index : 6 * index + 6] = inverse[index] @ (block.T @ impulses[rows])
+        return of_bodies
 
 
 def settings() -> "pin.ADMMSolverSettings":
     """Return ADMM's settings, without the tolerances and the penalty that each step has."""
-    made = pin.ADMMSolverSettings()
-    made.solve_ncp = True
-    made.linear_update_rule_factor = PENALTY_FACTOR
-    return made
+    chosen = pin.ADMMSolverSettings()
+    chosen.solve_ncp = True
+    chosen.linear_update_rule_factor = PENALTY_FACTOR
+    return chosen
 
 
 def prepare(scene: AnyScene, method: Method) -> Loop[State]:
@@ -244,12 +244,12 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> Mapping[tupl
     """Return the normal forces between pairs that touch in each of n steps, as `InterfaceLoads.interface_loads` does."""
     contacts = built(scene, method)
     state = begin(contacts.bodies)
-    found: dict[tuple[int, int], Array] = {}
+    by_pair: dict[tuple[int, int], Array] = {}
     for step in range(steps):
         state = contacts.step(state)
         for pair, pressed in contacts.pressed.items():
-            found.setdefault(pair, np.zeros(steps))[step] = pressed / method.timestep
-    return found
+            by_pair.setdefault(pair, np.zeros(steps))[step] = pressed / method.timestep
+    return by_pair
 
 
 def built(scene: AnyScene, method: Method) -> Contacts:
@@ -260,17 +260,17 @@ def built(scene: AnyScene, method: Method) -> Contacts:
         raise SceneUnsupported(f"no model {model!r} of bodies that touch")
     bodies = touching_bodies(scene)
     if len(bodies) > 1:
-        for own in bodies:
-            if not isinstance(own.shape, Brick | Sphere):
+        for body in bodies:
+            if not isinstance(body.shape, Brick | Sphere):
                 raise SceneUnsupported(
-                    f"{describe_shape(own.shape)} among several: contacts of bricks and spheres alone are found"
+                    f"{describe_shape(body.shape)} among several: contacts of bricks and spheres alone are found"
                 )
     return Contacts(scene, bodies, method.timestep)
 
 
 def begin(bodies: Sequence[TouchingBody]) -> State:
     """Return the coordinates and velocities of bodies at t = 0; Pinocchio's quaternions are x, y, z, w."""
-    starts = [own.start for own in bodies]
+    starts = [body.start for body in bodies]
     q = np.concatenate([(*start.position, *start.quaternion[1:], start.quaternion[0]) for start in starts])
     return q, np.concatenate([(*start.velocity, *start.angular_velocity) for start in starts])
 

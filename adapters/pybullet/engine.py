@@ -6,22 +6,23 @@ The docstring of the package says what the integrators are, which settings are s
 import math
 import weakref
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 
 import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, carried, state_in
+from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.touching import corners_of_brick, lying_shape
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
-from bodycheck.reference.scene import Brick, Plane, Scene, State
+from bodycheck.reference.scene import Brick, Scene, State
 from bodycheck.reference.trajectory import Array
 
 # PyBullet writes when it was built to standard error, in C, whenever it is imported.
@@ -30,8 +31,8 @@ with no_stderr():
 
     from bodycheck.adapters.pybullet import mechanisms
     from bodycheck.adapters.pybullet.links import BASE, load, weld
+    from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
-    from bodycheck.adapters.pybullet.settings import switched_off
 
 #: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
@@ -60,6 +61,9 @@ engine = Engine(
     variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
     defaults=defaults(),
 )
+
+#: The friction law of contacts.
+contact_law = corners_of_brick
 
 #: The functions of PyBullet that steps call from Python.
 calls = tuple(
@@ -105,9 +109,9 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[None]:
         mechanisms.push(client, parts, joints)
         pybullet.stepSimulation(physicsClientId=client)
 
-    made = Loop(None, step, lambda _: mechanisms.seen(client, parts), mechanisms.rows)
-    weakref.finalize(made, pybullet.disconnect, client)
-    return made
+    simulation = Loop(None, step, lambda _: mechanisms.seen(client, parts), in_body_axes)
+    weakref.finalize(simulation, pybullet.disconnect, client)
+    return simulation
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[World]:
@@ -209,16 +213,16 @@ def add_ground(client: int, maximal: bool) -> None:
 
 def set_properties(world: World, scene: Scene, method: Method) -> None:
     """Set the inertia and the friction of the body, and switch off what the scene does not have unless the method keeps it."""
-    own = switched_off(method)
+    properties = switched_off(method)
     if scene.plane is not None:
-        own["lateralFriction"] = scene.plane.friction
+        properties["lateralFriction"] = scene.plane.friction
     pybullet.changeDynamics(
         world.body,
         BASE,
         mass=scene.body.mass,
         localInertiaDiagonal=scene.body.moments,
         physicsClientId=world.client,
-        **own,
+        **properties,
     )
 
 
@@ -228,13 +232,6 @@ def set_state(world: World, initial: State) -> None:
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
     pybullet.resetBasePositionAndOrientation(world.body, initial.position, (x, y, z, w), physicsClientId=world.client)
     pybullet.resetBaseVelocity(world.body, initial.velocity, spin, physicsClientId=world.client)
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts: that of four corners for a brick, and none for a cylinder."""
-    if scene.plane is None or not isinstance(scene.body.shape, Brick):
-        return None
-    return replace(scene.plane, law="corners", pressure="balanced")
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

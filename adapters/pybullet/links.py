@@ -1,7 +1,5 @@
 """Load links into PyBullet, which takes an inertia tensor from a URDF file only."""
 
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,7 +7,7 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.urdf import urdf
+from bodycheck.adapters.urdf import file_of, urdf
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.scene import Quaternion, Vector
 
@@ -45,7 +43,7 @@ def weld(client: int, bodies: Sequence[Loaded], links: Sequence[Link]) -> None:
     """Weld bodies in maximal coordinates to the first one, where the links say."""
     first = bodies[0]
     for body, link in zip(bodies[1:], links[1:], strict=True):
-        here, there = _seen_from(first, link.position, link.quaternion), _seen_from(body, (0, 0, 0), (1, 0, 0, 0))
+        on_first, on_second = _seen_from(first, link.position, link.quaternion), _seen_from(body, (0, 0, 0), (1, 0, 0, 0))
         pybullet.createConstraint(
             first.body,
             BASE,
@@ -53,19 +51,16 @@ def weld(client: int, bodies: Sequence[Loaded], links: Sequence[Link]) -> None:
             BASE,
             pybullet.JOINT_FIXED,
             (0, 0, 0),
-            here[0],
-            there[0],
-            here[1],
-            there[1],
+            on_first[0],
+            on_second[0],
+            on_first[1],
+            on_second[1],
             physicsClientId=client,
         )
 
 
 def _loaded(client: int, text: str, maximal: bool, flags: int) -> Loaded:
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "body.urdf")
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(text)
+    with file_of(text) as file:
         body = pybullet.loadURDF(file, useMaximalCoordinates=maximal, flags=flags, physicsClientId=client)
     # The link's frame is that of the world here. The function that tells of frames knows none in maximal coordinates.
     position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)

@@ -7,8 +7,7 @@ applied together with the constant effort, as users do. Dry friction is PyBullet
 limited force. Loops are constraints between points.
 """
 
-import os
-import tempfile
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,13 +15,12 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mechanisms import starts, trees
+from bodycheck.adapters.mechanisms import link_of, starts, trees
 from bodycheck.adapters.pybullet.links import BASE
-from bodycheck.adapters.pybullet.settings import switched_off
-from bodycheck.adapters.pybullet.trees import document
+from bodycheck.adapters.urdf import angles, file_of, link_element, spaced
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import kinematics
-from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 
@@ -63,19 +61,19 @@ class Part:
 
 def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
     """Add a mechanism in its initial state to a physics server, and return its bodies in their order."""
-    found: dict[int, Part] = {}
+    by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
         body = loaded(client, document(mechanism, tree), tree[0] == WORLD)
         pybullet.changeDynamics(body, BASE, physicsClientId=client, **switched_off(method))
         numbers = {f"body_{tree[0]}": BASE}
         for link in range(pybullet.getNumJoints(body, physicsClientId=client)):
             numbers[pybullet.getJointInfo(body, link, physicsClientId=client)[12].decode()] = link
-        for place in tree:
-            if place != WORLD:
-                link = numbers[f"body_{place}"]
+        for index in tree:
+            if index != WORLD:
+                link = numbers[f"body_{index}"]
                 x, y, z, w = pybullet.getDynamicsInfo(body, link, physicsClientId=client)[4]
-                found[place] = Part(body, link, np.array([w, x, y, z]))
-    parts = [found[place] for place in range(len(mechanism.bodies))]
+                by_index[index] = Part(body, link, np.array([w, x, y, z]))
+    parts = [by_index[index] for index in range(len(mechanism.bodies))]
     start(client, mechanism, parts)
     for loop in mechanism.loops:
         close(client, mechanism, parts, loop)
@@ -84,10 +82,7 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
 
 def loaded(client: int, text: str, fixed: bool) -> int:
     """Return the number of the body of PyBullet that a URDF file is, with a base that is fixed or free."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "tree.urdf")
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(text)
+    with file_of(text) as file:
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # else of the shapes
         return int(pybullet.loadURDF(file, useFixedBase=fixed, flags=flags, physicsClientId=client))
 
@@ -95,14 +90,14 @@ def loaded(client: int, text: str, fixed: bool) -> int:
 def start(client: int, mechanism: Mechanism, parts: Sequence[Part]) -> None:
     """Set the initial state of a mechanism, and replace PyBullet's motors, which brake each joint, by its dry friction."""
     first = kinematics.initial(mechanism)
-    for place, joint in enumerate(mechanism.joint_of):
+    for index, joint in enumerate(mechanism.joint_of):
         if joint is None:
-            part = parts[place]
-            w, x, y, z = multiply(first.quaternion[place, 0], part.axes).tolist()
-            position = first.position[place, 0].tolist()
+            part = parts[index]
+            w, x, y, z = multiply(first.quaternion[index, 0], part.axes).tolist()
+            position = first.position[index, 0].tolist()
             pybullet.resetBasePositionAndOrientation(part.tree, position, (x, y, z, w), physicsClientId=client)
-            spin = rotate(first.quaternion[place, 0], first.angular_velocity[place, 0]).tolist()
-            velocity = first.velocity[place, 0].tolist()
+            spin = rotate(first.quaternion[index, 0], first.angular_velocity[index, 0]).tolist()
+            velocity = first.velocity[index, 0].tolist()
             pybullet.resetBaseVelocity(part.tree, velocity, spin, physicsClientId=client)
     for joint, (position, velocity) in zip(mechanism.joints, starts(mechanism), strict=True):
         part = parts[joint.child]
@@ -140,13 +135,17 @@ def start_ball(client: int, part: Part, position: Array, velocity: Array) -> Non
 
 def close(client: int, mechanism: Mechanism, parts: Sequence[Part], loop: Loop) -> None:
     """Add a loop as a constraint between two points, each in Bullet's frame of its body."""
-    (one, other), (here, there) = loop.bodies, loop.points
-    if one == WORLD:
-        one, other, here, there = other, one, there, here
-    first = parts[one]
-    tree, link, second = -1, -1, np.array(there)
-    if other != WORLD:
-        tree, link, second = parts[other].tree, parts[other].link, in_principal_frame(mechanism, parts, other, there)
+    (body, other_body), (point, other_point) = loop.bodies, loop.points
+    if body == WORLD:
+        body, other_body, point, other_point = other_body, body, other_point, point
+    first = parts[body]
+    tree, link, second = -1, -1, np.array(other_point)
+    if other_body != WORLD:
+        tree, link, second = (
+            parts[other_body].tree,
+            parts[other_body].link,
+            in_principal_frame(mechanism, parts, other_body, other_point),
+        )
     pybullet.createConstraint(
         first.tree,
         first.link,
@@ -154,15 +153,15 @@ def close(client: int, mechanism: Mechanism, parts: Sequence[Part], loop: Loop) 
         link,
         pybullet.JOINT_POINT2POINT,
         (0, 0, 0),
-        in_principal_frame(mechanism, parts, one, here).tolist(),
+        in_principal_frame(mechanism, parts, body, point).tolist(),
         second.tolist(),
         physicsClientId=client,
     )
 
 
-def in_principal_frame(mechanism: Mechanism, parts: Sequence[Part], place: int, point: Sequence[float]) -> Array:
+def in_principal_frame(mechanism: Mechanism, parts: Sequence[Part], index: int, point: Sequence[float]) -> Array:
     """Return a point (3,) of a body in Bullet's frame, which is at the centre of mass and along the principal axes."""
-    return rotate(conjugate(parts[place].axes), np.array(point) - np.array(nearest_inertia(mechanism.bodies[place]).centre))
+    return rotate(conjugate(parts[index].axes), np.array(point) - np.array(nearest_inertia(mechanism.bodies[index]).centre))
 
 
 def pushed(mechanism: Mechanism) -> list[Joint]:
@@ -185,18 +184,50 @@ def seen(client: int, parts: Sequence[Part]) -> Array:
     rows = []
     for part in parts:
         if part.link == BASE:
-            place, (x, y, z, w) = pybullet.getBasePositionAndOrientation(part.tree, physicsClientId=client)
+            position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(part.tree, physicsClientId=client)
             velocity, spin = pybullet.getBaseVelocity(part.tree, physicsClientId=client)
         else:
             state = pybullet.getLinkState(part.tree, part.link, 1, 1, physicsClientId=client)
-            place, (x, y, z, w), velocity, spin = state[0], state[1], state[6], state[7]
+            position, (x, y, z, w), velocity, spin = state[0], state[1], state[6], state[7]
         turn = multiply(np.array([w, x, y, z]), conjugate(part.axes))
-        rows += [*place, *turn, *velocity, *spin]
+        rows += [*position, *turn, *velocity, *spin]
     return np.array(rows)
 
 
-def rows(seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
-    return found
+def switched_off(method: Method) -> dict[str, float]:
+    """Return the arguments of `changeDynamics` that end damping and limits, unless a method keeps them."""
+    if method.option("settings") == "engine":
+        return {}
+    return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
+
+
+#: PyBullet's names of the types of joints. Limits of which the lower one is above the upper one are none.
+TYPES = {"revolute": "continuous", "prismatic": "prismatic", "spherical": "spherical", "fixed": "fixed"}
+
+#: The base of a tree that is fixed to the world.
+FIXED_BASE = (
+    '<link name="world"><inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+
+
+def document(mechanism: Mechanism, tree: Sequence[int]) -> str:
+    """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k by the place k of the body."""
+    root, *others = tree
+    parts = [FIXED_BASE if root == WORLD else link_element(f"body_{root}", link_of(mechanism.bodies[root]))]
+    for index in others:
+        joint = mechanism.joint_of[index]
+        assert joint is not None  # only roots have none
+        parts += [link_element(f"body_{index}", link_of(mechanism.bodies[index])), joint_element(joint)]
+    return "\n".join(['<?xml version="1.0"?>', '<robot name="mechanism">', *parts, "</robot>", ""])
+
+
+def joint_element(joint: Joint) -> str:
+    """Return the element of a joint with its damping."""
+    parent = "world" if joint.parent == WORLD else f"body_{joint.parent}"
+    return (
+        f'<joint name="joint_{joint.child}" type="{TYPES[joint.type]}">'
+        f'<parent link="{parent}"/><child link="body_{joint.child}"/>'
+        f'<origin xyz="{spaced(joint.position)}" rpy="{spaced(angles(nearest_turn(joint.attitude)))}"/>'
+        f'<axis xyz="{spaced(nearest_axis(joint))}"/><limit lower="0" upper="-1" effort="0" velocity="0"/>'
+        f'<dynamics damping="{spaced([joint.damping])}" friction="0"/></joint>'
+    )

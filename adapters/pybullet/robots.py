@@ -60,7 +60,7 @@ NOTES = (
 class Joint:
     """A joint of PyBullet: its place, which is that of its link, its name, type and first velocity, and its link's name."""
 
-    place: int
+    index: int
     name: str
     type: str
     first: int
@@ -89,10 +89,10 @@ class Loaded:
         """The number of velocities."""
         return sum(joint.count for joint in self.joints)
 
-    def dynamics(self, place: int) -> tuple[Any, ...]:
-        """What PyBullet tells of the dynamics of a link."""
-        found: tuple[Any, ...] = pybullet.getDynamicsInfo(self.body, place, physicsClientId=self.client)
-        return found
+    def dynamics(self, index: int) -> tuple[Any, ...]:
+        """Return PyBullet's numbers of the dynamics of a link."""
+        dynamics: tuple[Any, ...] = pybullet.getDynamicsInfo(self.body, index, physicsClientId=self.client)
+        return dynamics
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
@@ -101,14 +101,14 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         standard = default_gravity(client)
         robot, warnings = loaded(client, file)
         with overheard():  # Bullet repeats its warnings in each call
-            found = tuple(terms(robot, state, gravity) for state in states)
+            computed_terms = tuple(terms(robot, state, gravity) for state in states)
         return RobotReading(
             bodies=read_bodies(robot),
             joints=tuple(read_joint(robot, joint) for joint in robot.moving),
             links=(robot.base, *(joint.link for joint in robot.joints)),
             velocities=robot.velocities,
             gravity=standard,
-            terms=found,
+            terms=computed_terms,
             rounding=ROUNDING,
             notes=(*NOTES, *(f"PyBullet warns: {warning}" for warning in warnings)),
         )
@@ -154,10 +154,10 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
         raise FormatUnknown(f"the adapter of PyBullet takes an MJCF of one tree on the world; this has {len(bodies)} bodies")
     base, _ = pybullet.getBodyInfo(body, physicsClientId=client)
     joints, first = [], 0
-    for place in range(pybullet.getNumJoints(body, physicsClientId=client)):
-        info = pybullet.getJointInfo(body, place, physicsClientId=client)
+    for index in range(pybullet.getNumJoints(body, physicsClientId=client)):
+        info = pybullet.getJointInfo(body, index, physicsClientId=client)
         type_, count = TYPES.get(info[2], (f"type {info[2]}", 0))
-        joints.append(Joint(place, text(info[1]), type_, first, count, text(info[12]), info[16], info))
+        joints.append(Joint(index, text(info[1]), type_, first, count, text(info[12]), info[16], info))
         first += count
     return Loaded(client, body, text(base), tuple(joints)), warnings_in(said)
 
@@ -175,21 +175,21 @@ def text(name: bytes) -> str:
 
 def read_bodies(robot: Loaded) -> tuple[ReadBody, ...]:
     """Return the base and the links, also those on fixed joints."""
-    names = {joint.place: joint.link for joint in robot.joints} | {BASE: robot.base}
-    parents = {joint.place: names[joint.parent] for joint in robot.joints}
-    return tuple(read_body(robot, place, names[place], parents.get(place)) for place in (BASE, *parents))
+    names = {joint.index: joint.link for joint in robot.joints} | {BASE: robot.base}
+    parents = {joint.index: names[joint.parent] for joint in robot.joints}
+    return tuple(read_body(robot, index, names[index], parents.get(index)) for index in (BASE, *parents))
 
 
-def read_body(robot: Loaded, place: int, name: str, parent: str | None) -> ReadBody:
+def read_body(robot: Loaded, index: int, name: str, parent: str | None) -> ReadBody:
     """Return a link in its own frame."""
-    mass, _, moments, centre, turn, *_ = robot.dynamics(place)
+    mass, _, moments, centre, turn, *_ = robot.dynamics(index)
     return ReadBody(name, parent, mass, vector(centre), components(along(moments, matrix(scalar_first(turn)))))
 
 
 def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
     """Return a joint that moves. Limits of which the lower one is above the upper one are none to Bullet."""
     _, _, _, _, _, _, damping, friction, lower, upper, effort, _, _, axis, *_ = joint.info
-    limited, turned = lower <= upper, matrix(scalar_first(robot.dynamics(joint.place)[4]))
+    limited, turned = lower <= upper, matrix(scalar_first(robot.dynamics(joint.index)[4]))
     return ReadJoint(
         name=joint.name,
         type=joint.type,
@@ -213,17 +213,17 @@ def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
         return Terms()
     if any(joint.type == "spherical" for joint in robot.joints):
         return Terms(poses=poses(robot))
-    held, moving, wanted = (rates(robot, values) for values in (state.positions, state.velocities, state.accelerations))
+    positions, moving, wanted = (rates(robot, values) for values in (state.positions, state.velocities, state.accelerations))
     still = [0.0] * robot.velocities
 
     def inverse(pull: Vector, velocities: list[float], accelerations: list[float]) -> Array | None:
         pybullet.setGravity(*pull, physicsClientId=robot.client)
-        return computed(pybullet.calculateInverseDynamics, robot, held, velocities, accelerations)
+        return computed(pybullet.calculateInverseDynamics, robot, positions, velocities, accelerations)
 
     return Terms(
         poses=poses(robot),
-        jacobians=jacobians(robot, held, still),
-        mass_matrix=computed(pybullet.calculateMassMatrix, robot, held),
+        jacobians=jacobians(robot, positions, still),
+        mass_matrix=computed(pybullet.calculateMassMatrix, robot, positions),
         gravity_force=inverse(gravity, still, still),
         coriolis_force=inverse((0.0, 0.0, 0.0), moving, still),
         inverse_dynamics=inverse(gravity, moving, wanted),
@@ -233,10 +233,10 @@ def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
 def computed(function: Any, robot: Loaded, *arguments: list[float]) -> Array | None:
     """Return what a function of PyBullet computes for a robot; None where it fails, as for a robot on which nothing moves."""
     try:
-        found = function(robot.body, *arguments, physicsClientId=robot.client)
+        numbers = function(robot.body, *arguments, physicsClientId=robot.client)
     except pybullet.error:
         return None
-    return np.array(found) if found else None
+    return np.array(numbers) if numbers else None
 
 
 def rates(robot: Loaded, values: Values) -> list[float]:
@@ -247,13 +247,13 @@ def rates(robot: Loaded, values: Values) -> list[float]:
 def place(robot: Loaded, state: RobotState) -> None:
     """Put a robot into the positions of a state, but for planar joints. A ball's are along the principal axes of its child."""
     for joint in robot.moving:
-        held = state.positions.get(joint.name)
-        if held is not None and joint.count == 1:
-            pybullet.resetJointState(robot.body, joint.place, held[0], physicsClientId=robot.client)
-        elif held is not None and joint.type == "spherical":
-            axes = scalar_first(robot.dynamics(joint.place)[4])
-            w, x, y, z = multiply(multiply(conjugate(axes), np.array(held)), axes).tolist()
-            pybullet.resetJointStateMultiDof(robot.body, joint.place, [x, y, z, w], physicsClientId=robot.client)
+        position = state.positions.get(joint.name)
+        if position is not None and joint.count == 1:
+            pybullet.resetJointState(robot.body, joint.index, position[0], physicsClientId=robot.client)
+        elif position is not None and joint.type == "spherical":
+            axes = scalar_first(robot.dynamics(joint.index)[4])
+            w, x, y, z = multiply(multiply(conjugate(axes), np.array(position)), axes).tolist()
+            pybullet.resetJointStateMultiDof(robot.body, joint.index, [x, y, z, w], physicsClientId=robot.client)
 
 
 def poses(robot: Loaded) -> Mapping[str, Array]:
@@ -269,21 +269,23 @@ def poses(robot: Loaded) -> Mapping[str, Array]:
 
 def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
     """Give the names of the links and the poses of their frames."""
-    for place, name in ((BASE, robot.base), *((joint.place, joint.link) for joint in robot.joints)):
-        if place == BASE:
+    for index, name in ((BASE, robot.base), *((joint.index, joint.link) for joint in robot.joints)):
+        if index == BASE:
             at, turn = pybullet.getBasePositionAndOrientation(robot.body, physicsClientId=robot.client)
         else:
-            at, turn, *_ = pybullet.getLinkState(robot.body, place, computeForwardKinematics=True, physicsClientId=robot.client)
-        centre, axes = robot.dynamics(place)[3:5]
-        own = multiply(scalar_first(turn), conjugate(scalar_first(axes)))
-        yield name, pose(np.array(at) - rotate(own, np.array(centre)), own)
+            at, turn, *_ = pybullet.getLinkState(robot.body, index, computeForwardKinematics=True, physicsClientId=robot.client)
+        centre, axes = robot.dynamics(index)[3:5]
+        attitude = multiply(scalar_first(turn), conjugate(scalar_first(axes)))
+        yield name, pose(np.array(at) - rotate(attitude, np.array(centre)), attitude)
 
 
-def jacobians(robot: Loaded, held: list[float], still: list[float]) -> Mapping[str, Array]:
+def jacobians(robot: Loaded, positions: list[float], at_rest: list[float]) -> Mapping[str, Array]:
     """Return the Jacobians (6, n) of the origins of the links' frames, in which PyBullet takes the point."""
     origin = (0.0, 0.0, 0.0)
-    made = {robot.base: np.zeros((6, robot.velocities))}  # a base that is fixed does not move
+    by_link = {robot.base: np.zeros((6, robot.velocities))}  # a base that is fixed does not move
     for joint in robot.joints if robot.velocities else ():
-        found = pybullet.calculateJacobian(robot.body, joint.place, origin, held, still, still, physicsClientId=robot.client)
-        made[joint.link] = np.concatenate(found)
-    return made
+        parts = pybullet.calculateJacobian(
+            robot.body, joint.index, origin, positions, at_rest, at_rest, physicsClientId=robot.client
+        )
+        by_link[joint.link] = np.concatenate(parts)
+    return by_link

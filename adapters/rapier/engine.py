@@ -14,11 +14,12 @@ from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, EngineReset, Integrator, Method, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
+from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -78,7 +79,7 @@ def jointed(mechanism: Mechanism, method: Method) -> Normalised:
         world.step()
         mechanisms.check(bodies)
 
-    return Normalised(Loop(None, step, lambda _: mechanisms.seen(bodies), lambda seen: mechanisms.rows(mechanism, seen)))
+    return Normalised(Loop(None, step, lambda _: mechanisms.seen(bodies), lambda seen: at_centres(mechanism, seen)))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
@@ -189,12 +190,12 @@ def collider(scene: Scene) -> "rapier3d.ColliderBuilder":
     assert scene.plane is not None
     axes = rapier3d.Rotation3(*scene.body.axes).inverse()
     if isinstance(shape, Brick):
-        made = rapier3d.Collider.cuboid(*shape.semi_axes)
+        of_shape = rapier3d.Collider.cuboid(*shape.semi_axes)
     else:
         # The axis of Rapier's cylinders is y.
-        made = rapier3d.Collider.cylinder(shape.half_length, shape.radius)
+        of_shape = rapier3d.Collider.cylinder(shape.half_length, shape.radius)
         axes = axes * rapier3d.Rotation3.from_scaled_axis((math.pi / 2, 0, 0))
-    return made.rotation(axes.scaled_axis).density(0).friction(scene.plane.friction)
+    return of_shape.rotation(axes.scaled_axis).density(0).friction(scene.plane.friction)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

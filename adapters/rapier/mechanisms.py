@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from bodycheck.adapters.contract import EngineReset, SceneUnsupported
 from bodycheck.adapters.links import Link, tensor
 from bodycheck.adapters.mechanisms import frames, from_x, link_of
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
@@ -45,23 +45,23 @@ def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> 
     """
     first = kinematics.initial(mechanism)
     handles = {WORLD: world.add_body(rapier3d.RigidBody.fixed())}
-    for place, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
-        spin = rotate(first.quaternion[place, 0], first.angular_velocity[place, 0]).tolist()
-        made = (
+    for index, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
+        spin = rotate(first.quaternion[index, 0], first.angular_velocity[index, 0]).tolist()
+        builder = (
             rapier3d.RigidBody.dynamic()
             .position(rapier3d.Isometry3(frame.position, rapier3d.Rotation3(*frame.quaternion)))
-            .linvel(first.velocity[place, 0].tolist())
+            .linvel(first.velocity[index, 0].tolist())
             .angvel(spin)
             .additional_mass_properties(properties(link_of(body)))
         )
-        handles[place] = world.add_body(unlimited(made))
+        handles[index] = world.add_body(unlimited(builder))
     for joint in mechanism.joints:
         world.impulse_joints.insert(handles[joint.parent], handles[joint.child], joint_of(joint), True)
     for loop in mechanism.loops:
         one, other = loop.points
         ball = rapier3d.SphericalJoint.builder().local_anchor1(one).local_anchor2(other)
         world.impulse_joints.insert(handles[loop.bodies[0]], handles[loop.bodies[1]], ball, True)
-    return [world.rigid_bodies[handles[place]] for place in range(len(mechanism.bodies))]
+    return [world.rigid_bodies[handles[index]] for index in range(len(mechanism.bodies))]
 
 
 def properties(link: Link) -> Any:
@@ -85,17 +85,17 @@ def joint_of(joint: Joint) -> Any:
         "fixed": mask.LOCKED_FIXED_AXES,
     }
     turn = from_x(np.array(exact.nearest_axis(joint))) if joint.type in ("revolute", "prismatic") else NO_TURN
-    there = multiply(np.array(exact.nearest_turn(joint.attitude)), turn)
-    made = (
+    attitude = multiply(np.array(exact.nearest_turn(joint.attitude)), turn)
+    builder = (
         rapier3d.GenericJoint.builder(locked[joint.type])
-        .local_frame1(rapier3d.Isometry3(joint.position, rapier3d.Rotation3(*there.tolist())))
+        .local_frame1(rapier3d.Isometry3(joint.position, rapier3d.Rotation3(*attitude.tolist())))
         .local_frame2(rapier3d.Isometry3((0.0, 0.0, 0.0), rapier3d.Rotation3(*turn.tolist())))
     )
     if joint.stiffness or joint.damping:
         axis = rapier3d.JointAxis.ANG_X if joint.type == "revolute" else rapier3d.JointAxis.LIN_X
-        made = made.motor_model(axis, rapier3d.MotorModel.FORCE_BASED)
-        made = made.motor_position(axis, joint.rest, joint.stiffness, joint.damping)
-    return made
+        builder = builder.motor_model(axis, rapier3d.MotorModel.FORCE_BASED)
+        builder = builder.motor_position(axis, joint.rest, joint.stiffness, joint.damping)
+    return builder
 
 
 def check(bodies: Sequence[Any]) -> None:
@@ -111,13 +111,3 @@ def seen(bodies: Sequence[Any]) -> Array:
         x, y, z, w = body.rotation.quaternion
         parts += [*body.translation.to_tuple(), w, x, y, z, *body.linvel.to_tuple(), *body.angvel.to_tuple()]
     return np.array(parts)
-
-
-def rows(mechanism: Mechanism, seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract, with quaternions of any norm, from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    for number, body in enumerate(mechanism.bodies):
-        unit = normalise(found[:, number, 3:7])
-        found[:, number, :3] += rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(seen), 3)))
-        found[:, number, 10:] = rotate(conjugate(unit), found[:, number, 10:])
-    return found

@@ -84,7 +84,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         links=tuple(robot.handles),
         velocities=sum(joint.count for joint in robot.joints),
         gravity=vector(rapier3d.PhysicsWorld().gravity.to_tuple()),
-        terms=tuple(terms(own, state) for own, state in zip(robots, states, strict=True)),
+        terms=tuple(terms(placed, state) for placed, state in zip(robots, states, strict=True)),
         rounding=ROUNDING,
         notes=NOTES,
     )
@@ -96,40 +96,44 @@ def loaded(file: RobotFile) -> Loaded:
     bodies, colliders, joints = rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet()
     try:
         with overheard():
-            robot, told = loader.UrdfRobot.from_file(file.path, options)
+            robot, description = loader.UrdfRobot.from_file(file.path, options)
             handles = robot.insert_using_multibody_joints(bodies, colliders, joints)
     except BaseException as error:  # a panic of Rust is no Exception
         if not isinstance(error, Exception) and type(error).__name__ != PANIC:
             raise
         raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
-    names = [link.name for link in told.links]
-    found = {name: handle.body for name, handle in zip(names, handles.links, strict=True)}
-    for body in found.values():
+    names = [link.name for link in description.links]
+    handles_by_name = {name: handle.body for name, handle in zip(names, handles.links, strict=True)}
+    for body in handles_by_name.values():
         bodies[body].recompute_mass_properties_from_colliders(colliders)
     moving, tree = [], None
-    for joint, handle in zip(told.joints, handles.joints, strict=True):
+    for joint, handle in zip(description.joints, handles.joints, strict=True):
         kind = joint.joint_type.lower()
         kind = TYPES.get(kind, kind)
-        tree, place = joints.get(handle.joint) if handle.joint is not None else (None, 0)
+        tree, index = joints.get(handle.joint) if handle.joint is not None else (None, 0)
         if tree is not None and kind != "fixed":
-            link = tree.get_link(place)
+            link = tree.get_link(index)
             data, first = joints[handle.joint].data, link.assembly_id - ROOT
             moving.append(Joint(joint.name, kind, joint.child, data, first, link.ndofs))
-    return Loaded(bodies, found, {joint.child: joint.parent for joint in told.joints}, tuple(moving), tree)
+    return Loaded(bodies, handles_by_name, {joint.child: joint.parent for joint in description.joints}, tuple(moving), tree)
 
 
 def read_body(robot: Loaded, name: str) -> ReadBody:
     """Return a link."""
-    own = robot.bodies[robot.handles[name]].mass_properties
-    tensor = along([*own.principal_inertia], matrix(scalar_first([*own.principal_inertia_local_frame.quaternion])))
-    return ReadBody(name, robot.parents.get(name), float(own.mass), vector([*own.local_com]), components(tensor))
+    mass_properties = robot.bodies[robot.handles[name]].mass_properties
+    tensor = along(
+        [*mass_properties.principal_inertia], matrix(scalar_first([*mass_properties.principal_inertia_local_frame.quaternion]))
+    )
+    return ReadBody(
+        name, robot.parents.get(name), float(mass_properties.mass), vector([*mass_properties.local_com]), components(tensor)
+    )
 
 
 def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
     """Return a joint that moves."""
     axis = AXES.get(joint.type)
     limits = joint.data.limits(axis) if axis is not None else None
-    place = joint.first + ROOT
+    index = joint.first + ROOT
     return ReadJoint(
         name=joint.name,
         type=joint.type,
@@ -137,7 +141,7 @@ def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
         first=joint.first,
         count=joint.count,
         axis=vector([*joint.data.local_axis2]) if axis is not None else None,
-        armature=float(robot.tree.armature()[place]),
+        armature=float(robot.tree.armature()[index]),
         lower=finite(limits.min) if limits is not None else None,
         upper=finite(limits.max) if limits is not None else None,
     )

@@ -14,10 +14,11 @@ import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, choice, states
-from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
+from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
@@ -91,7 +92,7 @@ def jointed(mechanism: Mechanism, method: Method) -> Normalised:
         system.step()
         return whole  # which keeps the links
 
-    return Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: mechanisms.rows(mechanism, seen)))
+    return Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: at_centres(mechanism, seen)))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
@@ -194,12 +195,12 @@ def collision_shape(scene: Scene) -> Any:
     assert scene.plane is not None
     axes = conjugate(np.array(scene.body.axes))
     if isinstance(shape, Brick):
-        made = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane.friction))
+        of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane.friction))
     else:
-        made = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane.friction))
+        of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane.friction))
         axes = multiply(axes, np.array(X_TO_Z))
-    made.set_local_pose(sapien.Pose((0, 0, 0), axes))
-    return made
+    of_shape.set_local_pose(sapien.Pose((0, 0, 0), axes))
+    return of_shape
 
 
 def material(friction: float) -> Any:

@@ -4,15 +4,13 @@ One link is an entity with a rigid body, as in other scenes. Several are an arti
 fixed joints. The tensor is diagonalised by SAPIEN.
 """
 
-import os
-import tempfile
 from collections.abc import Sequence
 from typing import Any
 
 from sapien import Pose, Scene, physx
 
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.urdf import urdf
+from bodycheck.adapters.urdf import file_of, urdf
 
 #: A speed that is no limit: PhysX's own for the velocity, whose square it forms in single precision.
 NO_LIMIT = 1e16
@@ -22,10 +20,7 @@ def load(scene: "Scene", links: Sequence[Link]) -> Any:
     """Load links into a scene of SAPIEN, and return the entity of one, or the articulation of several."""
     loader = scene.create_urdf_loader()
     loader.fix_root_link = False
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "body.urdf")
-        with open(file, "w", encoding="utf-8") as stream:
-            stream.write(urdf(links))
+    with file_of(urdf(links)) as file:
         articulations, entities = loader.load_multiple(file)
     return (articulations or entities)[0]
 

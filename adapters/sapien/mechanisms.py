@@ -17,7 +17,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.adapters.links import Link, tensor
 from bodycheck.adapters.mechanisms import frames, from_x, link_of, starts, trees
 from bodycheck.adapters.sapien.links import NO_LIMIT, place, switch_off
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
@@ -42,7 +42,7 @@ TYPES = {"revolute": "revolute_unwrapped", "prismatic": "prismatic", "fixed": "f
 
 def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
     """Add a mechanism in its initial state to a scene of SAPIEN, and return the links of its bodies in their order."""
-    found: dict[int, Any] = {}
+    links_by_body: dict[int, Any] = {}
     first = kinematics.initial(mechanism)
     for tree in trees(mechanism):
         articulation, links = articulated(whole, mechanism, tree)
@@ -54,8 +54,8 @@ def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
             velocity = first.velocity[tree[0], 0]
             place(articulation, Pose(frame.position, frame.quaternion), velocity, spin)
         set_joints(articulation, links, mechanism, method)
-        found |= links
-    return [found[number] for number in range(len(mechanism.bodies))]
+        links_by_body |= links
+    return [links_by_body[number] for number in range(len(mechanism.bodies))]
 
 
 def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[Any, dict[int, Any]]:
@@ -74,8 +74,8 @@ def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[
         builders[number] = builder.create_link_builder(builders[joint.parent])
         set_inertia(builders[number], link_of(mechanism.bodies[number]))
         add_joint(builders[number], joint)
-    for number, made in builders.items():
-        made.set_name(f"body_{number}")
+    for number, link_builder in builders.items():
+        link_builder.set_name(f"body_{number}")
     articulation = builder.build(fix_root_link=root == WORLD)
     return articulation, {number: articulation.find_link_by_name(f"body_{number}") for number in tree if number != WORLD}
 
@@ -103,25 +103,25 @@ def add_joint(builder: Any, joint: Joint) -> None:
 
 def set_joints(articulation: Any, links: dict[int, Any], mechanism: Mechanism, method: Method) -> None:
     """Set the initial coordinates and velocities of an articulation, and what acts in its joints."""
-    of_link = {made.name: number for number, made in links.items()}
+    of_link = {active.name: number for number, active in links.items()}
     values = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
-    held, moving, efforts = [], [], []
-    for made in articulation.active_joints:
-        number = of_link[made.child_link.name]
+    positions, velocities, efforts = [], [], []
+    for active in articulation.active_joints:
+        number = of_link[active.child_link.name]
         joint = mechanism.joint_of[number]
         assert joint is not None
-        made.set_armature([joint.armature])
-        made.set_friction(0.0)
-        made.set_drive_properties(joint.stiffness, joint.damping)
-        made.set_drive_target(joint.rest)
+        active.set_armature([joint.armature])
+        active.set_friction(0.0)
+        active.set_drive_properties(joint.stiffness, joint.damping)
+        active.set_drive_target(joint.rest)
         if method.option("settings") != "engine":
-            made.set_max_velocity(NO_LIMIT)
-        held += values[number][0].tolist()
-        moving += values[number][1].tolist()
+            active.set_max_velocity(NO_LIMIT)
+        positions += values[number][0].tolist()
+        velocities += values[number][1].tolist()
         efforts.append(joint.effort)
-    if held:
-        articulation.set_qpos(held)
-        articulation.set_qvel(moving)
+    if positions:
+        articulation.set_qpos(positions)
+        articulation.set_qvel(velocities)
         articulation.set_qf(efforts)
 
 
@@ -131,13 +131,3 @@ def seen(links: Sequence[Any]) -> Array:
     for link in links:
         parts += [link.entity_pose.p, link.entity_pose.q, link.linear_velocity, link.angular_velocity]
     return np.concatenate(parts, dtype=np.float64)
-
-
-def rows(mechanism: Mechanism, seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract, with quaternions of any norm, from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    for number, body in enumerate(mechanism.bodies):
-        unit = normalise(found[:, number, 3:7])
-        found[:, number, :3] += rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(seen), 3)))
-        found[:, number, 10:] = rotate(conjugate(unit), found[:, number, 10:])
-    return found

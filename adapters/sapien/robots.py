@@ -137,14 +137,18 @@ def loaded(file: RobotFile) -> Loaded:
     single = tuple(entity.find_component_by_type(physx.PhysxRigidDynamicComponent) for entity in entities)
     for body, entity in zip(single, entities, strict=True):
         body.set_name(entity.name)
-    tied = {name: mimic for builder, own in zip(articulations, built, strict=True) for name, mimic in tendons(builder, own)}
+    tied = {
+        name: mimic
+        for builder, articulation in zip(articulations, built, strict=True)
+        for name, mimic in tendons(builder, articulation)
+    }
     return Loaded(scene, built[0] if built else None, single, floating_joints(file), tied)
 
 
-def tendons(builder: Any, own: Any) -> Iterator[tuple[str, Mimic]]:
+def tendons(builder: Any, articulation: Any) -> Iterator[tuple[str, Mimic]]:
     """Give the names of the mimic joints for which SAPIEN has made tendons, and what these joints follow."""
     for record in builder.mimic_joint_records:
-        joint, leader = own.find_joint_by_name(record.joint), own.find_joint_by_name(record.mimic)
+        joint, leader = articulation.find_joint_by_name(record.joint), articulation.find_joint_by_name(record.mimic)
         below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None
         if below or joint.parent_link == leader.parent_link:
             yield record.joint, Mimic(record.mimic, record.multiplier, record.offset)
@@ -166,24 +170,24 @@ def read_body(link: Any) -> ReadBody:
 def read_free(robot: Loaded) -> tuple[ReadJoint, ...]:
     """Return the joints of free bodies."""
     return tuple(
-        ReadJoint(robot.floating[body.name], "floating", body.name, 6 * place, 6) for place, body in enumerate(robot.free)
+        ReadJoint(robot.floating[body.name], "floating", body.name, 6 * index, 6) for index, body in enumerate(robot.free)
     )
 
 
 def read_joints(robot: Loaded) -> tuple[ReadJoint, ...]:
     """Return the joints of the articulation that move."""
     joints = robot.articulation.get_active_joints() if robot.dof else []
-    return tuple(read_joint(robot, joint, place) for place, joint in enumerate(joints, 6 * len(robot.free)))
+    return tuple(read_joint(robot, joint, index) for index, joint in enumerate(joints, 6 * len(robot.free)))
 
 
-def read_joint(robot: Loaded, joint: Any, place: int) -> ReadJoint:
+def read_joint(robot: Loaded, joint: Any, index: int) -> ReadJoint:
     """Return a joint that moves. It turns about, or slides along, x of its frame in the child."""
     lower, upper = joint.limits[0]
     return ReadJoint(
         name=joint.name,
         type=TYPES.get(joint.type, joint.type),
         child=joint.child_link.name,
-        first=place,
+        first=index,
         count=1,
         axis=vector(matrix(joint.pose_in_child.q)[:, 0]),
         armature=float(joint.armature[0]),
@@ -202,21 +206,23 @@ def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
     poses = {link.name: pose(link.entity_pose.p, link.entity_pose.q) for link in (*robot.links, *robot.bodies)}
     if not robot.dof or robot.free:
         return Terms(poses=poses)
-    own = robot.articulation
-    held, moving = rates(own, state.positions), rates(own, state.velocities)
-    pulls = own.compute_passive_force(gravity=True, coriolis_and_centrifugal=False).astype(float)
-    turning = own.compute_passive_force(gravity=False, coriolis_and_centrifugal=True).astype(float)
+    articulation = robot.articulation
+    positions, velocities = rates(articulation, state.positions), rates(articulation, state.velocities)
+    pulls = articulation.compute_passive_force(gravity=True, coriolis_and_centrifugal=False).astype(float)
+    turning = articulation.compute_passive_force(gravity=False, coriolis_and_centrifugal=True).astype(float)
     if model is None:
         return Terms(poses=poses, gravity_force=pulls, coriolis_force=turning)
-    damped, efforts = any(joint.damping for joint in own.get_active_joints()), rates(own, state.efforts)
+    damped, efforts = any(joint.damping for joint in articulation.get_active_joints()), rates(articulation, state.efforts)
     return Terms(
         poses=poses,
-        jacobians=jacobians(own, model, held),
-        mass_matrix=np.array(model.compute_generalized_mass_matrix(held)).reshape(robot.dof, robot.dof),
+        jacobians=jacobians(articulation, model, positions),
+        mass_matrix=np.array(model.compute_generalized_mass_matrix(positions)).reshape(robot.dof, robot.dof),
         gravity_force=pulls,
         coriolis_force=turning,
-        forward_dynamics=None if damped else np.array(model.compute_forward_dynamics(held, moving, efforts)),
-        inverse_dynamics=np.array(model.compute_inverse_dynamics(held, moving, rates(own, state.accelerations))),
+        forward_dynamics=None if damped else np.array(model.compute_forward_dynamics(positions, velocities, efforts)),
+        inverse_dynamics=np.array(
+            model.compute_inverse_dynamics(positions, velocities, rates(articulation, state.accelerations))
+        ),
     )
 
 
@@ -226,9 +232,9 @@ def put(robot: Loaded, state: RobotState) -> None:
         robot.articulation.set_qpos(rates(robot.articulation, state.positions))
         robot.articulation.set_qvel(rates(robot.articulation, state.velocities))
     for body in robot.free:
-        held = state.positions.get(robot.floating[body.name])
-        if held is not None:
-            body.entity.set_pose(sapien.Pose(held[:3], held[3:]))
+        position = state.positions.get(robot.floating[body.name])
+        if position is not None:
+            body.entity.set_pose(sapien.Pose(position[:3], position[3:]))
 
 
 def rates(robot: Any, values: Values) -> Array:
@@ -236,7 +242,7 @@ def rates(robot: Any, values: Values) -> Array:
     return np.array([values.get(joint.name, (0.0,))[0] for joint in robot.get_active_joints()])
 
 
-def jacobians(robot: Any, model: Any, held: Array) -> Mapping[str, Array]:
+def jacobians(robot: Any, model: Any, positions: Array) -> Mapping[str, Array]:
     """Return the Jacobians (6, n) of the origins of the links' frames, linear rows first.
 
     SAPIEN has them along the axes of the link, or of the velocity at the origin of the world; those of the link are turned.
@@ -244,11 +250,11 @@ def jacobians(robot: Any, model: Any, held: Array) -> Mapping[str, Array]:
     """
     if robot.dof == 1:
         return {}
-    model.compute_full_jacobian(held)
-    model.compute_forward_kinematics(held)
-    made = {}
-    for place, link in enumerate(robot.links):
-        turn = matrix(model.get_link_pose(place).q)
-        own = np.array(model.get_link_jacobian(place, local=True))
-        made[link.name] = np.concatenate([turn @ own[:3], turn @ own[3:]])
-    return made
+    model.compute_full_jacobian(positions)
+    model.compute_forward_kinematics(positions)
+    by_link = {}
+    for index, link in enumerate(robot.links):
+        turn = matrix(model.get_link_pose(index).q)
+        of_link = np.array(model.get_link_jacobian(index, local=True))
+        by_link[link.name] = np.concatenate([turn @ of_link[:3], turn @ of_link[3:]])
+    return by_link

@@ -37,8 +37,8 @@ def use_quaternions(model: Any, state: Any) -> None:
 
 def angles(quaternion: Quaternion) -> list[float]:
     """Return the angles of turns about the x, y and z axes of a body in turn, which a quaternion is."""
-    made = opensim.Rotation(opensim.Quaternion(*quaternion)).convertRotationToBodyFixedXYZ()
-    return [made.get(axis) for axis in range(3)]
+    turns = opensim.Rotation(opensim.Quaternion(*quaternion)).convertRotationToBodyFixedXYZ()
+    return [turns.get(axis) for axis in range(3)]
 
 
 def coordinates(initial: State, quaternions: bool) -> list[float]:

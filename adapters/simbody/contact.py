@@ -11,7 +11,7 @@ from typing import Any
 import opensim
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Scene
 
@@ -48,8 +48,8 @@ def add_contact(model: Any, body: Any, scene: Scene, plane: Plane) -> None:
     a, b, c = shape.semi_axes
     radius = RADIUS * c
     for number, (x, y) in enumerate((x, y) for x in (-a, a) for y in (-b, b)):
-        place = opensim.Vec3(x, y, radius - c)
-        model.addContactGeometry(opensim.ContactSphere(radius, place, body, f"corner_{number}"))
+        centre = opensim.Vec3(x, y, radius - c)
+        model.addContactGeometry(opensim.ContactSphere(radius, centre, body, f"corner_{number}"))
         force.addGeometry(f"corner_{number}")
     stiffness, dissipation = hardness(scene.body.mass * scene.gravity / 4, scene.gravity, SINKING * c, radius)
     force.setStiffness(stiffness)

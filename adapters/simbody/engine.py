@@ -4,7 +4,7 @@ import ctypes
 import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
 
@@ -24,15 +24,17 @@ from bodycheck.adapters.contract import (
     states,
 )
 from bodycheck.adapters.links import Link
+from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
 from bodycheck.adapters.simbody.models import described, started
 from bodycheck.adapters.stepping import Normalised
+from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 # OpenSim writes what each call has done to stdout and to a file in the working directory.
@@ -68,12 +70,12 @@ ACCURACY = ("libSimTKmath", "_ZNK5SimTK10Integrator16getAccuracyInUseEv")
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release."""
     here = [name.removeprefix(PREFIX) for name in dir(opensim.Manager) if name.startswith(PREFIX)]
-    known = sorted(here, key=lambda name: [*CLAIMS, name].index(name))
+    names = sorted(here, key=lambda name: [*CLAIMS, name].index(name))
     options = {"settings": choice("engine")}
     flight = KINDS - {"plane"}
     return tuple(
         Integrator(name, *CLAIMS.get(name, (None, None)), kinds=flight if name == CPODES else KINDS, options=options)
-        for name in known
+        for name in names
     )
 
 
@@ -83,7 +85,7 @@ def defaults() -> dict[str, str]:
     state = model.initSystem()
     manager = opensim.Manager(model)
     manager.initialize(state)  # Simbody has no accuracy before it
-    names = {getattr(opensim.Manager, PREFIX + own.name): own.name for own in integrators()}
+    names = {getattr(opensim.Manager, PREFIX + integrator.name): integrator.name for integrator in integrators()}
     accuracy = function(*ACCURACY, (ctypes.c_void_p,), ctypes.c_double)
     tolerance = {} if accuracy is None else {"tolerance": f"{accuracy(int(manager.getIntegrator())):g}"}
     return {"integrator": names[manager.getIntegratorMethod()], **tolerance}
@@ -95,18 +97,18 @@ engine = Engine(
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants=dict.fromkeys(("flight", "mechanism"), tuple(f"{own.name}:settings=engine" for own in integrators())),
+    variants=dict.fromkeys(
+        ("flight", "mechanism"), tuple(f"{integrator.name}:settings=engine" for integrator in integrators())
+    ),
     defaults=defaults(),
 )
+
+#: The friction law of contacts.
+contact_law = corners
 
 
 #: The functions of OpenSim that steps call from Python.
 calls = ((opensim.Manager, "integrate"),)
-
-
-def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of the contacts, rigid corners; None for a scene without a plane."""
-    return None if scene.plane is None else replace(scene.plane, law="corners", pressure="balanced")
 
 
 @dataclass
@@ -198,10 +200,10 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
 
 def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
-    made = mechanisms.built(mechanism)
-    state = mechanisms.started(mechanism, made, method.option("settings") != "engine")
-    seen = mechanisms.seer(mechanism, made)
-    return Simbody(managed(made.model, state, method), made.model, method.timestep, seen, mechanisms.rows, complains(method))
+    built = mechanisms.built(mechanism)
+    state = mechanisms.started(mechanism, built, method.option("settings") != "engine")
+    seen = mechanisms.seer(mechanism, built)
+    return Simbody(managed(built.model, state, method), built.model, method.timestep, seen, in_body_axes, complains(method))
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:

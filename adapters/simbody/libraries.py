@@ -19,8 +19,8 @@ def function(library: str, name: str, arguments: tuple[Any, ...], result: Any = 
     """
     files = sorted(Path(opensim.__file__).parent.glob(f"{library}.*"))
     try:
-        found = getattr(ctypes.CDLL(str(files[0])), name)
+        library_function = getattr(ctypes.CDLL(str(files[0])), name)
     except (IndexError, OSError, AttributeError):
         return None
-    found.argtypes, found.restype = arguments, result
-    return found
+    library_function.argtypes, library_function.restype = arguments, result
+    return library_function

@@ -17,7 +17,7 @@ from bodycheck.adapters.contract import SceneUnsupported
 from bodycheck.adapters.mechanisms import frames, from_x, from_z, link_of, starts
 from bodycheck.adapters.simbody.attitude import angles, use_quaternions
 from bodycheck.adapters.simbody.models import added
-from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.joint_types import JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -80,22 +80,22 @@ def built(mechanism: Mechanism) -> Built:
     """Return OpenSim's model of a mechanism. Raises `SceneUnsupported`."""
     model = opensim.Model()
     model.setGravity(opensim.Vec3(0.0, 0.0, -mechanism.gravity))
-    bodies = [added(model, f"body_{place}", link_of(body)) for place, body in enumerate(mechanism.bodies)]
+    bodies = [added(model, f"body_{index}", link_of(body)) for index, body in enumerate(mechanism.bodies)]
     joints = []
-    for place, joint in enumerate(mechanism.joint_of):
+    for index, joint in enumerate(mechanism.joint_of):
         if joint is None:
-            made = opensim.FreeJoint(f"joint_{place}", model.getGround(), bodies[place])
+            engine_joint = opensim.FreeJoint(f"joint_{index}", model.getGround(), bodies[index])
         else:
-            made = joint_of(joint, model.getGround() if joint.parent == WORLD else bodies[joint.parent], bodies[place])
-        model.addJoint(made)
-        joints.append(made)
+            engine_joint = joint_of(joint, model.getGround() if joint.parent == WORLD else bodies[joint.parent], bodies[index])
+        model.addJoint(engine_joint)
+        joints.append(engine_joint)
         if joint is not None:
-            add_forces(model, joint, made)
-    for place, loop in enumerate(mechanism.loops):
+            add_forces(model, joint, engine_joint)
+    for index, loop in enumerate(mechanism.loops):
         one, other = (model.getGround() if body == WORLD else bodies[body] for body in loop.bodies)
         here, there = (opensim.Vec3(*point) for point in loop.points)
         constraint = opensim.PointConstraint(one, here, other, there)
-        constraint.setName(f"loop_{place}")
+        constraint.setName(f"loop_{index}")
         model.addConstraint(constraint)
     return Built(model, bodies, joints)
 
@@ -125,11 +125,11 @@ def oriented(turn: Array) -> Any:
     return opensim.Vec3(*angles((w, x, y, z)))
 
 
-def add_forces(model: Any, joint: Joint, made: Any) -> None:
+def add_forces(model: Any, joint: Joint, engine_joint: Any) -> None:
     """Add to a model what acts in a joint."""
     if joint.type not in ("revolute", "prismatic"):
         return
-    name = made.get_coordinates(0).getName()
+    name = engine_joint.get_coordinates(0).getName()
     if joint.stiffness or joint.damping:
         spring = opensim.SpringGeneralizedForce(name)
         spring.setName(f"spring_{joint.child}")
@@ -143,29 +143,29 @@ def add_forces(model: Any, joint: Joint, made: Any) -> None:
         model.addForce(effort)
 
 
-def started(mechanism: Mechanism, made: Built, quaternions: bool) -> Any:
+def started(mechanism: Mechanism, built_mechanism: Built, quaternions: bool) -> Any:
     """Return the state of a model at the start of a mechanism, with quaternions or with angles."""
-    state = made.model.initSystem()
+    state = built_mechanism.model.initSystem()
     starting = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
     first = frames(mechanism)
-    places = [coordinates_of(state, joint) for joint in made.joints]
+    places = [coordinates_of(state, joint) for joint in built_mechanism.joints]
     if quaternions:
-        use_quaternions(made.model, state)
+        use_quaternions(built_mechanism.model, state)
     q, u = state.updQ(), state.updU()
-    for place, joint in enumerate(mechanism.joint_of):
+    for index, joint in enumerate(mechanism.joint_of):
         if joint is None:
-            frame = first[place]
+            frame = first[index]
             position = np.array([*frame.position, *frame.quaternion])
             velocity = np.array([*frame.velocity, *frame.angular_velocity])
-            held, moving = in_simbody("free", position, velocity, quaternions)
+            positions, velocities = in_simbody("free", position, velocity, quaternions)
         else:
-            held, moving = in_simbody(joint.type, *starting[place], quaternions)
-        found = places[place]
-        if found is not None:
-            at, by = found
-            for number, value in enumerate(held):
+            positions, velocities = in_simbody(joint.type, *starting[index], quaternions)
+        addresses = places[index]
+        if addresses is not None:
+            at, by = addresses
+            for number, value in enumerate(positions):
                 q.set(at + number, value)
-            for number, value in enumerate(moving):
+            for number, value in enumerate(velocities):
                 u.set(by + number, value)
     return state
 
@@ -193,22 +193,22 @@ def in_simbody(type: JointType, position: Array, velocity: Array, quaternions: b
     if type == "planar":
         return np.roll(position, 1), np.roll(velocity, 1)
     if type in ("spherical", "free"):
-        place, turn = np.split(position, [len(position) - 4])
+        origin, turn = np.split(position, [len(position) - 4])
         speed, spin = np.split(velocity, [len(velocity) - 3])
         w, x, y, z = turn.tolist()
         turned = turn if quaternions else np.array(angles((w, x, y, z)))
-        return np.concatenate([turned, place]), np.concatenate([rotate(turn, spin), speed])
+        return np.concatenate([turned, origin]), np.concatenate([rotate(turn, spin), speed])
     return position, velocity
 
 
-def seer(mechanism: Mechanism, made: Built) -> Callable[[Any], Array]:
+def seer(mechanism: Mechanism, built_mechanism: Built) -> Callable[[Any], Array]:
     """Return a function that returns the states (13 k,) of k bodies in a state, with velocities along the axes of the world."""
     centres = [opensim.Vec3(*exact.nearest_inertia(body).centre) for body in mechanism.bodies]
 
     def seen(state: Any) -> Array:
-        made.model.realizeVelocity(state)
+        built_mechanism.model.realizeVelocity(state)
         parts = []
-        for body, centre in zip(made.bodies, centres, strict=True):
+        for body, centre in zip(built_mechanism.bodies, centres, strict=True):
             turn = body.getTransformInGround(state).R().convertRotationToQuaternion()
             parts += [
                 body.findStationLocationInGround(state, centre).to_numpy(),
@@ -219,10 +219,3 @@ def seer(mechanism: Mechanism, made: Built) -> Callable[[Any], Array]:
         return np.concatenate(parts)
 
     return seen
-
-
-def rows(seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
-    found = seen.reshape(len(seen), -1, 13)
-    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
-    return found

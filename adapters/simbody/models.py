@@ -59,9 +59,9 @@ def added(model: Any, name: str, link: Link) -> Any:
 
 def weld(model: Any, number: int, body: Any, link: Link) -> None:
     """Add a link to a model, welded to a body of it. Raises `SceneUnsupported` if OpenSim refuses it."""
-    place, turn, nothing = opensim.Vec3(*link.position), opensim.Vec3(*angles(link.quaternion)), opensim.Vec3(0.0)
+    origin, turn, nothing = opensim.Vec3(*link.position), opensim.Vec3(*angles(link.quaternion)), opensim.Vec3(0.0)
     part = added(model, f"link_{number}", link)
-    model.addJoint(opensim.WeldJoint(f"weld_{number}", body, place, turn, part, nothing, nothing))
+    model.addJoint(opensim.WeldJoint(f"weld_{number}", body, origin, turn, part, nothing, nothing))
 
 
 def started(scene: Scene, model: Any, quaternions: bool) -> Any:
@@ -72,8 +72,8 @@ def started(scene: Scene, model: Any, quaternions: bool) -> Any:
     initial = scene.initial
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
     q, u = state.updQ(), state.updU()
-    for place, number in enumerate(coordinates(initial, quaternions)):
-        q.set(place, number)
-    for place, number in enumerate([*spin.tolist(), *initial.velocity]):
-        u.set(place, number)
+    for index, number in enumerate(coordinates(initial, quaternions)):
+        q.set(index, number)
+    for index, number in enumerate([*spin.tolist(), *initial.velocity]):
+        u.set(index, number)
     return state

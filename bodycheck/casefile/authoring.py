@@ -87,8 +87,8 @@ def template(*, mechanism: bool = False) -> str:
 def schema() -> str:
     """Return the JSON Schema of case files, of one of the formats each."""
     any_case = TypeAdapter[Any](Annotated[formats.AnyCaseTable, Field(discriminator="format")])
-    made = {"$schema": _Schema.schema_dialect, "title": "Case file of bodycheck"}
-    return json.dumps(made | any_case.json_schema(schema_generator=_Schema), indent=2, ensure_ascii=False) + "\n"
+    whole_schema = {"$schema": _Schema.schema_dialect, "title": "Case file of bodycheck"}
+    return json.dumps(whole_schema | any_case.json_schema(schema_generator=_Schema), indent=2, ensure_ascii=False) + "\n"
 
 
 class _Schema(GenerateJsonSchema):
@@ -98,20 +98,20 @@ class _Schema(GenerateJsonSchema):
         return self.generate_inner(schema["schema"])  # TOML has no null; an absent key is simply left out
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
-        made = super().default_schema(schema)
-        if (default := made.get("default")) is None or isinstance(default, dict):
-            made.pop("default", None)
-        return made
+        json_schema = super().default_schema(schema)
+        if (default := json_schema.get("default")) is None or isinstance(default, dict):
+            json_schema.pop("default", None)
+        return json_schema
 
     def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
-        made = super().tuple_schema(schema)
-        items: list[Any] = made.pop("prefixItems", [])
-        return made | {"items": items[0]} if items else made  # all items of a vector have the same schema
+        json_schema = super().tuple_schema(schema)
+        items: list[Any] = json_schema.pop("prefixItems", [])
+        return json_schema | {"items": items[0]} if items else json_schema  # all items of a vector have the same schema
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
-        made = super().tagged_union_schema(schema)
-        made.pop("discriminator", None)
-        return made
+        json_schema = super().tagged_union_schema(schema)
+        json_schema.pop("discriminator", None)
+        return json_schema
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False

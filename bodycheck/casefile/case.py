@@ -22,7 +22,7 @@ from bodycheck.casefile.content import check_case as check_case
 from bodycheck.casefile.ensemble import build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
-from bodycheck.casefile.formats import AnyCaseTable, whole_table
+from bodycheck.casefile.formats import AnyCaseTable, explain, is_misleading, key_text, whole_table
 from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
@@ -30,7 +30,6 @@ from bodycheck.casefile.mechanisms.model import expanded, split, with_model
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
-from bodycheck.casefile.wording import explain, is_misleading, key_text
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
@@ -61,8 +60,8 @@ class Fault:
     key: str = ""
 
     def __str__(self) -> str:
-        place = f":{self.position.line}:{self.position.column}" if self.position else ""
-        return f"{self.file}{place}: " + (f"{self.key}: " if self.key else "") + self.message
+        where = f":{self.position.line}:{self.position.column}" if self.position else ""
+        return f"{self.file}{where}: " + (f"{self.key}: " if self.key else "") + self.message
 
 
 class CaseFaults(BadInput):
@@ -78,7 +77,7 @@ def _shipped_files() -> dict[str, Traversable]:
     """Return the files of the cases that come with the package, which lie in its folder and in folders there, by name."""
     folder = resources.files("bodycheck.cases")
     below = [entry for entry in folder.iterdir() if entry.is_dir()]
-    files = [file for place in (folder, *below) for file in place.iterdir() if file.name.endswith(SUFFIX)]
+    files = [file for parent in (folder, *below) for file in parent.iterdir() if file.name.endswith(SUFFIX)]
     return {file.name.removesuffix(SUFFIX): file for file in sorted(files, key=lambda file: file.name)}
 
 
@@ -91,8 +90,8 @@ def shipped() -> tuple[str, ...]:
 def is_shipped(case: str | FilePath) -> bool:
     """Return whether this is the name of a shipped case, or the path of its file."""
     path = FilePath(case)
-    own = _shipped_files().get(path.name.removesuffix(SUFFIX)) if path.name.endswith(SUFFIX) else None
-    return str(case) in shipped() or (own is not None and path.resolve() == FilePath(str(own)).resolve())
+    shipped_file = _shipped_files().get(path.name.removesuffix(SUFFIX)) if path.name.endswith(SUFFIX) else None
+    return str(case) in shipped() or (shipped_file is not None and path.resolve() == FilePath(str(shipped_file)).resolve())
 
 
 def load(case: str | FilePath) -> Case:
@@ -147,24 +146,24 @@ def _parsed(
 
     refused: why the model of the case is not read.
     """
-    made = expanded(document, refused)
-    whole = whole_table(made.document)
+    expansion = expanded(document, refused)
+    whole = whole_table(expansion.document)
     between_keys = faults.contradictions if whole is MechanismTable else contradictions.contradictions
-    errors, unreported = [*between_keys(made.document), *made.faults, *further], 0
+    errors, unreported = [*between_keys(expansion.document), *expansion.faults, *further], 0
     try:
-        table = whole.model_validate(made.document)
+        table = whole.model_validate(expansion.document)
     except ValidationError as error:
         records = [record for record in error.errors(include_url=False) if not is_misleading(record)]
-        errors += [explain(record, made.document) for record in records[:MAX_FAULTS]]
+        errors += [explain(record, expansion.document) for record in records[:MAX_FAULTS]]
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
             scene = build_mechanism(table) if isinstance(table, MechanismTable) else build_scene(table)
-            return _case(table, scene, made.document, text)
+            return _case(table, scene, expansion.document, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
-    errors = [made.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]]
+    errors = [expansion.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]]
     places = positions(split(text)[0], [path for path, _ in errors])
     located = [_locate(file, places, document, path, message) for path, message in errors]
     located.sort(key=lambda fault: fault.position or Position(0, 0))
@@ -185,8 +184,8 @@ def _document(text: str, file: str) -> dict[str, Any]:
     """Return the raw document of a text, with the model that is stored behind it. Raises `CaseFaults` if it is not TOML."""
     text, model = split(text)
     for pattern, message in SLOW_PATTERNS.items():
-        if (found := re.search(pattern, text)) is not None:
-            raise CaseFaults((Fault(file, message, _position(text, found.start())),))
+        if (match := re.search(pattern, text)) is not None:
+            raise CaseFaults((Fault(file, message, _position(text, match.start())),))
     try:
         document = tomllib.loads(text)
     except RecursionError as error:
@@ -205,14 +204,14 @@ def _position(text: str, offset: int) -> Position:
 def _deepest_offset(text: str) -> int:
     """Return the offset at which the largest number of brackets is open."""
     depths = accumulate((character in "[{") - (character in "]}") for character in text)
-    return max(enumerate(depths), key=lambda place: place[1])[0]
+    return max(enumerate(depths), key=lambda entry: entry[1])[0]
 
 
 def _read(path: FilePath) -> str:
     try:
         if not path.exists():
-            known = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
-            raise CaseFaults((Fault(str(path), known + did_you_mean(str(path), shipped())),))
+            reason = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
+            raise CaseFaults((Fault(str(path), reason + did_you_mean(str(path), shipped())),))
         text = reading.content(path, MAX_FILE_BYTES, follow=True).decode("utf-8")
         if text.startswith(BYTE_ORDER_MARK):
             wrong = "begins with a byte order mark (BOM), which TOML does not allow; save it as UTF-8 without one"
@@ -230,8 +229,8 @@ def _read(path: FilePath) -> str:
 
 def _syntax_fault(file: str, text: str, message: str) -> Fault:
     """Return the fault for a message of tomllib, which ends in "(at line 1, column 2)" or "(at end of document)"."""
-    what, _, place = message.rpartition(" (at ")
-    numbers = [int(number) for number in re.findall(r"\d+", place)]
+    what, _, where = message.rpartition(" (at ")
+    numbers = [int(number) for number in re.findall(r"\d+", where)]
     position = Position(*numbers) if len(numbers) == 2 else _position(text, len(text.rstrip("\n")))
     return Fault(file, f"not TOML: {(what or message)[:MAX_MESSAGE_LENGTH]}", position)
 
@@ -252,19 +251,19 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     message
         What is wrong, or what is allowed.
     """
-    place = path
-    while place not in places:
-        place = place[:-1]
+    located = path
+    while located not in places:
+        located = located[:-1]
     key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{key_text(part)}" for part in path).removeprefix(".")
     value: Any = document
     for part in path:
         try:
             value = value[part]
         except (KeyError, IndexError, TypeError):
-            return Fault(file, message, places[place], key)
+            return Fault(file, message, places[located], key)
     if isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
-        return Fault(file, message, places[place], key)
-    return Fault(file, f"read {quote(value)}; {message}", places[place], key)
+        return Fault(file, message, places[located], key)
+    return Fault(file, f"read {quote(value)}; {message}", places[located], key)
 
 
 def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: str) -> Case:

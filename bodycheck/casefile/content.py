@@ -1,4 +1,4 @@
-"""What a case file says, once it is read and checked: the scene, the duration and the samples of a run, and expectations.
+"""The content of a case file, once it is read and checked: the scene, the duration and the samples of a run, and expectations.
 
 Worker processes have cases without reading files. What reads and checks these takes long to import, and is not imported here.
 """

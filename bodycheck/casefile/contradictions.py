@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.content import MAX_STEPS
-from bodycheck.casefile.ensemble_faults import ensemble_faults
+from bodycheck.casefile.ensemble import ensemble_faults
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, unit
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
@@ -69,11 +69,11 @@ def run_faults(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
 
 def _timesteps(expectations: list[Any]) -> set[float]:
     """Return the different time steps (s) of the runs that expectations need, with those from which an order is measured."""
-    found = set()
+    timesteps = set()
     for expectation in map(mapping, expectations):
         finer = REFINEMENTS if ORDER in expectation else ()
-        found |= {number(expectation.get("timestep")) / by for by in (1, *finer)}
-    return found
+        timesteps |= {number(expectation.get("timestep")) / by for by in (1, *finer)}
+    return timesteps
 
 
 def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
@@ -133,13 +133,13 @@ def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator
     if (fault := _inertia_fault(body.get("inertia"), number(body.get("mass")), zero_allowed)) is not None:
         yield ("inertia",), fault
     if shape_of(body) == "none":
-        made = [key for key in ("inertia", "particles", "parts") if key in body]
-        if len(made) != 1:
-            yield (), f"a body without a shape needs {'only ' if made else ''}one of inertia, particles, parts"
+        keys = [key for key in ("inertia", "particles", "parts") if key in body]
+        if len(keys) != 1:
+            yield (), f"a body without a shape needs {'only ' if keys else ''}one of inertia, particles, parts"
         if "inertia" in body and "mass" not in body:
             yield ("mass",), "is missing"
-        if made and "inertia" not in body and "mass" in body:
-            yield ("mass",), f"{made[0]} are given too; give only one"
+        if keys and "inertia" not in body and "mass" in body:
+            yield ("mass",), f"{keys[0]} are given too; give only one"
     parts = body.get("parts")
     for index, part in enumerate(parts if isinstance(parts, list) else []):
         needs = PART_SIZES.get(shape_of(part), ())

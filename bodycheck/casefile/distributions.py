@@ -58,7 +58,7 @@ class Key:
     @property
     def names(self) -> tuple[str, ...]:
         """The paths of all numbers that are drawn, as columns of tables are named."""
-        return (self.text,) if self.components is None else tuple(f"{self.text}.{place}" for place in range(self.components))
+        return (self.text,) if self.components is None else tuple(f"{self.text}.{index}" for index in range(self.components))
 
     def is_about(self, other: "Key") -> bool:
         """Return whether both state a quantity that is the same, at least in part."""
@@ -135,12 +135,12 @@ class Variation:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """What many members are drawn from a case with.
+    """The number of members that are drawn from a case, and their distributions.
 
     Attributes
     ----------
     members
-        How many.
+        The number of members.
     seed
         The seed of the random numbers.
     vary

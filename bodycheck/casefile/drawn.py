@@ -52,33 +52,37 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
         A key path leads to no number or vector that can be drawn.
     """
     document = standalone(document)
-    known, made = keys(document), dict[str, Array]()
+    keys_of_document, arrays = keys(document), dict[str, Array]()
     for text in sorted(values, key=lambda text: not text.startswith("body.")):  # the height of a start depends on the body
-        key, array = find(text, document, known), np.asarray(values[text], dtype=float)
+        key, array = find(text, document, keys_of_document), np.asarray(values[text], dtype=float)
         if not key.place:
-            made[text] = array
+            arrays[text] = array
             continue
-        whole = key.text_of_whole
-        if whole not in made:
-            height = _half_height(document, made) if whole == "initial.position" and not present(document, key.whole) else None
-            made[whole] = np.tile(np.asarray(base(document, key), dtype=float), (len(array), *[1] * len(key.shape)))
+        name_of_whole = key.text_of_whole
+        if name_of_whole not in arrays:
+            height = (
+                _half_height(document, arrays)
+                if name_of_whole == "initial.position" and not present(document, key.whole)
+                else None
+            )
+            arrays[name_of_whole] = np.tile(np.asarray(base(document, key), dtype=float), (len(array), *[1] * len(key.shape)))
             if height is not None:
-                made[whole][:, 2] = height
-        for place in {key.place, key.place[::-1]}:
-            component: tuple[slice | int, ...] = (slice(None), *place)
-            made[whole][component] = array
-    for text in made:
-        if text == ATTITUDE or (known[text].whole[-1] == "quaternion" and known[text].whole[0] in ARRAYS):
-            made[text] = _directions(made[text])
-    return made
+                arrays[name_of_whole][:, 2] = height
+        for order in {key.place, key.place[::-1]}:
+            component: tuple[slice | int, ...] = (slice(None), *order)
+            arrays[name_of_whole][component] = array
+    for text in arrays:
+        if text == ATTITUDE or (keys_of_document[text].whole[-1] == "quaternion" and keys_of_document[text].whole[0] in ARRAYS):
+            arrays[text] = _directions(arrays[text])
+    return arrays
 
 
-def _half_height(document: Mapping[str, Any], made: Mapping[str, Array]) -> Any:
+def _half_height(document: Mapping[str, Any], drawn_values: Mapping[str, Array]) -> Any:
     """Return the height (m,) or () at which the centre of a body that lies on the plane is (m); None without plane or face."""
     text = HALF_HEIGHTS.get(mapping(document.get("body")).get("shape", ""), "")
     if not text or not present(document, ("scene", "plane")):
         return None
-    sizes = made[text] if text in made else np.asarray(value_at(document, tuple(text.split("."))), dtype=float)
+    sizes = drawn_values[text] if text in drawn_values else np.asarray(value_at(document, tuple(text.split("."))), dtype=float)
     return sizes[..., 2] if text == "body.semi_axes" else sizes
 
 
@@ -91,7 +95,7 @@ def _directions(quaternions: Array) -> Array:
     return np.asarray(np.where(off[:, None], quaternions / np.where(off, length, 1.0)[:, None], quaternions))
 
 
-def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], place: int, member: int) -> dict[str, Any]:
+def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row: int, member: int) -> dict[str, Any]:
     """Return the document of one member as a case of its own, without `[ensemble]` and `[extremes]`.
 
     A limit of its expectations that no run of the member can break, because it is shorter, is left out too.
@@ -102,30 +106,30 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], pla
         The document of the case file.
     whole
         The drawn values, as `wholes` returns them.
-    place
-        The place of the member in them.
+    row
+        The row of the member in them.
     member
         Its number, which becomes the end of the name.
 
     Bodies and joints of a model are written out, so that the member needs no other file.
     """
     document = standalone(document)
-    made = {name: copy.deepcopy(value) for name, value in document.items() if name not in NOT_OF_A_MEMBER}
+    drawn_document = {name: copy.deepcopy(value) for name, value in document.items() if name not in NOT_OF_A_MEMBER}
     name, end = str(document["name"]), f"-{member}"
-    made["name"] = name[: MAX_NAME_LENGTH - len(end)] + end
-    made["title"] = f"Member {member} of {name}: {document['title']}"[:MAX_TEXT_LENGTH]
-    known = keys(document)
+    drawn_document["name"] = name[: MAX_NAME_LENGTH - len(end)] + end
+    drawn_document["title"] = f"Member {member} of {name}: {document['title']}"[:MAX_TEXT_LENGTH]
+    keys_of_document = keys(document)
     for text, array in whole.items():
-        path = known[text].whole
-        table: Any = made
+        path = keys_of_document[text].whole
+        table: Any = drawn_document
         for part in path[:-1]:
             table = table.setdefault(part, {}) if isinstance(table, dict) else table[part]
         for rival in rivals(path):
             table.pop(rival[-1], None)
-        table[path[-1]] = array[place].tolist()
-    if "expect" in made:
-        made["expect"] = _checkable(made)
-    return made
+        table[path[-1]] = array[row].tolist()
+    if "expect" in drawn_document:
+        drawn_document["expect"] = _checkable(drawn_document)
+    return drawn_document
 
 
 def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
@@ -150,24 +154,24 @@ def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[
     those of case files: whoever wants to know builds the member.
     """
     document = standalone(document)
-    known = keys(document)
-    given = [base(document, key) for text, key in known.items() if text not in whole]
-    extreme = not all(_moderate(np.asarray(value, dtype=float)).all() for value in given if value is not None)
-    found = np.full(len(next(iter(whole.values()))), extreme)
+    keys_of_document = keys(document)
+    bases = [base(document, key) for text, key in keys_of_document.items() if text not in whole]
+    extreme = not all(_moderate(np.asarray(value, dtype=float)).all() for value in bases if value is not None)
+    is_outside = np.full(len(next(iter(whole.values()))), extreme)
     for text, array in whole.items():
         numbers = array.reshape(len(array), -1)
         fine = _moderate(numbers)
-        if known[text].sign != "any":
-            fine &= (numbers > 0) | ((numbers == 0) & (known[text].sign == "not negative"))
-        found |= ~fine.all(axis=1)
+        if keys_of_document[text].sign != "any":
+            fine &= (numbers > 0) | ((numbers == 0) & (keys_of_document[text].sign == "not negative"))
+        is_outside |= ~fine.all(axis=1)
     if ATTITUDE in whole:
-        found |= (whole[ATTITUDE] == 0).all(axis=1)
+        is_outside |= (whole[ATTITUDE] == 0).all(axis=1)
     if (inertia := whole.get("body.inertia")) is not None:
         usable = np.where(np.isfinite(inertia), inertia, 0.0)
         moments = np.sort(usable if usable.ndim == 2 else np.linalg.eigvalsh(usable), axis=1)
         least, middle, most = np.moveaxis(moments, -1, 0)
-        found |= (least <= SMALLEST_RATIO * most) | (most > (least + middle) * (1 + SMALLEST_RATIO))
-    return found
+        is_outside |= (least <= SMALLEST_RATIO * most) | (most > (least + middle) * (1 + SMALLEST_RATIO))
+    return is_outside
 
 
 def _moderate(numbers: Array) -> NDArray[np.bool_]:

@@ -43,7 +43,7 @@ EACH = "one number, or one for each component"
 
 
 class VariationTable(Table):
-    """What every distribution of a number or vector has."""
+    """The keys of every distribution of a number or vector."""
 
     key: Label = Field(
         description="path of the number or vector in this file, e.g. initial.angular_velocity or body.semi_axes.0"

@@ -50,7 +50,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Expectation:
-    """What must hold of the runs of one method.
+    """A requirement for the runs of one method.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Expectation:
 
     @property
     def needs_order(self) -> bool:
-        """Whether the order is limited, which needs runs with smaller time steps."""
+        """True if the order is limited, which needs runs with smaller time steps."""
         return any(limit.name == ORDER for limit in self.limits)
 
     def concerns(self, engine: str, method: Method) -> bool:

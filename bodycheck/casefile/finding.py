@@ -53,11 +53,11 @@ def named(arguments: Sequence[str], shipped: Collection[str]) -> tuple[str, ...]
         A folder or a pattern stands for no case file, or for more than `MAX_CASES`; more than `MAX_ENTRIES` files and folders
         must be looked at; a folder cannot be read; it has a link with the name of a case file that leads out of it.
     """
-    found: dict[str, str] = {}
+    paths: dict[str, str] = {}
     for argument in arguments:
         for name in _meant(argument, shipped):
-            found.setdefault(name if name in shipped else os.path.realpath(name), name)
-    return tuple(found.values())
+            paths.setdefault(name if name in shipped else os.path.realpath(name), name)
+    return tuple(paths.values())
 
 
 def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
@@ -159,12 +159,12 @@ def _is_folder(path: Path) -> bool:
 
 def _entries(folder: Path, tally: _Tally) -> list[os.DirEntry[str]]:
     """Return what is in a folder. Raises `BadInput` if it cannot be read."""
-    found = []
+    files_and_folders = []
     try:
         with os.scandir(folder) as entries:
             for entry in entries:
                 tally.add(1)
-                found.append(entry)
+                files_and_folders.append(entry)
     except OSError as error:
         raise BadInput(f"{folder}: cannot be read: {error.strerror}") from error
-    return found
+    return files_and_folders

@@ -57,7 +57,7 @@ AnyInertia = Annotated[
 
 
 class BodyTable(Table):
-    """What every solid has."""
+    """The keys of every solid."""
 
     mass: Positive = Field(description="kg")
     inertia: AnyInertia | None = Field(default=None, description=INERTIA)
@@ -137,8 +137,8 @@ SHAPE_TABLES: dict[str, type[Table]] = {
 
 def with_shape(body: Any) -> Any:
     """Return a body table with `shape = "none"` added if it consists of particles or parts and gives no shape."""
-    made = isinstance(body, dict) and "shape" not in body and ("particles" in body or "parts" in body)
-    return {**body, "shape": "none"} if made else body
+    is_composed = isinstance(body, dict) and "shape" not in body and ("particles" in body or "parts" in body)
+    return {**body, "shape": "none"} if is_composed else body
 
 
 AnyBody = Annotated[
@@ -321,7 +321,7 @@ Expectations = Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATI
 
 
 class Heading(Table):
-    """What a case file begins with, in any format."""
+    """The beginning of a case file, in any format."""
 
     format: int = Field(description="of the file")
     name: Name = Field(description="unique among the cases of a run")
@@ -331,7 +331,7 @@ class Heading(Table):
 
 
 class Conduct(Table):
-    """What is done with the scene of a case file, in any format."""
+    """The keys that say what is done with the scene of a case file, in any format."""
 
     run: RunTable
     extremes: ExtremesTable = Field(default_factory=ExtremesTable)
@@ -340,7 +340,7 @@ class Conduct(Table):
 
 
 class BodyKeys(Heading):
-    """What a case file of one body has besides what is done with its scene."""
+    """A case file of one body."""
 
     format: Literal[1] = Field(description="of the file")
     body: AnyBody = Field(description="what moves")

@@ -41,8 +41,8 @@ def _leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, s
     for name, value in table.items():
         if isinstance(value, dict):
             yield from _leaves(value, f"{prefix}{name}.")
-        elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
-            for place, one in enumerate(value, start=1):
-                yield from _leaves(one, f"{prefix}{name}[{place}].")
+        elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            for number, item in enumerate(value, start=1):
+                yield from _leaves(item, f"{prefix}{name}[{number}].")
         else:
             yield prefix + name, json.dumps(value)

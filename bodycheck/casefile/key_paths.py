@@ -64,14 +64,14 @@ def keys(document: Mapping[str, Any]) -> dict[str, Key]:
 
     The document may have any faults; a body whose shape is not known has no keys.
     """
-    document, found = standalone(document), dict[str, Key]()
+    document, by_text = standalone(document), dict[str, Key]()
     for path, table in _moving(document):
         content = mapping(value_at(document, path))
-        own = {key.text: key for key in _of_table(table, path, content)} if table is not None else {}
+        keys_of_table = {key.text: key for key in _of_table(table, path, content)} if table is not None else {}
         for text in _that_follow(path, content):
-            own.pop(text, None)
-        found |= {key.text: key for key in (_named(key, content) for key in own.values())}
-    return found
+            keys_of_table.pop(text, None)
+        by_text |= {key.text: key for key in (_named(key, content) for key in keys_of_table.values())}
+    return by_text
 
 
 def _moving(document: Mapping[str, Any]) -> list[tuple[Path, type[Table] | None]]:
@@ -92,8 +92,8 @@ def is_complete(document: Mapping[str, Any]) -> bool:
 
 def _that_follow(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
     """Return the keys of the table of a body that follow from its particles or parts."""
-    made = path[0] in ("body", "bodies") and ("particles" in content or "parts" in content)
-    return tuple(".".join(map(str, (*path, key))) for key in ("mass", "inertia", "center_of_mass")) if made else ()
+    is_composed = path[0] in ("body", "bodies") and ("particles" in content or "parts" in content)
+    return tuple(".".join(map(str, (*path, key))) for key in ("mass", "inertia", "center_of_mass")) if is_composed else ()
 
 
 def _named(key: Key, content: Mapping[str, Any]) -> Key:
@@ -145,24 +145,24 @@ def _with_name(text: str, document: Mapping[str, Any]) -> str:
     return f"{array}.{name}.{key}" if isinstance(name, str) else text
 
 
-def _component(whole: Key, place: tuple[int, ...], document: Mapping[str, Any]) -> Key:
+def _component(whole: Key, indices: tuple[int, ...], document: Mapping[str, Any]) -> Key:
     """Return the key of a component of a vector or tensor. Raises `Unknown` if there is none."""
-    if len(place) != len(whole.shape) or any(index >= size for index, size in zip(place, whole.shape, strict=True)):
+    if len(indices) != len(whole.shape) or any(index >= size for index, size in zip(indices, whole.shape, strict=True)):
         last = ".".join(str(size - 1) for size in whole.shape)
         raise Unknown(
             f"there is no such component; allowed: {whole.text}.{'.'.join('0' for _ in whole.shape)} to {whole.text}.{last}"
         )
-    if list(place) != sorted(place):
+    if list(indices) != sorted(indices):
         raise Unknown(
-            f"is below the diagonal of a symmetric tensor; allowed: {whole.text}.{place[1]}.{place[0]}, which means both"
+            f"is below the diagonal of a symmetric tensor; allowed: {whole.text}.{indices[1]}.{indices[0]}, which means both"
         )
     if base(document, whole) is None:
         raise Unknown(f"the file gives no {whole.text}; give it, or draw the whole vector")
     for rival in rivals(whole.whole):
         if present(document, rival):
-            told = whole.text.rpartition(".")[0] + f".{rival[-1]}"
-            raise Unknown(f"the file gives {told} instead; draw components of that, or the whole vector {whole.text}")
-    return replace(whole, place=place)
+            rival_text = whole.text.rpartition(".")[0] + f".{rival[-1]}"
+            raise Unknown(f"the file gives {rival_text} instead; draw components of that, or the whole vector {whole.text}")
+    return replace(whole, place=indices)
 
 
 def present(document: Mapping[str, Any], path: Path) -> bool:
@@ -209,7 +209,7 @@ def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) ->
 
 @dataclass(frozen=True)
 class _Form:
-    """What a value of a table of the grammar can be: numbers of a shape and sign, a table, or an array of such tables."""
+    """A form that a value of a table of the grammar can have: numbers of a shape and sign, a table, or an array of tables."""
 
     shape: tuple[int, ...] = ()
     sign: Sign = "any"
@@ -243,12 +243,12 @@ def _depth(value: Any) -> int:
 @cache
 def _forms(table: type[Table]) -> dict[str, tuple[_Form, ...]]:
     """Return the forms of the keys of a table that have numbers in them."""
-    found = {}
+    patterns = {}
     for name, field in table.model_fields.items():
         kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
         if forms := tuple(_forms_of(kind)):
-            found[name] = forms
-    return found
+            patterns[name] = forms
+    return patterns
 
 
 def _forms_of(kind: Any) -> Iterator[_Form]:

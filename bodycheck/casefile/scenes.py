@@ -58,7 +58,7 @@ def build_scene(table: grammar.CaseTable) -> Scene:
     body = scene.body
     if _composed(table.body):
         _check_extent(body)
-    made = replace(
+    built = replace(
         scene,
         initial=replace(
             scene.initial,
@@ -70,8 +70,8 @@ def build_scene(table: grammar.CaseTable) -> Scene:
         drag=surroundings.drag.quadratic if surroundings.drag else 0.0,
         pushes=tuple(build_push(push) for push in surroundings.push),
     )
-    _check_size(made, table.run.duration)
-    return made
+    _check_size(built, table.run.duration)
+    return built
 
 
 def _plane(table: grammar.SceneTable) -> Plane | None:

@@ -1,4 +1,4 @@
-"""What surrounds the bodies of a case file: the plane, pairs that touch otherwise than as it says, and pushes.
+"""The surroundings of the bodies of a case file: the plane, pairs that touch otherwise than it says, and pushes.
 
 Both formats have them. The body of a file of format 1 is called `BODY` here.
 """
@@ -52,12 +52,12 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
         return
     if PLANE in pair and PLANE in names:
         yield ("bodies",), "a body has the name of the plane; give the body another one"
-    for place, pattern in enumerate(pair):
+    for index, pattern in enumerate(pair):
         if len(pattern) > MAX_NAME_LENGTH or re.fullmatch(BODY_PATTERN, pattern) is None:
             continue  # a fault of its own
         if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
             shown = ", ".join([PLANE, *first_names(names)])
-            yield ("bodies", place), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
+            yield ("bodies", index), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
     if pair[0] == pair[1] and (pair[0] == PLANE or "*" not in pair[0]):
         yield ("bodies",), "a contact is of two different bodies"
 
@@ -78,7 +78,7 @@ def build_contacts(
     """
     if plane is None:
         return ()
-    found: dict[tuple[int, int], PairContact] = {}
+    by_pair: dict[tuple[int, int], PairContact] = {}
     for table in tables:
         first, second = (_places(pattern, names) for pattern in table.bodies)
         friction = plane.friction if table.friction is None else _coefficient(table.friction)
@@ -87,9 +87,9 @@ def build_contacts(
             for other in second:
                 if one != other:
                     pair = min(one, other), max(one, other)
-                    found[pair] = PairContact(pair, friction, restitution)
+                    by_pair[pair] = PairContact(pair, friction, restitution)
     usual = plane.friction, plane.restitution
-    return tuple(pair for _, pair in sorted(found.items()) if (pair.friction, pair.restitution) != usual)
+    return tuple(pair for _, pair in sorted(by_pair.items()) if (pair.friction, pair.restitution) != usual)
 
 
 def build_push(table: grammar.PushTable, body: int = 0) -> Push:
@@ -121,4 +121,4 @@ def _coefficient(friction: float | str) -> float:
 def _places(pattern: str, names: Sequence[str]) -> list[int]:
     if pattern == PLANE:
         return [WORLD]
-    return [place for place, name in enumerate(names) if fnmatchcase(name, pattern)]
+    return [index for index, name in enumerate(names) if fnmatchcase(name, pattern)]

@@ -76,10 +76,10 @@ def releases(engine: str) -> tuple[str, ...]:
 
 def newest(engine: str) -> str:
     """Return the newest release of an engine that the package sources have for this Python. Raises `Unobtainable`."""
-    there = releases(engine)
-    if not there:
+    versions = releases(engine)
+    if not versions:
         raise Unobtainable(f"there is no release of {engine} for this Python")
-    return there[-1]
+    return versions[-1]
 
 
 def obtain(engine: str, version: str) -> Environment:
@@ -100,8 +100,8 @@ def cached(engine: str) -> tuple[str, ...]:
     Folders whose names are not those of versions are not ours and are left out.
     """
     source = _installation(engine)
-    there = [marker.parent.parent.name for marker in (_home() / source.distribution).glob(f"*/{_fit(source)}/{MARKER}")]
-    return tuple(map(str, sorted(version for name in there if str(version := _version(name)) == name and version)))
+    versions = [marker.parent.parent.name for marker in (_home() / source.distribution).glob(f"*/{_fit(source)}/{MARKER}")]
+    return tuple(map(str, sorted(version for name in versions if str(version := _version(name)) == name and version)))
 
 
 def kept(engine: str) -> dict[str, Environment]:
@@ -118,8 +118,8 @@ def find(engine: str, version: str | None = None) -> Environment | None:
 
     Raises `Unobtainable` for an unknown engine, and if another user can change the environment.
     """
-    there = kept(engine)
-    environment = there.get(version) if version is not None else next(reversed(there.values()), None)
+    versions = kept(engine)
+    environment = versions.get(version) if version is not None else next(reversed(versions.values()), None)
     if environment is not None:
         try:
             _check_private(environment.python.parent)
@@ -213,33 +213,33 @@ def _make(folder: Path, release: Release) -> None:
             temporary = tempfile.TemporaryDirectory(
                 prefix=f"{folder.name}{UNFINISHED}", dir=folder.parent, ignore_cleanup_errors=True
             )
-            made = Path(stack.enter_context(temporary))
+            temporary_folder = Path(stack.enter_context(temporary))
             try:
-                passes = making.make(made, release, attempt)
+                passes = making.make(temporary_folder, release, attempt)
             except InstallationFailed as error:
                 failures.append(str(error))
                 if isinstance(error, NotOnOffer):
                     break
                 continue
             if passes:
-                usable = made
+                usable = temporary_folder
                 break
             # If the engine fails checks after every attempt, the release itself is at fault, which a study is to find out.
-            usable = usable or made
+            usable = usable or temporary_folder
         if usable is None:
             raise Unobtainable(f"{release.engine} {release.version} is not available here: {failures[0]}")
         _finish(usable, folder, release)
 
 
-def _finish(made: Path, folder: Path, release: Release) -> None:
+def _finish(temporary_folder: Path, folder: Path, release: Release) -> None:
     """Make sure that all files of a new environment are on the disk, and give it its name."""
     if sys.platform != "win32":
         os.sync()
-    with (made / MARKER).open("w", encoding="utf-8") as marker:
+    with (temporary_folder / MARKER).open("w", encoding="utf-8") as marker:
         json.dump({"engine": release.engine, "version": release.version}, marker)
         marker.flush()
         os.fsync(marker.fileno())
-    made.rename(folder)
+    temporary_folder.rename(folder)
 
 
 def _installation(engine: str) -> Installation:
@@ -269,10 +269,10 @@ def _version(text: str) -> Version | None:
 
 def _check_private(folder: Path) -> None:
     """Raise `Unobtainable` if another user can change what is in an existing folder of the cache. Raises `OSError`."""
-    if (place := privacy.open_to_others(folder)) is not None:
+    if (open_folder := privacy.open_to_others(folder)) is not None:
         raise Unobtainable(
-            f"{folder}: not used, because another user can change {place}; let {user_cache.VARIABLE} name a folder that only "
-            "you can write to"
+            f"{folder}: not used, because another user can change {open_folder}; let {user_cache.VARIABLE} name a folder that "
+            "only you can write to"
         )
 
 
@@ -306,7 +306,7 @@ def _lock(folder: Path) -> BaseFileLock:
     try:
         privacy.make(folder.parent)
         places = (installation.interpreter(folder).parent, folder, folder.parent)
-        _check_private(next(place for place in places if place.exists()))
+        _check_private(next(existing for existing in places if existing.exists()))
     except OSError as error:
         raise Unobtainable(f"{folder.parent}: cannot be used as a folder: {error.strerror}") from error
     return FileLock(folder.with_name(f"{folder.name}.lock"))

@@ -136,13 +136,13 @@ def _uv_pip(arguments: Sequence[str], requirements: Sequence[str], stdin: str | 
 
 def _pip_options() -> dict[str, str]:
     """Return pip's options as its configuration files and environment variables set them. Raises `InstallationFailed`."""
-    found: dict[str, dict[str, str]] = {section: {} for section in PIP_SECTIONS}
+    options: dict[str, dict[str, str]] = {section: {} for section in PIP_SECTIONS}
     for line in _pip("config", "list").splitlines():
         key, _, quoted = line.partition("=")
         section, _, option = key.rpartition(".")
-        if section in found and (value := str(ast.literal_eval(quoted))):  # pip ignores options that are empty
-            found[section][option] = value
-    return {option: value for section in PIP_SECTIONS for option, value in found[section].items()}
+        if section in options and (value := str(ast.literal_eval(quoted))):  # pip ignores options that are empty
+            options[section][option] = value
+    return {option: value for section in PIP_SECTIONS for option, value in options[section].items()}
 
 
 def _pip(*arguments: str) -> str:

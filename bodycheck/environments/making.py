@@ -241,9 +241,9 @@ def path_variables() -> tuple[tuple[str, str], ...]:
 
 def _other_folders() -> list[str]:
     """Return the other folders from which it imports: neither site-packages nor the standard library."""
-    own = [sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), *site_folders()]
+    folders = [sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), *site_folders()]
     others = [Path(folder).absolute() for folder in sys.path if folder]
-    return [str(folder) for folder in others if folder.is_dir() and not any(map(folder.is_relative_to, own))]
+    return [str(folder) for folder in others if folder.is_dir() and not any(map(folder.is_relative_to, folders))]
 
 
 def _oldest(package: str) -> str:

@@ -21,15 +21,17 @@ def open_to_others(path: Path) -> Path | None:
     """
     if sys.platform == "win32":
         return None
-    given, real = path.absolute(), path.resolve(strict=True)
-    return next((place for place in (given, *given.parents, real, *real.parents) if not _is_ours(place)), None)
+    absolute, real = path.absolute(), path.resolve(strict=True)
+    return next(
+        (candidate for candidate in (absolute, *absolute.parents, real, *real.parents) if not _is_ours(candidate)), None
+    )
 
 
 def make(folder: Path) -> None:
     """Make a folder and its parents for this user alone; those that are there stay as they are. Raises `OSError`."""
-    for place in (*reversed(folder.parents), folder):
-        if not place.is_dir():
-            place.mkdir(mode=0o700, exist_ok=True)
+    for missing in (*reversed(folder.parents), folder):
+        if not missing.is_dir():
+            missing.mkdir(mode=0o700, exist_ok=True)
 
 
 def is_closed(folder: Path) -> bool:
@@ -38,8 +40,8 @@ def is_closed(folder: Path) -> bool:
     return not others and open_to_others(folder) is None
 
 
-def _is_ours(place: Path) -> bool:
-    status = place.lstat()
+def _is_ours(folder: Path) -> bool:
+    status = folder.lstat()
     if status.st_uid not in (0, os.getuid()):
         return False
     if stat.S_ISLNK(status.st_mode) or status.st_mode & stat.S_ISVTX:

@@ -25,8 +25,8 @@ def within_truth(figure: Figure, values: Mapping[str, float]) -> float | None:
 
     It is also None where the figure was not measured, and where no bound is known. `values` are those of the run by column.
     """
-    value, own = values.get(figure.name), values.get(figure.bounded_by)
-    return own if value is not None and own and value <= own else None
+    value, bound = values.get(figure.name), values.get(figure.bounded_by)
+    return bound if value is not None and bound and value <= bound else None
 
 
 def rounded_up(value: float, digits: int) -> float:
@@ -74,12 +74,12 @@ ATTITUDE = Figure(
 )
 
 
-def _bound(of: str, unit: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
-    """Return the bound of the truth's own error in a state. of: the state, in words."""
+def _bound(state: str, unit: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
+    """Return the bound of the truth's own error in a state, which is named in words."""
     return Figure(
-        name=f"truth_{of.replace(' ', '_')}_error",
-        title=f"Truth {of} error",
-        meaning=f"bound of the truth's own {of} error; smaller {of} errors have no meaning",
+        name=f"truth_{state.replace(' ', '_')}_error",
+        title=f"Truth {state} error",
+        meaning=f"bound of the truth's own {state} error; smaller {state} errors have no meaning",
         unit=unit,
         largest=True,
         compute=_where_known(compute),
@@ -89,11 +89,11 @@ def _bound(of: str, unit: str, compute: Callable[[Comparison], Array], scale: Ca
     )
 
 
-def _relative_bound(of: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
-    """Return the bound of the truth's own error in a conserved quantity, relative to its size. of: the quantity, in words."""
-    extent = f"bound of the truth's own {of} error, relative to the size of the {of}"
+def _relative_bound(quantity: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
+    """Return the bound of the truth's own error in a conserved quantity, which is named in words, relative to its size."""
+    extent = f"bound of the truth's own {quantity} error, relative to the size of the {quantity}"
     meaning = f"{extent}; smaller drifts and errors of it have no meaning"
-    return replace(_bound(of, "", compute, scale), meaning=meaning)
+    return replace(_bound(quantity, "", compute, scale), meaning=meaning)
 
 
 #: The bounds of the other figures, the last columns.

@@ -79,8 +79,8 @@ def _largest(reference: AnyObservables) -> Array:
 
 def _first(size: Array, other: Callable[[], Array]) -> Array:
     """Return sizes, and other ones where they are zero."""
-    there = size != 0
-    return size if there.all() else np.where(there, size, other())
+    has_size = size != 0
+    return size if has_size.all() else np.where(has_size, size, other())
 
 
 def _of_one_body(compared: Comparison) -> tuple[Observables, Observables]:

@@ -204,8 +204,8 @@ class Comparison:
             return ()
         scene = self.scene
         return tuple(
-            impacts(body, self.motions[place][0], scene.gravity, pushes_on(scene, place))
-            for place, body in enumerate(self.touching)
+            impacts(body, self.motions[index][0], scene.gravity, pushes_on(scene, index))
+            for index, body in enumerate(self.touching)
         )
 
     @cached_property
@@ -217,13 +217,13 @@ class Comparison:
         """
         if not any(event.kind == "impact" for event in self.events):
             return None
-        found = np.full(len(self.trajectory), True)
-        for place, body in enumerate(self.touching):
-            there = [event.time for event in self.events if event.kind == "impact" and event.body == place]
-            if there:
-                settled = stays(body, self.motions[place][1], self.truth.bounds.velocity_error)
-                found &= _alike(self.trajectory.t, there, self.impacts[place], settled)
-        return found
+        between = np.full(len(self.trajectory), True)
+        for index, body in enumerate(self.touching):
+            exact_impacts = [event.time for event in self.events if event.kind == "impact" and event.body == index]
+            if exact_impacts:
+                settled = stays(body, self.motions[index][1], self.truth.bounds.velocity_error)
+                between &= _alike(self.trajectory.t, exact_impacts, self.impacts[index], settled)
+        return between
 
     @cached_property
     def stop(self) -> Stop:
@@ -235,13 +235,13 @@ class Comparison:
 def _alike(t: Array, there: Sequence[float], seen: Sequence[Impact], settled: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """At which instants (n,) a run has had the impacts of the truth. settled: where the truth no longer bounces (n,)."""
     had, should = (np.searchsorted(times, t, side="right") for times in (np.array([hit.time for hit in seen]), np.array(there)))
-    found = np.asarray((had == should) | settled)
+    alike = np.asarray((had == should) | settled)
     for time, hit in zip(there, seen, strict=False):
         first, last = sorted((time, hit.time))
-        found &= ((t <= hit.start) | (t >= hit.end)) & ((t < first) | (t >= last))
-        found &= (t < hit.time) | (t > hit.start)  # a run that is late falls below the plane
-        found &= np.abs(t - time) > ROUNDED_TIME * time
-    return found
+        alike &= ((t <= hit.start) | (t >= hit.end)) & ((t < first) | (t >= last))
+        alike &= (t < hit.time) | (t > hit.start)  # a run that is late falls below the plane
+        alike &= np.abs(t - time) > ROUNDED_TIME * time
+    return alike
 
 
 @dataclass(frozen=True)

@@ -77,10 +77,10 @@ def _pairs(mechanism: Mechanism, compared: Comparison, letter: str) -> Iterator[
     if not any(letter in joint.form.coordinates for joint in mechanism.joints):
         return
     one, other = compared.joints
-    for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
+    for joint, (of_joint, _) in zip(mechanism.joints, places(mechanism), strict=True):
         if letter in joint.form.coordinates:
             columns = joint.form.columns(letter)
-            yield one[:, held][:, columns], other[:, held][:, columns]
+            yield one[:, of_joint][:, columns], other[:, of_joint][:, columns]
 
 
 def _largest(columns: list[Array]) -> Array | None:

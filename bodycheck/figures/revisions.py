@@ -13,12 +13,12 @@ def redefined(one: Mapping[str, int], other: Mapping[str, int] = REVISIONS) -> l
     return [name for name in FIGURES if one.get(name, 1) != other.get(name, 1)]
 
 
-def notices(stored: Mapping[str, int], there: Collection[str]) -> list[str]:
+def notices(stored: Mapping[str, int], names: Collection[str]) -> list[str]:
     """Return a sentence, without its full stop, for each figure that is stored with another definition than the present one.
 
-    stored: the revisions of the stored figures. there: the names of the figures that are stored.
+    stored: the revisions of the stored figures. names: those of the figures that are stored.
     """
-    return [_notice(name, stored.get(name, 1)) for name in redefined(stored) if name in there]
+    return [_notice(name, stored.get(name, 1)) for name in redefined(stored) if name in names]
 
 
 def _notice(name: str, revision: int) -> str:

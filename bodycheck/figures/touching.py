@@ -39,10 +39,10 @@ def first_impacts(compared: Comparison) -> Iterator[tuple[Event, Impact | None, 
     """Yield the first impacts of bodies on the plane: of the truth, and of the run if it has any."""
     if not compared.events:
         return
-    for place, (body, _, events) in enumerate(_bodies(compared)):
+    for index, (body, _, events) in enumerate(_bodies(compared)):
         first = _first(events, "impact")
         if first is not None:
-            yield first, next(iter(compared.impacts[place]), None), body
+            yield first, next(iter(compared.impacts[index]), None), body
 
 
 def transition_time_error(compared: Comparison) -> float | None:
@@ -58,40 +58,40 @@ def roll_speed_error(compared: Comparison) -> float | None:
 def impact_time_error(compared: Comparison) -> float | None:
     """Return how far (s) the first impact is from that of the truth; a run without one has it at its last instant."""
     last = float(compared.trajectory.t[-1])
-    found = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
-    return max(found, default=None)
+    errors = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
+    return max(errors, default=None)
 
 
 def impact_speed_error(compared: Comparison) -> float | None:
     """Return how far (m/s) the velocity just after the first impact is from that of the truth."""
-    known = [
+    pairs = [
         (exact, velocity)
         for exact, seen, body in first_impacts(compared)
         if seen is not None and _known(exact) and (velocity := _after(seen, body, compared)) is not None
     ]
-    return max((math.dist(velocity, exact.velocity) for exact, velocity in known), default=None)
+    return max((math.dist(velocity, exact.velocity) for exact, velocity in pairs), default=None)
 
 
 def bounce_ratio_error(compared: Comparison) -> float | None:
     """Return how far the ratio of the speeds after and before an impact is from the coefficient of restitution."""
-    found = []
-    for place, (body, _, events) in enumerate(_bodies(compared)):
+    errors = []
+    for index, (body, _, events) in enumerate(_bodies(compared)):
         first = _first(events, "impact")
         if first is None or not _known(first):
             continue
-        for hit in compared.impacts[place]:
+        for hit in compared.impacts[index]:
             if hit.seen or _would_bounce(hit, body, compared):
-                found.append(abs((hit.after if hit.seen else 0.0) / hit.before - body.restitution))
-    return max(found, default=None)
+                errors.append(abs((hit.after if hit.seen else 0.0) / hit.before - body.restitution))
+    return max(errors, default=None)
 
 
 def rest_time_error(compared: Comparison) -> float | None:
     """Return how far (s) the instant from which on a body rests is from that of the truth."""
-    found = []
-    for place, (body, motion, events) in enumerate(_bodies(compared)):
+    errors = []
+    for index, (body, motion, events) in enumerate(_bodies(compared)):
         if events and events[-1].kind == "rest" and events[-1].time > 0:
-            found.append(abs(rest(body, motion, compared.impacts[place], _gravity(compared)) - events[-1].time))
-    return max(found, default=None)
+            errors.append(abs(rest(body, motion, compared.impacts[index], _gravity(compared)) - events[-1].time))
+    return max(errors, default=None)
 
 
 def creep(compared: Comparison) -> float | None:
@@ -100,35 +100,35 @@ def creep(compared: Comparison) -> float | None:
     It counts from the instant from which on the body rests in the run, or should rest, whichever is later; from the latter
     where it never rests in the run. Where mechanics does not give the motion, it counts over the last tenth of the run.
     """
-    found = []
-    for place, (body, motion, events) in enumerate(_bodies(compared)):
-        if settles(compared, place):
-            found.append(crept(motion, body, (1 - LAST_PART) * float(motion.t[-1])))
+    speeds = []
+    for index, (body, motion, events) in enumerate(_bodies(compared)):
+        if settles(compared, index):
+            speeds.append(crept(motion, body, (1 - LAST_PART) * float(motion.t[-1])))
             continue
-        still = rests(compared.motions[place][1], compared.truth.bounds.velocity_error)
+        still = rests(compared.motions[index][1], compared.truth.bounds.velocity_error)
         if still.sum() < 2:
             continue
         begin = float(motion.t[still][0])
         if events and events[-1].kind == "rest" and 0 < events[-1].time <= begin:
-            own = rest(body, motion, compared.impacts[place], _gravity(compared))
-            speed = crept(motion, body, max(begin, own))
-            found.append(crept(motion, body, begin) if speed is None else speed)
+            resting_from = rest(body, motion, compared.impacts[index], _gravity(compared))
+            speed = crept(motion, body, max(begin, resting_from))
+            speeds.append(crept(motion, body, begin) if speed is None else speed)
         else:
-            found.append(crept(motion, body, begin))
-    return max((speed for speed in found if speed is not None), default=None)
+            speeds.append(crept(motion, body, begin))
+    return max((speed for speed in speeds if speed is not None), default=None)
 
 
-def settles(compared: Comparison, place: int) -> bool:
+def settles(compared: Comparison, index: int) -> bool:
     """Return whether a body falls and settles in a way that mechanics does not give: at most impacts are known of it."""
-    _, exact = compared.motions[place]
-    others = any(event.body == place and event.kind != "impact" for event in compared.events)
+    _, exact = compared.motions[index]
+    others = any(event.body == index and event.kind != "impact" for event in compared.events)
     return bool(np.isnan(exact.position[-1, 0])) and not others
 
 
 def penetration(compared: Comparison) -> Array | None:
     """Return the largest depth (n,), m, of a body below the plane."""
-    found = [depth(body, motion) for body, motion, _ in _bodies(compared)]
-    return np.maximum.reduce(found) if found else None
+    depths = [depth(body, motion) for body, motion, _ in _bodies(compared)]
+    return np.maximum.reduce(depths) if depths else None
 
 
 def tilt(compared: Comparison) -> Array | None:
@@ -136,15 +136,15 @@ def tilt(compared: Comparison) -> Array | None:
 
     It is NaN where none does. A body whose motion mechanics does not give should lie on a face at the last instant.
     """
-    found = []
-    for place, (body, motion, _) in enumerate(_bodies(compared)):
-        own, should = lean(body, motion), lean(body, compared.motions[place][1])
-        if own is None or should is None:
+    angles = []
+    for index, (body, motion, _) in enumerate(_bodies(compared)):
+        angle, should = lean(body, motion), lean(body, compared.motions[index][1])
+        if angle is None or should is None:
             continue
-        if settles(compared, place):
+        if settles(compared, index):
             should = np.append(np.full(len(motion) - 1, np.nan), 0.0)
-        found.append(np.where(should <= FLAT, own, np.nan))
-    return np.fmax.reduce(found) if found else None
+        angles.append(np.where(should <= FLAT, angle, np.nan))
+    return np.fmax.reduce(angles) if angles else None
 
 
 def energy_gain(compared: Comparison) -> Array | None:
@@ -164,8 +164,8 @@ def energy_gain(compared: Comparison) -> Array | None:
 def gained(scene: AnyScene, trajectory: Trajectory) -> Array:
     """Return by how much (n,), J, the mechanical energy, less the work of the pushes, exceeds its lowest value so far."""
     energy = observe(scene, trajectory).total_energy
-    for place, motion in enumerate(motions(scene, trajectory)):
-        for push in pushes_on(scene, place):
+    for index, motion in enumerate(motions(scene, trajectory)):
+        for push in pushes_on(scene, index):
             energy = energy - work(push, motion)
     return np.asarray(energy - np.minimum.accumulate(energy))
 
@@ -173,8 +173,8 @@ def gained(scene: AnyScene, trajectory: Trajectory) -> Array:
 def energy_from_plane(scene: AnyScene, trajectory: Trajectory) -> Array:
     """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane."""
     energy = np.array(observe(scene, trajectory).kinetic_energy)
-    for body, own in zip(touching(scene), motions(scene, trajectory), strict=True):
-        height = own.position @ np.array(body.normal) * body.normal[2]
+    for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
+        height = motion.position @ np.array(body.normal) * body.normal[2]
         energy += body.mass * scene.gravity * np.maximum(height, 0.0)
     return energy
 
@@ -183,23 +183,24 @@ def load_error(compared: Comparison) -> float | None:
     """Return how far the mean load of an interface is from the exact one, relative."""
     if compared.interfaces is None:
         return None
-    seen = {one.bodies: one.load for one in compared.interfaces}
-    found = [abs(seen.get(one.bodies, 0.0) - one.load) / one.load for one in compared.exact_interfaces if one.load > 0]
-    return max(found, default=None)
+    seen = {interface.bodies: interface.load for interface in compared.interfaces}
+    bearing = [interface for interface in compared.exact_interfaces if interface.load > 0]
+    errors = [abs(seen.get(interface.bodies, 0.0) - interface.load) / interface.load for interface in bearing]
+    return max(errors, default=None)
 
 
 def contact_losses(compared: Comparison) -> float | None:
     """Return how often bodies that should bear each other lose contact."""
     if compared.interfaces is None or not compared.exact_interfaces:
         return None
-    bearing = {one.bodies for one in compared.exact_interfaces if one.load > 0}
-    return float(sum(one.losses for one in compared.interfaces if one.bodies in bearing))
+    bearing = {interface.bodies for interface in compared.exact_interfaces if interface.load > 0}
+    return float(sum(interface.losses for interface in compared.interfaces if interface.bodies in bearing))
 
 
 def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[Event]]]:
     """Yield the bodies that touch, with their motion in the run and their events in the truth."""
-    for place, body in enumerate(compared.touching):
-        yield body, compared.motions[place][0], [event for event in compared.events if event.body == place]
+    for index, body in enumerate(compared.touching):
+        yield body, compared.motions[index][0], [event for event in compared.events if event.body == index]
 
 
 def _first(events: list[Event], kind: EventKind) -> Event | None:

@@ -26,8 +26,8 @@ def of_values(values: Sequence[Any], kind: Any) -> Any:
         ends = np.cumsum([0, *map(len, texts)]).astype(np.int32)
         return pa.Array.from_buffers(kind, len(values), [validity, pa.py_buffer(ends), pa.py_buffer(b"".join(texts))])
     numbers = np.array([0 if value is None else value for value in values], dtype=kind.to_pandas_dtype())
-    held = np.packbits(numbers, bitorder="little") if kind == pa.bool_() else numbers
-    return pa.Array.from_buffers(kind, len(values), [validity, pa.py_buffer(held)])
+    buffer = np.packbits(numbers, bitorder="little") if kind == pa.bool_() else numbers
+    return pa.Array.from_buffers(kind, len(values), [validity, pa.py_buffer(buffer)])
 
 
 def numbers_of(column: Any) -> NDArray[np.float64]:

@@ -44,9 +44,9 @@ def write(path: Path, content: bytes, inside: Path | None = None) -> None:
         The file cannot be written, or it or a folder below `inside` is a symbolic link.
     """
     with failing(path):
-        for place in _below(inside, path.parent):
-            _refuse_link(place)
-            place.mkdir(exist_ok=True)
+        for below in _below(inside, path.parent):
+            _refuse_link(below)
+            below.mkdir(exist_ok=True)
         _refuse_link(path)
         _replace(path, content)
 

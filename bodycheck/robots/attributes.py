@@ -37,6 +37,11 @@ def read_numbers(text: str) -> tuple[float, ...] | None:
     return None if None in values else tuple(value for value in values if value is not None)
 
 
+def count_in_words(count: int) -> str:
+    """Return how many numbers an attribute has, as messages say it."""
+    return "one number" if count == 1 else f"{count} numbers separated by spaces"
+
+
 def numbers(
     about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: tuple[float, ...]
 ) -> tuple[float, ...]:
@@ -50,8 +55,7 @@ def numbers(
     values = read_numbers(text)
     fits = values is not None and len(values) == len(default)
     if values is None or not fits or not all(map(math.isfinite, values)):
-        allowed = "one number" if len(default) == 1 else f"{len(default)} numbers separated by spaces"
-        about.add(quantity, element, attribute, f"read {quoted(text)}; allowed: {allowed}")
+        about.add(quantity, element, attribute, f"read {quoted(text)}; allowed: {count_in_words(len(default))}")
     return values if values is not None and fits else default
 
 

@@ -13,8 +13,7 @@ from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
 from bodycheck.robots import elements, mjcf_copy
 from bodycheck.robots.elements import MAX_DEPTH, Element, refuse
-from bodycheck.robots.places import folders
-from bodycheck.robots.removing import Removed, local, remove
+from bodycheck.robots.named_files import Removed, folders, local, remove
 
 #: Elements that are left out of the copy of a URDF: shapes to be seen, and what names or holds other files. Shapes for
 #: collisions stay where they have sizes of their own.
@@ -32,20 +31,20 @@ def written(root: Element) -> bytes:
     parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
     left: list[tuple[Element | str, int]] = [(root, 1)]
     while left:
-        one, depth = left.pop()
-        if isinstance(one, str):
-            parts.append(one)
+        item, depth = left.pop()
+        if isinstance(item, str):
+            parts.append(item)
             continue
         if depth > MAX_DEPTH:
-            refuse(one, None, f"elements are nested more than {MAX_DEPTH} deep")
-        attributes = "".join(f" {name}={quoteattr(value)}" for name, value in one.attributes.items())
-        text = "".join(escape(piece, {"\r": "&#13;"}) for piece in one.text)
-        if not one.children and not text:
-            parts.append(f"<{one.tag}{attributes}/>\n")
+            refuse(item, None, f"elements are nested more than {MAX_DEPTH} deep")
+        attributes = "".join(f" {name}={quoteattr(value)}" for name, value in item.attributes.items())
+        text = "".join(escape(piece, {"\r": "&#13;"}) for piece in item.text)
+        if not item.children and not text:
+            parts.append(f"<{item.tag}{attributes}/>\n")
             continue
-        parts.append(f"<{one.tag}{attributes}>{text or chr(10)}")
-        left.append((f"</{one.tag}>\n", depth))
-        left += [(child, depth + 1) for child in reversed(one.children)]
+        parts.append(f"<{item.tag}{attributes}>{text or chr(10)}")
+        left.append((f"</{item.tag}>\n", depth))
+        left += [(child, depth + 1) for child in reversed(item.children)]
     return "".join(parts).encode("utf-8")
 
 
@@ -97,7 +96,7 @@ def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
             mjcf_copy.prepare(root, folders(path, packages), into, removed)
             copy = RobotFile(str(into / "robot.xml"), "mjcf")
         case _:
-            elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+            elements.refuse_root(root)
     writing.write(Path(copy.path), written(root))
     return Checked(copy, removed.phrases())
 

@@ -43,9 +43,9 @@ class Element:
         """Yield the element and everything in it, in the order of the file."""
         left = [self]
         while left:
-            one = left.pop()
-            yield one
-            left += reversed(one.children)
+            element = left.pop()
+            yield element
+            left += reversed(element.children)
 
     def first(self, tag: str) -> "Element | None":
         """Return the first child with a tag; None if there is none."""
@@ -53,10 +53,10 @@ class Element:
 
     def only(self, tag: str) -> "Element | None":
         """Return the child with a tag; None if there is none. Raises `BadInput` if there are several."""
-        found = list(self.all(tag))
-        if len(found) > 1:
-            refuse(found[1], None, f"a second <{tag}> of one <{self.tag}>; allowed: one")
-        return found[0] if found else None
+        children = list(self.all(tag))
+        if len(children) > 1:
+            refuse(children[1], None, f"a second <{tag}> of one <{self.tag}>; allowed: one")
+        return children[0] if children else None
 
 
 def read(path: Path) -> Element:
@@ -129,6 +129,11 @@ class _Reader:
 def refuse(element: Element, attribute: str | None, text: str) -> NoReturn:
     """Raise `BadInput` that names file, line, element and attribute."""
     raise BadInput(f"{place(element, attribute)}: {text}")
+
+
+def refuse_root(root: Element) -> NoReturn:
+    """Raise `BadInput` for the root of a file that is neither a URDF nor an MJCF file."""
+    refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
 
 
 def place(element: Element, attribute: str | None = None) -> str:

@@ -82,7 +82,7 @@ class About:
 
     def only(self, quantity: FaultyQuantity, holder: Element, tag: str) -> Element | None:
         """Return the first child with a tag; None if there is none. Several are a fault."""
-        found = list(holder.all(tag))
-        if len(found) > 1:
-            self.add(quantity, found[1], None, f"a second <{tag}> of one <{quoted(holder.tag)[1:-1]}>; allowed: one")
-        return found[0] if found else None
+        children = list(holder.all(tag))
+        if len(children) > 1:
+            self.add(quantity, children[1], None, f"a second <{tag}> of one <{quoted(holder.tag)[1:-1]}>; allowed: one")
+        return children[0] if children else None

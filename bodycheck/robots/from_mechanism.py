@@ -36,12 +36,12 @@ def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
     for joint in mechanism.joints:
         joints += _joints(joint, links)
     names = {joint.name for joint in joints}
-    for place, held in enumerate(mechanism.joint_of):
-        if held is None:
-            own = _unlike(mechanism.bodies[place].name, names)
+    for index, parent_joint in enumerate(mechanism.joint_of):
+        if parent_joint is None:
+            joint_name = _unlike(mechanism.bodies[index].name, names)
             joints.append(
                 RobotJoint(
-                    *(own, "floating", 0, place + 1),
+                    *(joint_name, "floating", 0, index + 1),
                     *(np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble), np.zeros(3, np.longdouble)),
                 )
             )
@@ -60,10 +60,10 @@ def _still(name: str) -> RobotLink:
 
 
 def _link(body: JointedBody) -> RobotLink:
-    made = exact.inertia(body)
-    xx, yy, zz, xy, xz, yz = _array(made.tensor)
+    inertia = exact.inertia(body)
+    xx, yy, zz, xy, xz, yz = _array(inertia.tensor)
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return RobotLink(body.name, float(made.mass), _array(made.centre), tensor)
+    return RobotLink(body.name, float(inertia.mass), _array(inertia.centre), tensor)
 
 
 def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:

@@ -12,8 +12,7 @@ from pathlib import Path
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements, mjcf_meshes
 from bodycheck.robots.elements import MAX_ELEMENTS, Element, place, quoted, refuse
-from bodycheck.robots.places import Folders, NotFound
-from bodycheck.robots.removing import Removed, local, remove
+from bodycheck.robots.named_files import Folders, NotFound, Removed, local, remove
 
 #: Elements that are removed.
 UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}

@@ -10,8 +10,7 @@ from pathlib import Path, PurePosixPath
 from bodycheck.errors import BadInput
 from bodycheck.files import reading, writing
 from bodycheck.robots.elements import Element, place, quoted, refuse
-from bodycheck.robots.places import Folders, NotFound
-from bodycheck.robots.removing import Removed, local
+from bodycheck.robots.named_files import Folders, NotFound, Removed, local
 
 #: The kinds of files that are copied, and the largest size of all of them together.
 SUFFIXES = (".stl", ".obj", ".msh")
@@ -90,8 +89,8 @@ def _compilers(root: Element, attribute: str) -> list[str]:
 
 def _folder(root: Element) -> str:
     """Return the folder of meshes below that of the model."""
-    found = _compilers(root, "meshdir") or _compilers(root, "assetdir")
-    return found[-1] if found else ""
+    folders = _compilers(root, "meshdir") or _compilers(root, "assetdir")
+    return folders[-1] if folders else ""
 
 
 def _stripped(root: Element) -> bool:

@@ -36,8 +36,8 @@ def mjcf(model: RobotModel) -> str:
     elements = {model.root: world if _is_world(model) else _add_body(world, model.links[model.root], {})}
     for joint in from_the_root(model):
         free = is_free(model, joint)
-        place = {"pos": numbers(joint.position), "quat": numbers(quaternion(joint.rotation))}
-        body = _add_body(world if free else elements[joint.parent], model.links[joint.child], place)
+        pose = {"pos": numbers(joint.position), "quat": numbers(quaternion(joint.rotation))}
+        body = _add_body(world if free else elements[joint.parent], model.links[joint.child], pose)
         elements[joint.child] = body
         _add_joints(body, joint, free)
     _add_mimicry(root, model)
@@ -58,30 +58,30 @@ def _is_world(model: RobotModel) -> bool:
     return not root.mass and not root.inertia.any() and (root.name == "world" or free)
 
 
-def _add_body(parent: Element, link: RobotLink, place: Mapping[str, str]) -> Element:
-    """Add the body of a link, with its inertia, and return it. place: its pose in that of its parent."""
-    body = SubElement(parent, "body", {"name": link.name, **place})
+def _add_body(parent: Element, link: RobotLink, pose: Mapping[str, str]) -> Element:
+    """Add the body of a link, with its inertia, and return it. pose: its pose in that of its parent."""
+    body = SubElement(parent, "body", {"name": link.name, **pose})
     if link.mass or link.inertia.any():
-        own = {"pos": numbers(link.center_of_mass), "mass": number(link.mass)}
+        attributes = {"pos": numbers(link.center_of_mass), "mass": number(link.mass)}
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = link.inertia
         if xy or xz or yz:
-            own["fullinertia"] = numbers((xx, yy, zz, xy, xz, yz))
+            attributes["fullinertia"] = numbers((xx, yy, zz, xy, xz, yz))
         else:
-            own["diaginertia"] = numbers((xx, yy, zz))
-        SubElement(body, "inertial", own)
+            attributes["diaginertia"] = numbers((xx, yy, zz))
+        SubElement(body, "inertial", attributes)
     return body
 
 
 def _add_joints(body: Element, joint: RobotJoint, free: bool) -> None:
     """Add MuJoCo's joints of a joint to the body of its child."""
-    given = {
+    numbers_of_joint = {
         "armature": joint.armature,
         "damping": joint.damping,
         "stiffness": joint.stiffness,
         "springref": joint.rest,
         "frictionloss": joint.friction,
     }
-    written = {key: number(value) for key, value in given.items() if value}
+    written = {key: number(value) for key, value in numbers_of_joint.items() if value}
     if joint.type in ("revolute", "prismatic"):
         if (joint.lower, joint.upper) != (None, None):
             written["range"] = numbers(limits(joint))

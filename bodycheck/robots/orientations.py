@@ -40,7 +40,7 @@ def from_axes(x: Vector3, y: Vector3) -> Quaternion4:
     """Return the attitude with an axis x, and an axis y from which its part along x is taken away."""
     x = normed(x)
     along = sum(a * b for a, b in zip(x, y, strict=True))
-    a, b, c = (own - along * part for own, part in zip(y, x, strict=True))
+    a, b, c = (component - along * part for component, part in zip(y, x, strict=True))
     y = normed((a, b, c))
     first = from_z((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
     # What is left is a rotation about the third axis, after which the first axis is x.
@@ -61,9 +61,9 @@ def turned_inertia(components: Sequence[Real], attitude: Quaternion4) -> Compone
     xx, yy, zz, xy, xz, yz = map(MP.mpf, components)
     if attitude == IDENTITY:
         return xx, yy, zz, xy, xz, yz
-    own, rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)), matrix(attitude)
+    tensor, rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)), matrix(attitude)
 
     def component(i: int, j: int) -> Real:
-        return sum(rows[i][k] * own[k][n] * rows[j][n] for k in range(3) for n in range(3))
+        return sum(rows[i][k] * tensor[k][n] * rows[j][n] for k in range(3) for n in range(3))
 
     return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)

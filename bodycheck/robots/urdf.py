@@ -7,6 +7,7 @@ what connects them.
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +30,9 @@ MAX_NAME = 500
 #: The versions of URDF, and the first one in which an attitude can be a quaternion.
 VERSION = re.compile(r"1\.([0-2])")
 WITH_QUATERNIONS = 1
+
+#: The fault of a macro.
+MACRO = "is a macro of xacro, which is not expanded here; expand the file first"
 
 #: Types of joints whose one coordinate another joint can follow.
 FOLLOWED = ("revolute", "prismatic")
@@ -72,8 +76,8 @@ def read(content: bytes, file: str) -> FileReading:
         elements.refuse(root, None, "is no URDF; allowed: <robot>")
     about = about_file(root)
     _check_head(about, root)
-    made = parts(root, about)
-    model = None if made is None else _model(root.attributes.get("name", ""), made)
+    read_parts = parts(root, about)
+    model = None if read_parts is None else _model(root.attributes.get("name", ""), read_parts)
     return FileReading(model, tuple(about.faults))
 
 
@@ -90,9 +94,13 @@ def _check_head(about: About, root: Element) -> None:
         about.add("", root, "version", f"read {quoted(written)}; allowed: 1.0, 1.1 or 1.2")
     if "name" not in root.attributes:
         about.add("", root, "name", "is missing; allowed: the name of the robot")
-    for element in root.everything():
-        if element.tag.startswith("xacro:"):
-            about.add("", element, None, "is a macro of xacro, which is not expanded here; expand the file first")
+    for element in macros(root):
+        about.add("", element, None, MACRO)
+
+
+def macros(root: Element) -> Iterator[Element]:
+    """Yield what is left of macros of xacro in a file."""
+    return (element for element in root.everything() if element.tag.startswith("xacro:"))
 
 
 def parts(root: Element, about: About) -> Parts | None:
@@ -107,20 +115,20 @@ def parts(root: Element, about: About) -> Parts | None:
     links, joints = _named(about, root, "link"), _named(about, root, "joint")
     if counts["link"] == 0:
         about.add("parent", root, None, "has no <link>")
-    made_links = [LinkPart(name, one, urdf_parts.mass_properties(about.of(name), one)) for name, one in links or ()]
-    made_joints = [urdf_parts.joint(about.of(name), one) for name, one in joints or ()]
-    found = [joint for joint in made_joints if joint is not None]
-    if not links or joints is None or len(found) < len(made_joints):
+    link_parts = [LinkPart(name, child, urdf_parts.mass_properties(about.of(name), child)) for name, child in links or ()]
+    joint_parts = [urdf_parts.joint(about.of(name), child) for name, child in joints or ()]
+    sound = [joint for joint in joint_parts if joint is not None]
+    if not links or joints is None or len(sound) < len(joint_parts):
         return None
-    root_name = _root(about, root, dict(links), found)
-    return None if root_name is None else Parts(tuple(made_links), tuple(_following(about, found)), root_name)
+    root_name = _root(about, root, dict(links), sound)
+    return None if root_name is None else Parts(tuple(link_parts), tuple(_following(about, sound)), root_name)
 
 
 def _named(about: About, root: Element, tag: str) -> list[tuple[str, Element]] | None:
     """Return the elements with a tag, each with its name; None and a fault if a name is missing, too long or stands twice."""
-    found = [(element.attributes.get("name", ""), element) for element in root.all(tag)]
-    named = [(name, element) for name, element in found if 0 < len(name) <= MAX_NAME]
-    for name, element in found:
+    elements_with_tag = [(element.attributes.get("name", ""), element) for element in root.all(tag)]
+    named = [(name, element) for name, element in elements_with_tag if 0 < len(name) <= MAX_NAME]
+    for name, element in elements_with_tag:
         if not name:
             about.add("parent", element, "name", "is missing")
         elif len(name) > MAX_NAME:
@@ -130,7 +138,7 @@ def _named(about: About, root: Element, tag: str) -> list[tuple[str, Element]] |
         counts[name] += 1
         if counts[name] == 2:
             about.of(name).add("parent", element, "name", f"read {quoted(name)}, which stands twice")
-    return named if len(counts) == len(found) else None
+    return named if len(counts) == len(elements_with_tag) else None
 
 
 def _root(about: About, root: Element, links: dict[str, Element], joints: list[JointPart]) -> str | None:
@@ -144,15 +152,15 @@ def _root(about: About, root: Element, links: dict[str, Element], joints: list[J
                 about.of(joint.name).add("parent", element, "link", f"{end}: there is no link {quoted(name)}")
         if joint.child in holder:
             broken = True
-            told = f"the link {quoted(joint.child)} is the child of two joints; allowed: one"
-            about.of(joint.child).add("parent", joint.element, None, told)
+            reason = f"the link {quoted(joint.child)} is the child of two joints; allowed: one"
+            about.of(joint.child).add("parent", joint.element, None, reason)
         holder[joint.child] = joint
     if broken:
         return None
     roots = [name for name in links if name not in holder]
     if len(roots) != 1:
-        told = ", ".join(map(quoted, roots[:10])) + (", …" if len(roots) > 10 else "") or "none"
-        about.add("parent", root, None, f"links without a parent: {told}; allowed: one")
+        listed = ", ".join(map(quoted, roots[:10])) + (", …" if len(roots) > 10 else "") or "none"
+        about.add("parent", root, None, f"links without a parent: {listed}; allowed: one")
         return None
     reached = set(below(roots[0], joints)) | {roots[0]}
     for name in links:
@@ -167,52 +175,52 @@ def below(root: str, joints: list[JointPart] | tuple[JointPart, ...]) -> list[st
     children: dict[str, list[str]] = {}
     for joint in joints:
         children.setdefault(joint.parent, []).append(joint.child)
-    found = [root]
-    for name in found:
-        found += children.get(name, ())
-    return found[1:]
+    names = [root]
+    for name in names:
+        names += children.get(name, ())
+    return names[1:]
 
 
 def _following(about: About, joints: list[JointPart]) -> list[JointPart]:
     """Return the joints without the <mimic> that has no meaning: of no such joint, or in a circle."""
     by_name = {joint.name: joint for joint in joints}
-    made = []
+    following = []
     for joint in joints:
         if joint.mimic is None or joint.type == "fixed":  # a fixed joint has nothing that could follow
-            made.append(replace(joint, mimic=None))
+            following.append(replace(joint, mimic=None))
             continue
         seen, leader = {joint.name}, by_name.get(joint.mimic.joint)
         while leader is not None and leader.mimic is not None and leader.name not in seen:
             seen.add(leader.name)
             leader = by_name.get(leader.mimic.joint)
         followed = by_name.get(joint.mimic.joint)
-        told = ""
+        reason = ""
         if followed is None:
-            told = f"there is no joint {quoted(joint.mimic.joint)}"
+            reason = f"there is no joint {quoted(joint.mimic.joint)}"
         elif leader is not None and leader.name in seen:
-            told = "the joints follow one another in a circle"
+            reason = "the joints follow one another in a circle"
         elif followed.type not in FOLLOWED or joint.type not in FOLLOWED:
-            told = f"a {joint.type} joint cannot follow a {followed.type} one; allowed: revolute, continuous and prismatic"
-        if told:
-            about.of(joint.name).add("joint_type", joint.element.first("mimic") or joint.element, "joint", told)
-        made.append(replace(joint, mimic=None) if told else joint)
-    return made
+            reason = f"a {joint.type} joint cannot follow a {followed.type} one; allowed: revolute, continuous and prismatic"
+        if reason:
+            about.of(joint.name).add("joint_type", joint.element.first("mimic") or joint.element, "joint", reason)
+        following.append(replace(joint, mimic=None) if reason else joint)
+    return following
 
 
-def _model(name: str, made: Parts) -> RobotModel:
+def _model(name: str, read_parts: Parts) -> RobotModel:
     """Return a model in the widest type of NumPy."""
-    places = {link.name: place for place, link in enumerate(made.links)}
+    places = {link.name: index for index, link in enumerate(read_parts.links)}
     return RobotModel(
         name,
-        tuple(_link(link) for link in made.links),
-        tuple(_joint(joint, places) for joint in made.joints),
+        tuple(_link(link) for link in read_parts.links),
+        tuple(_joint(joint, places) for joint in read_parts.joints),
     )
 
 
 def _link(part: LinkPart) -> RobotLink:
-    xx, yy, zz, xy, xz, yz = part.made.tensor
+    xx, yy, zz, xy, xz, yz = part.mass_properties.tensor
     inertia = [*map(rounded, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))]
-    return RobotLink(part.name, float(part.made.mass), rounded(part.made.centre), np.array(inertia))
+    return RobotLink(part.name, float(part.mass_properties.mass), rounded(part.mass_properties.centre), np.array(inertia))
 
 
 def _joint(part: JointPart, places: dict[str, int]) -> RobotJoint:

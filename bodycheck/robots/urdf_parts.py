@@ -60,7 +60,7 @@ class LinkPart:
 
     name: str
     element: Element
-    made: MassProperties
+    mass_properties: MassProperties
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,8 +145,8 @@ def _link(about: About, joint_element: Element, end: str) -> str | None:
 def _type(about: About, element: Element, written: str | None) -> RobotJointType | None:
     if written is not None and written in TYPES:
         return TYPES[written]
-    told = "is missing" if written is None else f"read {quoted(written)}"
-    about.add("joint_type", element, "type", f"{told}; allowed: {', '.join(TYPES)}")
+    stated = "is missing" if written is None else f"read {quoted(written)}"
+    about.add("joint_type", element, "type", f"{stated}; allowed: {', '.join(TYPES)}")
     return ADDED_TYPES.get(written or "")
 
 

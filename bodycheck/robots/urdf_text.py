@@ -65,8 +65,8 @@ def _add_link(root: Element, link: RobotLink, axes: Wide | None) -> None:
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "origin", xyz=numbers(link.center_of_mass), rpy=numbers(roll_pitch_yaw(rotation)))
     SubElement(inertial, "mass", value=number(link.mass))
-    own = {f"i{'xyz'[i]}{'xyz'[j]}": number(tensor[i, j]) for i in range(3) for j in range(i, 3)}
-    SubElement(inertial, "inertia", own)
+    components = {f"i{'xyz'[i]}{'xyz'[j]}": number(tensor[i, j]) for i in range(3) for j in range(i, 3)}
+    SubElement(inertial, "inertia", components)
 
 
 def _add_joint(root: Element, joint: RobotJoint, model: RobotModel) -> None:
@@ -85,15 +85,15 @@ def _add_joint(root: Element, joint: RobotJoint, model: RobotModel) -> None:
     if joint.damping or joint.friction:
         SubElement(element, "dynamics", damping=number(joint.damping), friction=number(joint.friction))
     if (mimic := joint.mimic) is not None:
-        own = {"multiplier": number(mimic.multiplier), "offset": number(mimic.offset)}
-        SubElement(element, "mimic", {"joint": mimic.joint, **own})
+        factors = {"multiplier": number(mimic.multiplier), "offset": number(mimic.offset)}
+        SubElement(element, "mimic", {"joint": mimic.joint, **factors})
 
 
 def _limits(joint: RobotJoint, endless: bool) -> dict[str, str]:
     """The attributes of the `<limit>` of a joint, none where it needs none."""
-    given = (joint.effort_limit, joint.velocity_limit)
-    if joint.type not in ("revolute", "prismatic") or (endless and given == (None, None)):
+    largest_values = (joint.effort_limit, joint.velocity_limit)
+    if joint.type not in ("revolute", "prismatic") or (endless and largest_values == (None, None)):
         return {}
-    largest = dict(zip(("effort", "velocity"), given, strict=True))
-    found = {} if endless else dict(zip(("lower", "upper"), map(number, limits(joint)), strict=True))
-    return found | {key: number(UNLIMITED if value is None else value) for key, value in largest.items()}
+    largest = dict(zip(("effort", "velocity"), largest_values, strict=True))
+    of_position = {} if endless else dict(zip(("lower", "upper"), map(number, limits(joint)), strict=True))
+    return of_position | {key: number(UNLIMITED if value is None else value) for key, value in largest.items()}

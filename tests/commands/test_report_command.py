@@ -98,7 +98,6 @@ def test_no_engine_is_needed_and_nothing_is_simulated(again: tuple[Path, dict[st
         "bodycheck.adapters.contract",
         "bodycheck.adapters.engine_name",
         "bodycheck.adapters.method",
-        "bodycheck.adapters.options",
         *(name for name in BANNED if "adapters" in name),
     }
 

@@ -1,6 +1,6 @@
 """A report says which methods are the same algorithm, kind by kind, and does not repeat itself."""
 
-from bodycheck.adapters.options import KINDS
+from bodycheck.adapters.method import KINDS
 from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.reports.same_algorithm import MOST_CLASSES, WORDS, memberships, same_algorithm
 from bodycheck.results.key import RunKey

@@ -15,7 +15,7 @@ from bodycheck.errors import BadInput
 from bodycheck.robots import elements, mjcf_copy, mjcf_meshes, urdf
 from bodycheck.robots.checked import UNWANTED, Checked, checked
 from bodycheck.robots.elements import Element
-from bodycheck.robots.removing import PATHS, local
+from bodycheck.robots.named_files import PATHS, local
 
 URDF = """\
 <?xml version="1.0"?>

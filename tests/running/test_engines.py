@@ -9,7 +9,7 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine, Integrator
-from bodycheck.adapters.record import fault_of
+from bodycheck.adapters.registry import fault_of
 from bodycheck.console.arguments import load_engines
 from bodycheck.processes import pool
 from bodycheck.processes.failures import TimedOut

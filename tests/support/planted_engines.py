@@ -7,7 +7,7 @@ from pathlib import Path
 #: A module that is an adapter, up to what its engine is: `RECORD` is the record of an engine that works.
 ADAPTER = """
 from bodycheck.adapters.contract import Engine, Integrator
-from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.stepping import InTurn
 
 RECORD = Engine("{name}", "planted", "1.0", (Integrator("step"),), frozenset())
 engine = RECORD

@@ -1,4 +1,4 @@
-"""How a mechanism is varied along the axes of extremes: each function returns a mechanism with another value.
+"""Variations of a mechanism along the axes of extremes: each function returns a mechanism with another value.
 
 Loops that are closed stay so, also in their velocities.
 """
@@ -26,7 +26,7 @@ from bodycheck.reference.scene import (
 
 @dataclass(frozen=True)
 class Variation:
-    """How a mechanism is varied along an axis.
+    """The variation of a mechanism along an axis.
 
     Attributes
     ----------
@@ -62,8 +62,8 @@ def size(mechanism: Mechanism, value: float) -> Mechanism:
 def distance(mechanism: Mechanism, value: float) -> Mechanism:
     """The whole mechanism moved away from the origin by this along x (m)."""
 
-    def moved(place: Vector) -> Vector:
-        return place[0] + value, place[1], place[2]
+    def moved(position: Vector) -> Vector:
+        return position[0] + value, position[1], position[2]
 
     bodies = [
         body if body.start is None else replace(body, start=replace(body.start, position=moved(body.start.position)))
@@ -167,7 +167,7 @@ def _grown_joint(joint: Joint, factor: float) -> Joint:
 
 
 def _scaled(inertia: Given, length: float, mass: float) -> Given:
-    """What a body is made of with all lengths and masses times a factor."""
+    """Return the content of a body with all lengths and masses times a factor."""
     match inertia:
         case Solid():
             return _scaled_solid(inertia, length, mass)

@@ -42,30 +42,30 @@ def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Pat
     """Yield the names that stand at a second table of an array, and a body that has the name of the world."""
     seen: set[str] = set()
     for index, table in enumerate(tables):
-        own = table.get("name")
-        if not isinstance(own, str):
+        name_of_table = table.get("name")
+        if not isinstance(name_of_table, str):
             continue
-        if own in seen:
+        if name_of_table in seen:
             yield (name, index, "name"), f"stands twice; names of {name} must be unique"
-        if own == WORLD and name == "bodies":
+        if name_of_table == WORLD and name == "bodies":
             yield (name, index, "name"), "is the name of the world; give the body another one"
-        seen.add(own)
+        seen.add(name_of_table)
 
 
 def _holders(joints: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     """Return the place of the first joint whose child each body is."""
-    found: dict[str, int] = {}
+    holders: dict[str, int] = {}
     for index, joint in enumerate(joints):
         if isinstance(child := joint.get("child"), str):
-            found.setdefault(child, index)
-    return found
+            holders.setdefault(child, index)
+    return holders
 
 
 def _of_body(body: Mapping[str, Any], holder: Mapping[str, int]) -> Iterator[tuple[Path, str]]:
     yield from body_faults(with_shape(body), zero_allowed=True)
-    made = [key for key in ("particles", "parts") if key in body]
-    if made and "center_of_mass" in body:
-        yield ("center_of_mass",), f"follows from the positions of the {made[0]}; leave it out"
+    keys = [key for key in ("particles", "parts") if key in body]
+    if keys and "center_of_mass" in body:
+        yield ("center_of_mass",), f"follows from the positions of the {keys[0]}; leave it out"
     if "initial" in body:
         for path, message in start_faults(mapping(body["initial"])):
             yield ("initial", *path), message
@@ -133,9 +133,9 @@ def _of_loop(loop: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Pa
     pair = loop.get("bodies")
     if not isinstance(pair, list):
         return
-    for place, name in enumerate(pair[:2]):
+    for index, name in enumerate(pair[:2]):
         if (fault := _unknown(name, [WORLD, *names])) is not None:
-            yield ("bodies", place), fault
+            yield ("bodies", index), fault
     if len(pair) == 2 and isinstance(pair[0], str) and pair[0] == pair[1]:
         yield ("bodies",), "a loop joins two different bodies"
 

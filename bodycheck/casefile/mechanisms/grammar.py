@@ -38,7 +38,7 @@ PartName = Annotated[str, Field(strict=True, pattern=PART_NAME, max_length=MAX_N
 
 
 class JointedTable(Table):
-    """What every body of a mechanism has."""
+    """The keys of every body of a mechanism."""
 
     name: PartName = Field(description="unique among the bodies")
     center_of_mass: Vector | None = Field(default=None, description="in the frame of the body, m; default 0")
@@ -110,7 +110,7 @@ for _form in JOINT_TYPES.values():
 
 
 class JointTable(Table):
-    """What every joint has. The frame of the child is that of the joint where its coordinates are zero."""
+    """The keys of every joint. The frame of the child is that of the joint where its coordinates are zero."""
 
     name: PartName = Field(description="unique among the joints")
     parent: PartName = Field(default=WORLD, description="name of a body, or world")
@@ -123,7 +123,7 @@ class JointTable(Table):
 
 
 class AxisTable(JointTable):
-    """What joints with one coordinate have."""
+    """The keys of joints with one coordinate."""
 
     axis: Vector = Field(description="in the joint's frame, of any length")
     armature: NonNegative = Field(default=0.0, description="added to the inertia of the coordinate, kg m^2 or kg")
@@ -204,7 +204,7 @@ class SurroundingsTable(Table):
 
 
 class MechanismKeys(grammar.Heading):
-    """What a case file of a mechanism has besides what is done with it."""
+    """A case file of a mechanism."""
 
     format: Literal[2] = Field(description="of the file")
     model: ModelTable | None = None

@@ -18,7 +18,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.raw_values import mapping
-from bodycheck.casefile.robots import mjcf_tree, urdf_tree
+from bodycheck.casefile.robots import mjcf_tree, urdf
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
@@ -33,7 +33,7 @@ MARK = "\n# The text of the model, as it was read beside this file.\n[model.stor
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
 
 #: How the tables of bodies and joints are read, by the root of the file.
-READERS = {"robot": urdf_tree.tree, "mujoco": mjcf_tree.tree}
+READERS = {"robot": urdf.tree, "mujoco": mjcf_tree.tree}
 
 #: The path of the key with the name of the model.
 FILE: Path = ("model", "file")
@@ -105,11 +105,11 @@ def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[s
 
 def split(text: str) -> tuple[str, dict[str, Any] | None]:
     """Return the text of a case file as it was read, and the table with its model that is stored behind it, if there is one."""
-    own, mark, stored = text.partition(MARK)
+    text_of_file, mark, stored = text.partition(MARK)
     if not mark:
         return text, None
     try:
-        return own, {"text": json.loads(stored)}
+        return text_of_file, {"text": json.loads(stored)}
     except ValueError:
         return text, None
 
@@ -134,10 +134,10 @@ def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
     if not isinstance(text, str):
         return Expanded(document, ((FILE, refused or "is read only where a case file is loaded from its folder"),))
     try:
-        made = copy.deepcopy(_tables(text, file))
+        tables = copy.deepcopy(_tables(text, file))
     except BadInput as error:
         return Expanded(document, ((FILE, str(error)),))
-    return _started(document, made)
+    return _started(document, tables)
 
 
 @functools.lru_cache(maxsize=2)
@@ -145,24 +145,24 @@ def _tables(text: str, file: str) -> Tables:
     """Return the tables of the bodies and joints of a model. Raises `BadInput`."""
     root = elements.parsed(text.encode("utf-8", "replace"), file)
     if root.tag not in READERS:
-        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
-    made = READERS[root.tag](root, WORLD)
-    if not made["bodies"]:
+        elements.refuse_root(root)
+    tables = READERS[root.tag](root, WORLD)
+    if not tables["bodies"]:
         raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
-    if len(made["bodies"]) > MAX_BODIES:
-        raise BadInput(f"{root.file}: has {len(made['bodies'])} bodies; allowed: at most {MAX_BODIES}")
-    return made
+    if len(tables["bodies"]) > MAX_BODIES:
+        raise BadInput(f"{root.file}: has {len(tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
+    return tables
 
 
-def _started(document: dict[str, Any], made: Tables) -> Expanded:
+def _started(document: dict[str, Any], tables: Tables) -> Expanded:
     """Return a document with the tables of a model, whose joints begin as the document says."""
     initial = mapping(mapping(document.get("initial")).get("joints"))
-    joints = {joint["name"]: joint for joint in made["joints"]}
+    joints = {joint["name"]: joint for joint in tables["joints"]}
     for name, start in initial.items():
         if name in joints:
             joints[name]["initial"] = mapping(joints[name].get("initial")) | copy.deepcopy(mapping(start))
     return Expanded(
-        {**document, "bodies": made["bodies"], "joints": made["joints"]},
+        {**document, "bodies": tables["bodies"], "joints": tables["joints"]},
         tuple(_unknown(initial, list(joints))),
         from_model=True,
     )
@@ -179,7 +179,7 @@ def _unknown(initial: Mapping[str, Any], joints: list[str]) -> Iterator[tuple[Pa
 
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document of a case file with bodies and joints of its own instead of a model that can be read."""
-    made = expanded(dict(document))
-    if not made.from_model:
-        return made.document
-    return {name: value for name, value in made.document.items() if name not in ("model", "initial")}
+    expansion = expanded(dict(document))
+    if not expansion.from_model:
+        return expansion.document
+    return {name: value for name, value in expansion.document.items() if name not in ("model", "initial")}

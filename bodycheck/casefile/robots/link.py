@@ -23,7 +23,7 @@ class Link:
     ----------
     name
         Its name in the file.
-    made
+    mass_properties
         Mass (kg), centre of mass (m) and inertia tensor about it (kg m^2) in the frame of the body.
     inertia_from
         Where mass and inertia stand in the file, as a phrase.
@@ -36,7 +36,7 @@ class Link:
     """
 
     name: str
-    made: MassProperties
+    mass_properties: MassProperties
     inertia_from: str
     shape: Shape | None
     shape_from: str
@@ -77,9 +77,9 @@ def about_centre(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternio
     return placed and (straight or isinstance(shape, Sphere))
 
 
-def without_rounding(made: MassProperties) -> MassProperties:
+def without_rounding(mass_properties: MassProperties) -> MassProperties:
     """Return mass properties in which what rounding has left of a zero is zero."""
-    largest, farthest = max(map(abs, made.tensor)), max(map(abs, made.centre))
-    xx, yy, zz, xy, xz, yz = (part if abs(part) > NEGLIGIBLE * largest else MP.mpf(0) for part in made.tensor)
-    x, y, z = (part if abs(part) > NEGLIGIBLE * farthest else MP.mpf(0) for part in made.centre)
-    return MassProperties(made.mass, (x, y, z), (xx, yy, zz, xy, xz, yz))
+    largest, farthest = max(map(abs, mass_properties.tensor)), max(map(abs, mass_properties.centre))
+    xx, yy, zz, xy, xz, yz = (part if abs(part) > NEGLIGIBLE * largest else MP.mpf(0) for part in mass_properties.tensor)
+    x, y, z = (part if abs(part) > NEGLIGIBLE * farthest else MP.mpf(0) for part in mass_properties.centre)
+    return MassProperties(mass_properties.mass, (x, y, z), (xx, yy, zz, xy, xz, yz))

@@ -6,9 +6,9 @@ classes) or refused with the reason.
 
 from collections.abc import Iterator
 
-from bodycheck.casefile.robots import attitudes, mjcf_geoms
+from bodycheck.casefile.robots import mjcf_geoms
 from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out, without_rounding
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
 from bodycheck.casefile.robots.numbers import number, numbers, positive
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, vector
@@ -27,13 +27,13 @@ def link(root: Element, name: str | None) -> Link:
     for world in root.all("worldbody"):
         classes |= dict(_bodies(world, None))
     refuse_includes(root)
-    found = chosen(root, list(classes), name, "body")
-    refuse_what_is_not_followed(found)
+    body = chosen(root, list(classes), name, "body")
+    refuse_what_is_not_followed(body)
     rules, defaults = settings(root), Defaults(root, "geom")
-    geoms = [defaults.resolved(geom, classes[found]) for geom in found.all("geom")]
-    made, inertia_from = _inertia(found, geoms, rules)
-    shape, shape_from = _shape(geoms, made, rules)
-    return Link(found.attributes.get("name", ""), made, inertia_from, shape, shape_from, left_out(len(classes) - 1))
+    geoms = [defaults.resolved(geom, classes[body]) for geom in body.all("geom")]
+    mass_properties, inertia_from = _inertia(body, geoms, rules)
+    shape, shape_from = _shape(geoms, mass_properties, rules)
+    return Link(body.attributes.get("name", ""), mass_properties, inertia_from, shape, shape_from, left_out(len(classes) - 1))
 
 
 def refuse_includes(root: Element) -> None:
@@ -43,16 +43,16 @@ def refuse_includes(root: Element) -> None:
             refuse(element, "file", "names another file, which is not opened; put its content in its place")
 
 
-def refuse_what_is_not_followed(found: Element) -> None:
+def refuse_what_is_not_followed(body: Element) -> None:
     """Raise `BadInput` for elements of a body, without those of the bodies in it, that may change its mass or frame."""
-    for element in _own(found):
+    for element in _own(body):
         if element.tag in WRITERS:
             refuse(
                 element, None, f"stands for other elements, which are not read here; allowed: a body without <{element.tag}>"
             )
         if element.tag == "freejoint" and element.attributes.get("align") == "true":
             refuse(element, "align", "read 'true', which gives the body another frame and is not followed here; allowed: false")
-        if element.tag in ("geom", "inertial") and element not in found.children:
+        if element.tag in ("geom", "inertial") and element not in body.children:
             refuse(
                 element,
                 None,
@@ -60,36 +60,36 @@ def refuse_what_is_not_followed(found: Element) -> None:
             )
 
 
-def inertia_of(found: Element, inherited: str | None, rules: Settings, defaults: Defaults) -> MassProperties | None:
+def inertia_of(body: Element, inherited: str | None, rules: Settings, defaults: Defaults) -> MassProperties | None:
     """Return the mass properties of a body in its frame; None if it has no mass.
 
     Parameters
     ----------
-    found
+    body
         The body.
     inherited
         The default class of its geoms.
     rules, defaults
         The settings of the file, and its default classes of geoms.
     """
-    geoms = [defaults.resolved(geom, inherited) for geom in found.all("geom")]
-    if found.only("inertial") is None and not any(
+    geoms = [defaults.resolved(geom, inherited) for geom in body.all("geom")]
+    if body.only("inertial") is None and not any(
         rules.counts(number(geom, "group", 0.0)) and mjcf_geoms.mass_properties(geom, rules) is not None for geom in geoms
     ):
         return None
-    return _inertia(found, geoms, rules)[0]
+    return _inertia(body, geoms, rules)[0]
 
 
-def _inertia(found: Element, geoms: list[Element], rules: Settings) -> tuple[MassProperties, str]:
+def _inertia(body: Element, geoms: list[Element], rules: Settings) -> tuple[MassProperties, str]:
     """Return the mass properties of a body with some geoms, and where they stand."""
-    inertial = found.only("inertial")
+    inertial = body.only("inertial")
     counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
     # Where no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
     if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
-        made, inertia_from = _stated(inertial, rules), place(inertial)
+        mass_properties, inertia_from = _stated(inertial, rules), place(inertial)
     else:
-        made, inertia_from = _of_geoms(found, counted, rules)
-    return without_rounding(made), inertia_from
+        mass_properties, inertia_from = _of_geoms(body, counted, rules)
+    return without_rounding(mass_properties), inertia_from
 
 
 def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, str | None]]:
@@ -117,7 +117,7 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
     """Return the mass properties that an <inertial> states."""
     mass, centre = positive(inertial, "mass"), vector(numbers(inertial, "pos", (3,)))
     full, diagonal = "fullinertia" in inertial.attributes, "diaginertia" in inertial.attributes
-    attitude = attitudes.mjcf(inertial, rules.degrees, rules.eulerseq)
+    turn = attitude(inertial, rules)
     if full == diagonal:
         refuse(
             inertial,
@@ -125,28 +125,26 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
             f"has {'both' if full else 'neither'} diaginertia {'and' if full else 'nor'} fullinertia; allowed: one of them",
         )
     if full:
-        if attitude != IDENTITY:
+        if turn != IDENTITY:
             refuse(inertial, "fullinertia", "an attitude is given too, which MuJoCo refuses")
         components = numbers(inertial, "fullinertia", (6,))
     else:
         components = (*numbers(inertial, "diaginertia", (3,)), 0.0, 0.0, 0.0)
-    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, attitude))
+    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, turn))
 
 
-def _of_geoms(found: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
+def _of_geoms(body: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
     """Return the mass properties of the geoms of a body that count, and where they stand."""
     if rules.inertiafromgeom == "false":
-        refuse(
-            found, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")'
-        )
-    solids = [made for geom in counted if (made := mjcf_geoms.mass_properties(geom, rules)) is not None]
+        refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
+    solids = [solid for geom in counted if (solid := mjcf_geoms.mass_properties(geom, rules)) is not None]
     if not solids:
-        refuse(found, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
+        refuse(body, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
     lines = ", ".join(str(geom.line) for geom in counted[:10]) + (", …" if len(counted) > 10 else "")
-    return joined(solids), f"{found.file}: geoms of body {quoted(found.attributes.get('name', ''))}, lines {lines}"
+    return joined(solids), f"{body.file}: geoms of body {quoted(body.attributes.get('name', ''))}, lines {lines}"
 
 
-def _shape(geoms: list[Element], made: MassProperties, rules: Settings) -> tuple[Shape | None, str]:
+def _shape(geoms: list[Element], mass_properties: MassProperties, rules: Settings) -> tuple[Shape | None, str]:
     """Return the shape of a body and where it stands; None and why there is none."""
     if len(geoms) != 1:
         return None, f"the body has {len(geoms) or 'no'} geoms; a body has one shape"
@@ -155,6 +153,6 @@ def _shape(geoms: list[Element], made: MassProperties, rules: Settings) -> tuple
     if shape is None:
         return None, f"{place(geom)} is no box, ellipsoid, cylinder or sphere of its own size"
     solid = mjcf_geoms.placed(geom, rules)
-    if not about_centre(made.centre, shape, solid.centre, solid.attitude):
+    if not about_centre(mass_properties.centre, shape, solid.centre, solid.attitude):
         return None, f"{place(geom)} is not about the centre of mass and along the axes of the body"
     return shape, place(geom)

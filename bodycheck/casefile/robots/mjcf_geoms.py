@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots import attitudes
-from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.casefile.robots.mjcf_settings import Settings, attitude
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.reference.exact.inertia import MassProperties, moments
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
@@ -29,8 +28,8 @@ class Placed:
 def placed(geom: Element, rules: Settings) -> Placed:
     """Return where a geom is. Raises `BadInput`."""
     if "fromto" not in geom.attributes:
-        attitude = attitudes.mjcf(geom, rules.degrees, rules.eulerseq)
-        return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), attitude)
+        turn = attitude(geom, rules)
+        return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), turn)
     first, last = _ends(geom)
     x, y, z = ((one + other) / 2 for one, other in zip(first, last, strict=True))
     dx, dy, dz = (one - other for one, other in zip(first, last, strict=True))
@@ -61,26 +60,26 @@ def mass_properties(geom: Element, rules: Settings) -> MassProperties | None:
         refuse(geom, "mesh", "the size is that of a mesh, which is not opened; allowed: an <inertial>")
     if geom.attributes.get("shellinertia", "false") != "false":
         refuse(geom, "shellinertia", "the inertia of a surface is not computed here; allowed: an <inertial>")
-    own = _own(geom, kind)
-    if own is None:
+    mass_and_moments = _own(geom, kind)
+    if mass_and_moments is None:
         return None
     at = placed(geom, rules)
-    return MassProperties(own[0], at.centre, turned_inertia((*own[1], 0.0, 0.0, 0.0), at.attitude))
+    return MassProperties(mass_and_moments[0], at.centre, turned_inertia((*mass_and_moments[1], 0.0, 0.0, 0.0), at.attitude))
 
 
 def _own(geom: Element, kind: str) -> tuple[Real, Vector3] | None:
     """Return the mass (kg) of a geom and its moments (kg m^2) along its own axes; None if its density is 0."""
     sizes = _sizes(geom, kind)
     volume = _volume(kind, sizes)
-    given = "mass" in geom.attributes
-    mass = MP.mpf(number(geom, "mass")) if given else volume * MP.mpf(number(geom, "density", DENSITY))
+    states_mass = "mass" in geom.attributes
+    mass = MP.mpf(number(geom, "mass")) if states_mass else volume * MP.mpf(number(geom, "density", DENSITY))
     if mass < 0:
-        refuse(geom, "mass" if given else "density", "is negative; allowed: at least 0")
+        refuse(geom, "mass" if states_mass else "density", "is negative; allowed: at least 0")
     if not mass:
         return None
     if kind != "capsule":
-        one = moments(_solid(kind, tuple(sizes)), 1.0)
-        return mass, (mass * one[0], mass * one[1], mass * one[2])
+        unit_moments = moments(_solid(kind, tuple(sizes)), 1.0)
+        return mass, (mass * unit_moments[0], mass * unit_moments[1], mass * unit_moments[2])
     radius, half = sizes
     ball = mass * (4 * radius**3 / 3) * MP.pi / volume
     rod = mass - ball

@@ -1,9 +1,12 @@
-"""The settings of an MJCF file that decide what its numbers mean: the <compiler> and the default classes."""
+"""The settings of an MJCF file that decide what its numbers mean, the <compiler> and the default classes; attitudes by them."""
 
 from dataclasses import dataclass
 
 from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.reference.exact.numbers import MP, Quaternion4, vector
+from bodycheck.reference.exact.rotations import IDENTITY, unit
 from bodycheck.robots.elements import Element, quoted, refuse
+from bodycheck.robots.orientations import about_axis, euler, from_axes, from_z
 
 #: Attributes of <compiler> that change masses or frames and are not followed, with the values that change nothing.
 CHANGING = {
@@ -19,7 +22,7 @@ BOUNDS = ("settotalmass", "boundmass", "boundinertia")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a <compiler> says.
+    """The settings of the <compiler>.
 
     Attributes
     ----------
@@ -45,7 +48,7 @@ class Settings:
 
 def settings(root: Element) -> Settings:
     """Return the settings of an MJCF file. Raises `BadInput` for those that are not followed here."""
-    found = Settings()
+    rules = Settings()
     for compiler in root.all("compiler"):
         for key, harmless in CHANGING.items():
             if (value := compiler.attributes.get(key, harmless[0])) not in harmless:
@@ -61,17 +64,17 @@ def settings(root: Element) -> Settings:
             refuse(
                 compiler, "balanceinertia", "read 'true', by which MuJoCo replaces an inertia that no body has; allowed: false"
             )
-        sequence = compiler.attributes.get("eulerseq", found.eulerseq)
+        sequence = compiler.attributes.get("eulerseq", rules.eulerseq)
         if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
             refuse(compiler, "eulerseq", f"read {quoted(sequence)}; allowed: three of the letters x, y, z, X, Y, Z")
-        before = "degree" if found.degrees else "radian"
-        found = Settings(
+        before = "degree" if rules.degrees else "radian"
+        rules = Settings(
             _word(compiler, "angle", before, ("degree", "radian")) == "degree",
             sequence,
-            _word(compiler, "inertiafromgeom", found.inertiafromgeom, ("true", "false", "auto")),
-            numbers(compiler, "inertiagrouprange", (2,), found.groups),
+            _word(compiler, "inertiafromgeom", rules.inertiafromgeom, ("true", "false", "auto")),
+            numbers(compiler, "inertiagrouprange", (2,), rules.groups),
         )
-    return found
+    return rules
 
 
 def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
@@ -93,11 +96,11 @@ class Defaults:
 
     def _add(self, element: Element, name: str | None, parent: str | None) -> None:
         """Add a class and those in it, which inherit what it has."""
-        own = self.classes.setdefault(name, dict(self.classes[parent]))
-        for one in element.all(self.tag):
-            own |= one.attributes
+        attributes = self.classes.setdefault(name, dict(self.classes[parent]))
+        for child in element.all(self.tag):
+            attributes |= child.attributes
         if name is None and (called := element.attributes.get("class")) is not None:
-            self.classes[called] = own
+            self.classes[called] = attributes
         for inner in element.all("default"):
             if "class" not in inner.attributes:
                 refuse(inner, "class", "is missing; a default class in another one has a name")
@@ -113,3 +116,35 @@ class Defaults:
             refuse(element, "class", f"there is no default class {quoted(name or '')}")
         attributes = self.classes.get(name, self.classes[None]) | element.attributes
         return Element(element.tag, attributes, element.file, element.line)
+
+
+#: The attributes of MJCF for an attitude.
+ATTITUDES = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+
+
+def attitude(element: Element, rules: Settings) -> Quaternion4:
+    """Return the attitude of an element, which is read exactly. Raises `BadInput` if it has several of `ATTITUDES`."""
+    stated = [name for name in ATTITUDES if name in element.attributes]
+    if len(stated) > 1:
+        refuse(element, stated[1], f"{stated[0]} is given too; allowed: one of {', '.join(ATTITUDES)}")
+    if not stated:
+        return IDENTITY
+    values = [
+        MP.mpf(value) for value in numbers(element, stated[0], ({"quat": 4, "axisangle": 4, "xyaxes": 6}.get(stated[0], 3),))
+    ]
+    factor = MP.pi / 180 if rules.degrees else MP.mpf(1)
+    try:
+        match stated[0]:
+            case "quat":
+                w, x, y, z = values
+                return unit((w, x, y, z))
+            case "axisangle":
+                return about_axis(vector(values[:3]), values[3] * factor)
+            case "euler":
+                return euler([value * factor for value in values], rules.eulerseq)
+            case "xyaxes":
+                return from_axes(vector(values[:3]), vector(values[3:]))
+            case _:
+                return from_z(vector(values))
+    except ZeroDivisionError:
+        refuse(element, stated[0], f"read {quoted(element.attributes[stated[0]])}; allowed: vectors that are not 0 or parallel")

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bodycheck.casefile.robots import attitudes, tables
+from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.mjcf import inertia_of, refuse_includes, refuse_what_is_not_followed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.reference.exact.inertia import MassProperties
@@ -42,7 +42,7 @@ PROPERTIES = {
 
 @dataclass(frozen=True, eq=False)
 class _Around:
-    """What bodies get from the one around them: the body that they are on, their frame on it, and their default class."""
+    """The context of bodies in another one: the body that they are on, their frame on it, and their default class."""
 
     name: str
     pose: Pose
@@ -71,13 +71,13 @@ def tree(root: Element, world: str) -> Tables:
     for option in root.all("option"):
         _refuse_unless_zero(option, OF_OPTIONS)
     model = _Model(settings(root), Defaults(root, "geom"), Defaults(root, "joint"), world)
-    made: Tables = {"bodies": [], "joints": []}
+    bodies_and_joints: Tables = {"bodies": [], "joints": []}
     left = [(child, _Around(world, HERE, _class(top, None))) for top in root.all("worldbody") for child in _bodies(top)][::-1]
     while left:
         body, around = left.pop()
-        inner = _add(made, body, around, model)
+        inner = _add(bodies_and_joints, body, around, model)
         left += [(child, inner) for child in _bodies(body)[::-1]]
-    return made
+    return bodies_and_joints
 
 
 def _bodies(parent: Element) -> list[Element]:
@@ -92,22 +92,20 @@ def _class(element: Element, inherited: str | None) -> str | None:
     return element.attributes.get("childclass", inherited)
 
 
-def _add(made: Tables, body: Element, around: _Around, model: _Model) -> _Around:
+def _add(tables_of_file: Tables, body: Element, around: _Around, model: _Model) -> _Around:
     """Add a body and its joint to tables, and return what the bodies in it get."""
     refuse_what_is_not_followed(body)
     _refuse_unless_zero(body, OF_BODIES)
     if body.attributes.get("mocap") == "true":
         refuse(body, "mocap", "read 'true', which moves the body from outside; allowed: false")
     inherited, (name, joints) = _class(body, around.inherited), _named(body)
-    own = Pose(
-        vector(numbers(body, "pos", (3,), (0.0, 0.0, 0.0))), attitudes.mjcf(body, model.rules.degrees, model.rules.eulerseq)
-    )
-    inertia, pose = inertia_of(body, inherited, model.rules, model.geoms), around.pose.then(own)
+    pose_in_parent = Pose(vector(numbers(body, "pos", (3,), (0.0, 0.0, 0.0))), attitude(body, model.rules))
+    inertia, pose = inertia_of(body, inherited, model.rules, model.geoms), around.pose.then(pose_in_parent)
     if not joints:
         if inertia is None:
             return _Around(around.name, pose, inherited)
-        made["bodies"].append(tables.body(name, inertia))
-        made["joints"].append(tables.joint(name, "fixed", around.name, name, pose))
+        tables_of_file["bodies"].append(tables.body(name, inertia))
+        tables_of_file["joints"].append(tables.joint(name, "fixed", around.name, name, pose))
         return _Around(name, HERE, inherited)
     if inertia is None:
         refuse(body, None, "has no mass and moves; only a body without a joint may have none")
@@ -116,8 +114,8 @@ def _add(made: Tables, body: Element, around: _Around, model: _Model) -> _Around
     if kind not in TYPES:
         refuse(joint, "type", f"read {quoted(kind)}; allowed: {', '.join(TYPES)}")
     anchor = vector(numbers(joint, "pos", (3,), (0.0, 0.0, 0.0)) if kind in ("hinge", "ball") else (0.0, 0.0, 0.0))
-    made["bodies"].append(tables.body(name, _moved(inertia, anchor)))
-    made["joints"].append(_joint(joint, kind, (around.name, name), pose.then(Pose(anchor, IDENTITY)), model))
+    tables_of_file["bodies"].append(tables.body(name, _moved(inertia, anchor)))
+    tables_of_file["joints"].append(_joint(joint, kind, (around.name, name), pose.then(Pose(anchor, IDENTITY)), model))
     x, y, z = anchor
     return _Around(name, Pose((-x, -y, -z), IDENTITY), inherited)
 
@@ -132,9 +130,9 @@ def _named(body: Element) -> tuple[str, Sequence[Element]]:
     return body.attributes["name"], joints
 
 
-def _moved(made: MassProperties, anchor: Vector3) -> MassProperties:
+def _moved(inertia: MassProperties, anchor: Vector3) -> MassProperties:
     """Return mass properties in a frame that is moved to a place."""
-    return replace(made, centre=vector([one - other for one, other in zip(made.centre, anchor, strict=True)]))
+    return replace(inertia, centre=vector([one - other for one, other in zip(inertia.centre, anchor, strict=True)]))
 
 
 def _joint(joint: Element, kind: str, ends: tuple[str, str], pose: Pose, model: _Model) -> dict[str, Any]:
@@ -142,22 +140,22 @@ def _joint(joint: Element, kind: str, ends: tuple[str, str], pose: Pose, model: 
     parent, child = ends
     name = joint.attributes.get("name", child)
     _refuse_unless_zero(joint, OF_JOINTS)
-    own: dict[str, Any] = {}
+    properties: dict[str, Any] = {}
     for attribute, (key, kinds) in PROPERTIES.items():
         if value := number(joint, attribute, 0.0):
             if kind not in kinds:
                 refuse(joint, attribute, f"a {kind} joint has none in a case; allowed: 0")
-            own[key] = value
+            properties[key] = value
     if kind == "free":
         if parent != model.world:
             refuse(joint, None, "a free joint is not of a body in the world")
         start = {"position": tables.doubles(pose.origin), "quaternion": tables.doubles(pose.turn)}
         return {**tables.joint(name, "free", parent, child, HERE), "initial": start}
     if kind in ("hinge", "slide"):
-        own["axis"] = list(numbers(joint, "axis", (3,), (0.0, 0.0, 1.0)))
+        properties["axis"] = list(numbers(joint, "axis", (3,), (0.0, 0.0, 1.0)))
         rest = MP.mpf(number(joint, "springref", 0.0))
-        own["rest"] = float(rest * MP.pi / 180 if kind == "hinge" and model.rules.degrees else rest)
-    return tables.joint(name, TYPES[kind], parent, child, pose) | own
+        properties["rest"] = float(rest * MP.pi / 180 if kind == "hinge" and model.rules.degrees else rest)
+    return tables.joint(name, TYPES[kind], parent, child, pose) | properties
 
 
 def _refuse_unless_zero(element: Element, attributes: Sequence[str]) -> None:

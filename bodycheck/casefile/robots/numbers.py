@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bodycheck.casefile.values import MAX_NUMBER
-from bodycheck.robots.attributes import read_numbers
+from bodycheck.robots.attributes import count_in_words, read_numbers
 from bodycheck.robots.elements import Element, quoted, refuse
 
 
@@ -27,7 +27,7 @@ def numbers(
         If the attribute is missing, if something is no number or exceeds `MAX_NUMBER`, or if there are more or fewer.
     """
     text = element.attributes.get(attribute)
-    allowed = " or ".join("one number" if count == 1 else f"{count} numbers separated by spaces" for count in counts)
+    allowed = " or ".join(map(count_in_words, counts))
     if text is None:
         if default is not None:
             return default

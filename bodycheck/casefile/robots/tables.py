@@ -29,17 +29,17 @@ class Pose:
 HERE = Pose(vector((0, 0, 0)), IDENTITY)
 
 
-def turned(turn: Quaternion4, place: Vector3) -> Vector3:
+def turned(turn: Quaternion4, components: Vector3) -> Vector3:
     """A vector in the axes to which a unit quaternion turns it."""
-    _, x, y, z = multiply(multiply(turn, (MP.mpf(0), *place)), conjugate(turn))
+    _, x, y, z = multiply(multiply(turn, (MP.mpf(0), *components)), conjugate(turn))
     return x, y, z
 
 
-def body(name: str, made: MassProperties) -> dict[str, Any]:
+def body(name: str, inertia: MassProperties) -> dict[str, Any]:
     """The table of a body, whose inertia is given in its frame."""
-    xx, yy, zz, xy, xz, yz = map(float, made.tensor)
+    xx, yy, zz, xy, xz, yz = map(float, inertia.tensor)
     rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    return {"name": name, "mass": float(made.mass), "center_of_mass": doubles(made.centre), "inertia": rows}
+    return {"name": name, "mass": float(inertia.mass), "center_of_mass": doubles(inertia.centre), "inertia": rows}
 
 
 def joint(name: str, kind: str, parent: str, child: str, pose: Pose) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def read(path: Path, body: str | None) -> Link:
     """
     root = elements.read(path)
     if root.tag not in READERS:
-        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+        elements.refuse_root(root)
     _, reader = READERS[root.tag]
     return reader(root, body)
 
@@ -48,25 +48,25 @@ def text(template: str, link: Link, file: Path) -> str:
     Raises `BadInput` if no body has such an inertia.
     """
     source = quoted(file.name)[1:-1]
-    made = BODY.sub(lambda _: _body(link, source), template, count=1)
+    case_text = BODY.sub(lambda _: _body(link, source), template, count=1)
     title = json.dumps(f"{quoted(link.name)[1:-1]} of {source}", ensure_ascii=False)
-    made = re.sub(r"^title = .*$", lambda _: f"title = {title}", made, count=1, flags=re.MULTILINE)
-    made = re.sub(
-        r'^source = ""', lambda _: f"source = {json.dumps(source, ensure_ascii=False)}", made, count=1, flags=re.MULTILINE
+    case_text = re.sub(r"^title = .*$", lambda _: f"title = {title}", case_text, count=1, flags=re.MULTILINE)
+    case_text = re.sub(
+        r'^source = ""', lambda _: f"source = {json.dumps(source, ensure_ascii=False)}", case_text, count=1, flags=re.MULTILINE
     )
     try:
-        parse(made, source)
+        parse(case_text, source)
     except CaseFaults as error:
         faults = "; ".join(fault.message for fault in error.faults)
         raise BadInput(f"{link.inertia_from}: {faults}") from error
-    return made
+    return case_text
 
 
 def _body(link: Link, source: str) -> str:
     """Return the table of the body, with comments that say where each number is from."""
-    made = link.made
-    xx, yy, zz, xy, xz, yz = (repr(float(part)) for part in made.tensor)
-    centre = ", ".join(repr(float(part)) for part in made.centre)
+    mass_properties = link.mass_properties
+    xx, yy, zz, xy, xz, yz = (repr(float(part)) for part in mass_properties.tensor)
+    centre = ", ".join(repr(float(part)) for part in mass_properties.centre)
     lines = [
         "[body]",
         f"# The body {quoted(link.name)} of {source}, in the frame that it has there, moved to its centre of mass,",
@@ -74,16 +74,16 @@ def _body(link: Link, source: str) -> str:
         *([f"# Left out: {link.left_out}. A case has one body."] if link.left_out else []),
         f"# Mass and inertia: {link.inertia_from}",
         *_shape(link.shape, link.shape_from),
-        f"mass = {float(made.mass)!r}  # kg",
+        f"mass = {float(mass_properties.mass)!r}  # kg",
         f"inertia = [[{xx}, {xy}, {xz}], [{xy}, {yy}, {yz}], [{xz}, {yz}, {zz}]]  # kg m^2, about the centre of mass",
     ]
     return "\n".join(lines) + "\n\n"
 
 
-def _shape(shape: Shape | None, found: str) -> list[str]:
+def _shape(shape: Shape | None, shape_from: str) -> list[str]:
     match shape:
         case None:
-            return [f"# No shape: {found}.", 'shape = "none"']
+            return [f"# No shape: {shape_from}.", 'shape = "none"']
         case Brick(sizes):
             lines = ['shape = "brick"', f"semi_axes = {list(map(float, sizes))}  # m"]
         case Ellipsoid(sizes):
@@ -92,4 +92,4 @@ def _shape(shape: Shape | None, found: str) -> list[str]:
             lines = ['shape = "cylinder"', f"radius = {float(radius)!r}  # m", f"half_length = {float(half_length)!r}  # m"]
         case Sphere(radius):
             lines = ['shape = "sphere"', f"radius = {float(radius)!r}  # m"]
-    return [f"# Shape: {found}", *lines]
+    return [f"# Shape: {shape_from}", *lines]

@@ -97,7 +97,7 @@ def with_other_bodies(scene: Scene, count: int) -> list[Scene]:
 @pytest.mark.parametrize("threads", [1, 2])
 def test_bodies_that_differ_are_each_as_if_alone(case: str, method: str, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """To the last bit, with fewer copies of the model than scenes, and where one stride takes several rollouts."""
-    monkeypatch.setattr("bodycheck.adapters.threads.count", lambda: threads)
+    monkeypatch.setattr("bodycheck.adapters.mujoco.worlds.threads", lambda: threads)
     monkeypatch.setattr(bodies, "COPIES", 3)
     monkeypatch.setattr(worlds, "MOST_STATES", 200)
     spelled = Method.parse(method, 1e-3)
@@ -115,7 +115,7 @@ def test_a_copy_with_another_body_is_the_model_from_its_xml() -> None:
     scenes = with_other_bodies(load("osrf-boxes-complex").scene, 3)
     first, *others = (MUJOCO.prepare([scene], Method.parse("RK4", 1e-3)).model for scene in scenes)
     assert first.body_mass[1] != others[0].body_mass[1]
-    copies = bodies.with_bodies(first, scenes).of([1, 2])
+    copies = bodies.with_bodies(first, scenes).at([1, 2])
     names = [name for name in dir(first) if isinstance(getattr(first, name), np.ndarray)]
     assert {"body_inertia", "body_subtreemass", "body_invweight0", "dof_M0", "dof_invweight0"} <= set(names)
     for copy, other in zip(copies, others, strict=True):

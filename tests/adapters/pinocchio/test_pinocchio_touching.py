@@ -163,7 +163,7 @@ def test_points_between_two_bodies() -> None:
     lower, upper = Placed(bar, np.zeros(3), upright), Placed(bar, np.array([0.0, 0.0, 0.2]), turned)
     crossed = list(between((0, 1), lower, upper, 0.01))
     square = [[x, y, 0.1] for x in (-0.1, 0.1) for y in (-0.1, 0.1)]
-    assert sorted(point.place.round(9).tolist() for point in crossed) == square
+    assert sorted(point.position.round(9).tolist() for point in crossed) == square
     assert all(abs(point.gap) < 1e-15 and point.axes[2, 2] == 1.0 for point in crossed)
     # In the other order the normal, which points from the first to the second, is the other one.
     assert {point.axes[2, 2] for point in between((0, 1), upper, lower, 0.01)} == {-1.0}

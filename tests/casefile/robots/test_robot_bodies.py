@@ -35,7 +35,7 @@ def made(tmp_path: Path) -> Made:
         path.write_text(model)
         link = robots.read(path, name)
         case = parse(robots.text(template(), link, path), "robot")
-        return case.scene.body, np.array([float(part) for part in link.made.centre])
+        return case.scene.body, np.array([float(part) for part in link.mass_properties.centre])
 
     return made
 

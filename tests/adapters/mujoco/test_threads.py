@@ -2,7 +2,7 @@
 
 import pytest
 
-from bodycheck.adapters import threads
+from bodycheck.adapters.mujoco import worlds
 
 
 @pytest.mark.parametrize(
@@ -14,4 +14,4 @@ def test_processors_or_fewer_as_the_environment_says(value: str | None, expected
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     if value is not None:
         monkeypatch.setenv("OMP_NUM_THREADS", value)
-    assert threads.count() == expected
+    assert worlds.threads() == expected
