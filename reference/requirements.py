@@ -169,11 +169,11 @@ def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
     """
     if not isinstance(scene, Mechanism):
         return asdict(requirements(scene))
-    found = of_mechanism(scene)
-    effects = ", ".join(name for name in found.names() if name not in ("mechanisms", "gravity"))
+    needed = of_mechanism(scene)
+    effects = ", ".join(name for name in needed.names() if name not in ("mechanisms", "gravity"))
     row: dict[str, bool | str | int] = dict.fromkeys(COLUMNS, False)
     row["gravity"], row["rotation"], row["mechanism"] = bool(scene.gravity), "none", effects
-    row["degrees_of_freedom"] = found.degrees_of_freedom
+    row["degrees_of_freedom"] = needed.degrees_of_freedom
     return row
 
 

@@ -208,11 +208,11 @@ def _checked(base: Scene, values: Mapping[str, Array]) -> dict[str, Array]:
     given = {name: np.array(array, dtype=float) for name, array in values.items()}
     if not given:
         raise ValueError("nothing varies")
-    own = SIZES[type(base.body.shape)] if base.body.shape is not None else ()
+    shape_sizes = SIZES[type(base.body.shape)] if base.body.shape is not None else ()
     sizes = {name for names in SIZES.values() for name in names}
     m = len(next(iter(given.values())))
     for name, array in given.items():
-        if name not in VARIABLES or (name in sizes and name not in own):
+        if name not in VARIABLES or (name in sizes and name not in shape_sizes):
             raise ValueError(f"{name!r} cannot vary in this scene")
         wanted = (m, VARIABLES[name]) if VARIABLES[name] else (m,)
         if array.shape != wanted:

@@ -92,32 +92,32 @@ def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vo
 def _flown(scene: Scene, times: Array, solver: Backend | None, vouched: bool) -> Computed:
     """The truth of a body in free flight."""
     flown = closed_form.flight(scene, times)
-    found = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
+    others = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
     bounds = flown.bounds
-    for witness in found:
+    for witness in others:
         bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
-    names = tuple(witness.name for witness in found)
+    names = tuple(witness.name for witness in others)
     model = f"closed form: {flown.form.name}"
     flight = Truth(scene, flown.motion, bounds, model, flown.form.reason, CLOSED_FORM_BACKEND, names)
-    return Computed(with_drag(scene, flight) if requirements(scene).drag else flight, flown.bounds, found)
+    return Computed(with_drag(scene, flight) if requirements(scene).drag else flight, flown.bounds, others)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
     """The truth of a body that lies flat on a plane, at ascending times (n,) >= 0, s; raises as `truth` does."""
     try:
-        found = slide(scene, times)
+        solution = slide(scene, times)
     except WouldTip as error:
         raise NotModelled(f"a body that would tip: {error}") from error
-    closed = found.model.startswith("closed form")
+    closed = solution.model.startswith("closed form")
     return Truth(
         scene,
-        found.trajectory,
-        _slide_bounds(scene, found),
-        found.model,
-        found.reason,
+        solution.trajectory,
+        _slide_bounds(scene, solution),
+        solution.model,
+        solution.reason,
         CLOSED_FORM_BACKEND if closed else INTEGRATION_BACKEND,
         (BALANCE_WITNESS,),
-        found.stop,
+        solution.stop,
     )
 
 
@@ -144,13 +144,13 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
     )
 
 
-def _slide_bounds(scene: Scene, found: Slide) -> Bounds:
+def _slide_bounds(scene: Scene, slide: Slide) -> Bounds:
     """The bounds of the errors of a slide."""
-    motion = found.trajectory
+    motion = slide.trajectory
     known = {
-        "error": found.error,
-        "position_error": found.position_error,
-        "velocity_error": found.velocity_error,
-        "angular_velocity_error": found.angular_velocity_error,
+        "error": slide.error,
+        "position_error": slide.position_error,
+        "velocity_error": slide.velocity_error,
+        "angular_velocity_error": slide.angular_velocity_error,
     }
     return Bounds(**known, **conserved_errors(scene, motion, **known))

@@ -98,14 +98,14 @@ class Computed:
     ----------
     truth
         The truth.
-    own
+    own_bounds
         The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
     witnesses
         The witnesses.
     """
 
     truth: Truth
-    own: Bounds
+    own_bounds: Bounds
     witnesses: tuple[Witness, ...]
 
 

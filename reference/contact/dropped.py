@@ -93,9 +93,9 @@ def _flight(problem: Problem, body: ContactBody, times: Array) -> tuple[WideArra
     # The doubles that the closed form begins with are not the numbers of the file.
     begun = 2 * EPS * np.asarray(amplification(start(alone), times))
     speed = float(np.linalg.norm(body.spin.astype(float)))
-    found, bounds = turned.motion, turned.bounds
+    rotation, bounds = turned.motion, turned.bounds
     errors = bounds.error + begun, bounds.angular_velocity_error + begun * speed
-    return position, velocity, found.quaternion.astype(Wide), found.angular_velocity.astype(Wide), *errors
+    return position, velocity, rotation.quaternion.astype(Wide), rotation.angular_velocity.astype(Wide), *errors
 
 
 def _alone(body: ContactBody) -> Scene:
@@ -190,7 +190,7 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "velocity_error": ROUNDINGS * speed,
         "angular_velocity_error": spun,
     }
-    found = ContactMotion(
+    whole = ContactMotion(
         position[None],
         velocity[None],
         quaternion[None],
@@ -200,4 +200,4 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "free flight until the first touch, then inequalities",
         "the motion after an impact beside the centre of mass, or at several points, follows from no law",
     )
-    return known_at(found, times < until)
+    return known_at(whole, times < until)

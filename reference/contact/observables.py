@@ -140,10 +140,10 @@ def _at(t: Array, values: Array, rates: Array, time: float) -> float:
         return float(values[0])
     if time >= t[-1]:
         return float(values[-1])
-    place = int(np.searchsorted(t, time, side="right")) - 1
-    before, after, step = time - t[place], t[place + 1] - time, t[place + 1] - t[place]
-    bent = (rates[place + 1] - rates[place]) * before * after / (2 * step)
-    return float(values[place] + (values[place + 1] - values[place]) * before / step - bent)
+    index = int(np.searchsorted(t, time, side="right")) - 1
+    before, after, step = time - t[index], t[index + 1] - time, t[index + 1] - t[index]
+    bent = (rates[index + 1] - rates[index]) * before * after / (2 * step)
+    return float(values[index] + (values[index + 1] - values[index]) * before / step - bent)
 
 
 def _speeds(body: Touching, motion: Trajectory) -> Array:
@@ -157,8 +157,8 @@ def _speeds(body: Touching, motion: Trajectory) -> Array:
 
 def _last(moving: NDArray[np.bool_]) -> int:
     """The place of the last sample that is true; -1 if none is."""
-    found = np.flatnonzero(moving)
-    return int(found[-1]) if len(found) else -1
+    indices = np.flatnonzero(moving)
+    return int(indices[-1]) if len(indices) else -1
 
 
 def _extrapolated(t: Array, speeds: Array, last: int) -> float:

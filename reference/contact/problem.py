@@ -81,8 +81,8 @@ class Problem:
     def pair(self, one: int, other: int = WORLD) -> tuple[float, float]:
         """Friction and restitution of two bodies, by their places; by default of a body and the plane."""
         both = min(one, other), max(one, other)
-        found = next((pair for pair in self.contacts if pair.bodies == both), None)
-        return (self.plane.friction, self.plane.restitution) if found is None else (found.friction, found.restitution)
+        contact = next((pair for pair in self.contacts if pair.bodies == both), None)
+        return (self.plane.friction, self.plane.restitution) if contact is None else (contact.friction, contact.restitution)
 
 
 def problem(scene: AnyScene) -> Problem:
@@ -128,14 +128,14 @@ def _body(scene: Scene, back: tuple[Real, Real, Real, Real]) -> ContactBody:
 
 
 def _bodies(mechanism: Mechanism, back: tuple[Real, Real, Real, Real]) -> tuple[ContactBody, ...]:
-    found = []
+    bodies = []
     for body in mechanism.bodies:
         inertia, begin = exact.inertia(body), body.start
         assert begin is not None  # bodies on joints have no plane
         xx, yy, zz, *products = inertia.tensor
         if any(products):
             raise NotModelled("a body on a plane whose frame is not that of its principal axes")
-        found.append(
+        bodies.append(
             ContactBody(
                 body.name,
                 wide(inertia.mass),
@@ -147,7 +147,7 @@ def _bodies(mechanism: Mechanism, back: tuple[Real, Real, Real, Real]) -> tuple[
                 _wide(exact.rates(begin.attitude, begin.rotation)),
             )
         )
-    return tuple(found)
+    return tuple(bodies)
 
 
 def _shaped(shape: Shape | None) -> Shape:

@@ -53,9 +53,9 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
     return tuple(touching_bodies)
 
 
-def pushes_on(scene: AnyScene, place: int) -> tuple[Push, ...]:
+def pushes_on(scene: AnyScene, index: int) -> tuple[Push, ...]:
     """The pushes on the body at a place."""
-    return tuple(push for push in scene.pushes if push.body == place)
+    return tuple(push for push in scene.pushes if push.body == index)
 
 
 def into_plane(body: Touching, motion: Trajectory) -> Array:

@@ -37,8 +37,8 @@ WAYS: tuple[Way, ...] = (
 def contact_motion(problem: Problem, times: Array) -> ContactMotion:
     """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled`."""
     for way in WAYS:
-        if (found := way(problem, times)) is not None:
-            return found
+        if (motion := way(problem, times)) is not None:
+            return motion
     raise NotModelled("such a motion of bodies that touch (docs/truth.md lists those that it models)")
 
 

@@ -50,18 +50,18 @@ def start(scene: Scene) -> Start:
     """
     body, initial, definition, holds = scene.body, scene.initial, scene.definition, valid(scene)
     if definition is not None and holds.inertia:
-        found = defined_inertia(definition.inertia)
+        inertia = defined_inertia(definition.inertia)
     else:
         w, x, y, z = body.axes
-        found = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
+        inertia = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
     turn, rates = attitude(initial.quaternion), vector(initial.angular_velocity)
     if definition is not None:
         exact_turn, exact_rates = defined_rotation(definition.attitude, definition.rotation)
         turn = exact_turn if holds.attitude else turn
         rates = exact_rates if holds.rotation else rates
-    if found.axes == IDENTITY:
-        return Start(found.moments, IDENTITY, turn, rates)
-    return Start(found.moments, found.axes, multiply(turn, found.axes), _along(found.axes, rates))
+    if inertia.axes == IDENTITY:
+        return Start(inertia.moments, IDENTITY, turn, rates)
+    return Start(inertia.moments, inertia.axes, multiply(turn, inertia.axes), _along(inertia.axes, rates))
 
 
 def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
@@ -83,9 +83,9 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
 @functools.lru_cache(maxsize=64)
 def defined_inertia(given: Given) -> Inertia:
     """The inertia of a body from what a file says that it is made of."""
-    made = mass_properties(given)
-    moments, axes = principal_axes(made.tensor)
-    return Inertia(made.mass, moments, axes)
+    properties = mass_properties(given)
+    moments, axes = principal_axes(properties.tensor)
+    return Inertia(properties.mass, moments, axes)
 
 
 def defined_rotation(given: Attitude, rotation: Vector | EulerRates) -> tuple[Quaternion4, Vector3]:

@@ -34,12 +34,12 @@ def wide(value: Real) -> np.longdouble:
     if not value:
         return Wide(0)
     rest, exponent = MP.frexp(value)
-    found = Wide(0)
+    total = Wide(0)
     for _ in range(_PARTS):
         part = float(rest)
-        found += Wide(part)
+        total += Wide(part)
         rest -= part
-    return Wide(np.ldexp(found, exponent))
+    return Wide(np.ldexp(total, exponent))
 
 
 def wide_matrix(rows: Sequence[Sequence[Real]]) -> WideArray:

@@ -186,7 +186,7 @@ def _polhode(moments: Vector, rates: Vector) -> Polhode:
     size[p], size[r] = MP.sqrt(moments[p] * er / span), MP.sqrt(moments[r] * ep / span)
     signs = [1 if component >= 0 else -1 for component in momentum]
     signs[1] = signs[0] * signs[2]  # dL2/dt = (1/I1 - 1/I3) L3 L1
-    found = modulus(MP.sqrt(span * abs(e2) / (apart * er)))
+    elliptic_modulus = modulus(MP.sqrt(span * abs(e2) / (apart * er)))
     x, y, z = (sign * each for sign, each in zip(signs, size, strict=True))
     return Polhode(
         moments=moments,
@@ -194,8 +194,8 @@ def _polhode(moments: Vector, rates: Vector) -> Polhode:
         p=p,
         size=(x, y, z),
         rate=MP.sqrt(apart * er / (i1 * i2 * i3)),
-        modulus=found,
-        start=argument(found, momentum[1] / y, momentum[r] / (x, y, z)[r]),
+        modulus=elliptic_modulus,
+        start=argument(elliptic_modulus, momentum[1] / y, momentum[r] / (x, y, z)[r]),
         k2=other * ep / (apart * er),
     )
 
@@ -271,9 +271,9 @@ def _first_nodes(direction: Vector, f: int) -> Matrix:
 
 def _about_momentum(angle: WideArray) -> WideArray:
     """Matrices (n, 3, 3) of turns by angles (n,), rad, about the third axis."""
-    found = np.zeros((len(angle), 3, 3), dtype=Wide)
-    found[:, 0, 0] = found[:, 1, 1] = np.cos(angle)
-    found[:, 1, 0] = np.sin(angle)
-    found[:, 0, 1] = -found[:, 1, 0]
-    found[:, 2, 2] = 1
-    return found
+    matrices = np.zeros((len(angle), 3, 3), dtype=Wide)
+    matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(angle)
+    matrices[:, 1, 0] = np.sin(angle)
+    matrices[:, 0, 1] = -matrices[:, 1, 0]
+    matrices[:, 2, 2] = 1
+    return matrices

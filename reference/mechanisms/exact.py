@@ -31,9 +31,9 @@ def inertia(body: JointedBody) -> Inertia:
     from bodycheck.reference.exact.inertia import mass_properties
     from bodycheck.reference.exact.numbers import vector
 
-    made = mass_properties(body.inertia)
-    centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else made.centre
-    return Inertia(made.mass, centre, made.tensor)
+    properties = mass_properties(body.inertia)
+    centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else properties.centre
+    return Inertia(properties.mass, centre, properties.tensor)
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ def nearest_inertia(body: JointedBody) -> NearestInertia:
     """The doubles that are nearest to the inertia of a body, which engines get."""
     from bodycheck.reference.exact.numbers import doubles
 
-    found = inertia(body)
-    (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(found.centre), doubles(found.tensor)
-    return NearestInertia(float(found.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
+    exact_inertia = inertia(body)
+    (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(exact_inertia.centre), doubles(exact_inertia.tensor)
+    return NearestInertia(float(exact_inertia.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
 
 
 @functools.lru_cache(maxsize=1024)

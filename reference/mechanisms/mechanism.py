@@ -181,19 +181,19 @@ class Mechanism:
     @property
     def joint_of(self) -> tuple[Joint | None, ...]:
         """The joint whose child each body is; None for a free body."""
-        found = {joint.child: joint for joint in self.joints}
-        return tuple(found.get(place) for place in range(len(self.bodies)))
+        by_child = {joint.child: joint for joint in self.joints}
+        return tuple(by_child.get(index) for index in range(len(self.bodies)))
 
 
 def depth_first(mechanism: Mechanism) -> Iterator[int]:
     """The places of all bodies, each followed by all that hang on it, children in the order of the file."""
     children: dict[int, list[int]] = {}
-    for place, joint in enumerate(mechanism.joint_of):
-        children.setdefault(WORLD if joint is None else joint.parent, []).append(place)
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
     waiting = children.get(WORLD, [])[::-1]
     while waiting:
-        yield (place := waiting.pop())
-        waiting += children.get(place, [])[::-1]
+        yield (body := waiting.pop())
+        waiting += children.get(body, [])[::-1]
 
 
 #: The physical content of any case.

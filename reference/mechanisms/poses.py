@@ -42,25 +42,25 @@ class Frames:
             carried if spin is None else carried + spin,
         )
 
-    def carried(self, place: Place, kind: FloatType) -> "Frames":
+    def carried(self, pose: Place, kind: FloatType) -> "Frames":
         """A frame that is fixed in this one."""
-        turn, shift = _spread(place.turn, len(self.turn), kind), _spread(place.origin, len(self.turn), kind)
+        turn, shift = _spread(pose.turn, len(self.turn), kind), _spread(pose.origin, len(self.turn), kind)
         return self.moved(turn, shift, None, None)
 
 
-def resting(place: Place, count: int, kind: FloatType) -> Frames:
+def resting(pose: Place, count: int, kind: FloatType) -> Frames:
     """A frame that does not move, at `count` instants."""
     zeros = _spread((MP.mpf(0),) * 3, count, kind)
-    return Frames(_spread(place.turn, count, kind), _spread(place.origin, count, kind), zeros, zeros)
+    return Frames(_spread(pose.turn, count, kind), _spread(pose.origin, count, kind), zeros, zeros)
 
 
 def link_frames(tree: Tree, states: list[LinkStates], count: int, kind: FloatType) -> list[Frames]:
     """The motions of the frames of all links of a tree."""
-    base, found = resting(tree.base, count, kind), list[Frames]()
+    base, frames = resting(tree.base, count, kind), list[Frames]()
     for link, state in zip(tree.links, states, strict=True):
-        parent = base if link.parent == STILL else found[link.parent]
-        found.append(_link_frame(link, state, parent.carried(link.before, kind)))
-    return found
+        parent = base if link.parent == STILL else frames[link.parent]
+        frames.append(_link_frame(link, state, parent.carried(link.before, kind)))
+    return frames
 
 
 def _link_frame(link: Link, state: LinkStates, before: Frames) -> Frames:
@@ -89,8 +89,8 @@ def body_frames(forest: Forest, frames: list[list[Frames]], count: int, kind: Fl
 
 def _anchored(anchor: Anchor, frames: list[list[Frames]], count: int, kind: FloatType) -> Frames:
     if anchor.tree < 0:
-        return resting(anchor.place, count, kind)
-    return frames[anchor.tree][anchor.link].carried(anchor.place, kind)
+        return resting(anchor.pose, count, kind)
+    return frames[anchor.tree][anchor.link].carried(anchor.pose, kind)
 
 
 def bodies(mechanism: Mechanism, frames: list[Frames], times: WideArray, kind: FloatType) -> Trajectory:
@@ -127,9 +127,9 @@ def _state_of(
     """The states of a link; of a ball along the axes of the link, which are not those of the joint and of its child."""
     held, moving = places(mechanism)[link.joint]
     if link.kind != "ball":
-        own, rate = held.start + link.coordinate, moving.start + link.coordinate
-        return LinkStates(position[:, own : own + 1], velocity[:, rate : rate + 1])
-    child = whole.anchors[mechanism.joints[link.joint].child].place
+        column, rate = held.start + link.coordinate, moving.start + link.coordinate
+        return LinkStates(position[:, column : column + 1], velocity[:, rate : rate + 1])
+    child = whole.anchors[mechanism.joints[link.joint].child].pose
     socket, axes = (np.tile(kind.array(turn), (len(position), 1)) for turn in (link.socket.turn, child.turn))
     turned = multiply(multiply(socket, position[:, held]), conjugate(axes))
     return LinkStates(turned, rotate(axes, velocity[:, moving]))
@@ -143,14 +143,14 @@ def joints(
     position = np.full((count, sum(COORDINATES[joint.type] for joint in mechanism.joints)), zero)
     velocity = np.full((count, sum(VELOCITIES[joint.type] for joint in mechanism.joints)), zero)
     layout = places(mechanism)
-    for tree, own in zip(forest.trees, states, strict=True):
-        for link, state in zip(tree.links, own, strict=True):
+    for tree, tree_states in zip(forest.trees, states, strict=True):
+        for link, state in zip(tree.links, tree_states, strict=True):
             if link.joint < 0:
                 continue
             held, moving = layout[link.joint]
             joint = mechanism.joints[link.joint]
             if link.kind == "ball":
-                position[:, held], velocity[:, moving] = _ball(link, state, forest.anchors[joint.child].place, kind)
+                position[:, held], velocity[:, moving] = _ball(link, state, forest.anchors[joint.child].pose, kind)
             elif link.kind == "free":
                 position[:, held], velocity[:, moving] = _free(joint, frames, count, kind)
             else:
@@ -162,9 +162,9 @@ def joints(
 def _ball(link: Link, state: LinkStates, child: Place, kind: FloatType) -> tuple[WideArray, WideArray]:
     """The quaternion of a ball from the child's frame to that of the joint, and its rates in the child's frame."""
     count = len(state.rates)
-    socket, own = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
-    turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), own)
-    return normalise(turn), rotate(conjugate(own), state.rates)
+    socket, child_turn = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
+    turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), child_turn)
+    return normalise(turn), rotate(conjugate(child_turn), state.rates)
 
 
 def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tuple[WideArray, WideArray]:

@@ -65,13 +65,13 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     """
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
-    kind, found, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
+    kind, whole, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
     solve, count = solver(), len(instants)
-    courses = [solve(tree, instants, kind) for tree in found.trees]
+    courses = [solve(tree, instants, kind) for tree in whole.trees]
     states = [course.links for course in courses]
-    links = [poses.link_frames(tree, own, count, kind) for tree, own in zip(found.trees, states, strict=True)]
-    frames = poses.body_frames(found, links, count, kind)
-    position, velocity = poses.joints(mechanism, found, states, frames, count, kind)
+    links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]
+    frames = poses.body_frames(whole, links, count, kind)
+    position, velocity = poses.joints(mechanism, whole, states, frames, count, kind)
     changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
     return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes))
 

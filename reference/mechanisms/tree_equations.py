@@ -83,7 +83,7 @@ def shape_of(tree: Tree) -> Shape:
         tuple((link.kind, link.parent) for link in tree.links),
         tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),
         tuple(_mark(part, ones=False) for part in tree.gravity),
-        tuple(place for place, link in enumerate(tree.links) if link.friction),
+        tuple(index for index, link in enumerate(tree.links) if link.friction),
     )
 
 
@@ -93,14 +93,14 @@ def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]
     modes: what each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
     """
     modes = modes or {}
-    found: list[Real] = []
-    for place, link in enumerate(tree.links):
-        constants = with_mode(link, modes[place]) if link.friction else link.constants
-        found += [number for mark, number in _numbers(link, constants) if mark is None]
-    found += [part for part in tree.gravity if part]
-    for place, mode in modes.items():
-        found += [tree.links[place].friction, MP.mpf(mode)]
-    return found
+    values: list[Real] = []
+    for index, link in enumerate(tree.links):
+        constants = with_mode(link, modes[index]) if link.friction else link.constants
+        values += [number for mark, number in _numbers(link, constants) if mark is None]
+    values += [part for part in tree.gravity if part]
+    for index, mode in modes.items():
+        values += [tree.links[index].friction, MP.mpf(mode)]
+    return values
 
 
 def with_mode(link: Link, mode: int) -> Constants:
@@ -128,23 +128,23 @@ def written(shape: Shape) -> Written:
 
     def symbols(marks: Sequence[Mark]) -> list[Any]:
         nonlocal taken
-        found: list[Any] = []
+        entries: list[Any] = []
         for mark in marks:
-            found.append(hy.par[taken] if mark is None else mark)
+            entries.append(hy.par[taken] if mark is None else mark)
             taken += mark is None
-        return found
+        return entries
 
     constants = [_named(symbols(marks)) for marks in shape.marks]
     form = Form(shape.links, constants, symbols(shape.gravity))
     count = sum(sum(SIZES[kind]) for kind, _ in shape.links) + 6 * form.floats
-    state = [hy.make_vars(f"x{place}") for place in range(count)]
+    state = [hy.make_vars(f"x{index}") for index in range(count)]
     rates, velocities = derivatives(form, state, hy), places_of_rates(shape.links)
     margins = []
-    for place in shape.dry:
+    for index in shape.dry:
         friction, mode = symbols((None, None))
-        slips, strain = constants[place].moves, rates.strains[place]
+        slips, strain = constants[index].moves, rates.strains[index]
         left = (friction - strain) * (friction + strain)
-        margins.append(slips * (mode * state[velocities[place]] + _BEGINNING) + (1 - slips) * left)
+        margins.append(slips * (mode * state[velocities[index]] + _BEGINNING) + (1 - slips) * left)
     # A derivative that is zero is a number here, which heyoka takes only as an expression.
     system = [(x, hy.expression(0.0) + rate) for x, rate in zip(state, rates.state, strict=True)]
     return Written(system, margins)
@@ -155,7 +155,7 @@ def _named(symbols: list[Any]) -> Constants:
     values, taken = dict[str, Any](), 0
     for field in fields(Constants):
         size = _SIZES.get(field.name, 1)
-        own = symbols[taken : taken + size]
-        values[field.name] = own if field.name in _SIZES else own[0]
+        numbers = symbols[taken : taken + size]
+        values[field.name] = numbers if field.name in _SIZES else numbers[0]
         taken += size
     return Constants(**values)

@@ -101,11 +101,11 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
 
 def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
     """How far two ways are apart, by the names of `bounds.STATES`, with what contradicts either."""
-    found = apart(mechanism, one.motion, other.motion)
-    for name, way in itertools.product(found, (one, other)):
+    differences = apart(mechanism, one.motion, other.motion)
+    for name, way in itertools.product(differences, (one, other)):
         if name in way.strays:
-            found[name] = found[name] + way.strays[name]
-    return found
+            differences[name] = differences[name] + way.strays[name]
+    return differences
 
 
 def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
@@ -113,8 +113,8 @@ def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
     held, moving = letters(mechanism)
     bodies = motion.bodies
 
-    def largest(vectors: WideArray, joints: WideArray, own: str, letter: str) -> Array:
-        return np.maximum(_lengths(vectors, np.zeros_like(vectors)), _differences(joints, np.zeros_like(joints), own, letter))
+    def largest(vectors: WideArray, joints: WideArray, kinds: str, letter: str) -> Array:
+        return np.maximum(_lengths(vectors, np.zeros_like(vectors)), _differences(joints, np.zeros_like(joints), kinds, letter))
 
     return {
         "error": _differences(motion.position, np.zeros_like(motion.position), held, "a"),
@@ -136,11 +136,11 @@ def _lengths(one: WideArray, other: WideArray) -> Array:
     return np.asarray(np.sqrt((difference * difference).sum(axis=-1)).astype(float).max(axis=0))
 
 
-def _differences(one: WideArray, other: WideArray, own: str, letter: str) -> Array:
+def _differences(one: WideArray, other: WideArray, letters: str, letter: str) -> Array:
     """The largest difference (n,) between those coordinates (n, c) that have a letter."""
-    columns = [place for place, each in enumerate(own) if each == letter]
-    found = np.abs(one[:, columns] - other[:, columns]).astype(float)
-    return np.asarray(found.max(axis=1, initial=0.0))
+    columns = [column for column, each in enumerate(letters) if each == letter]
+    differences = np.abs(one[:, columns] - other[:, columns]).astype(float)
+    return np.asarray(differences.max(axis=1, initial=0.0))
 
 
 def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: dict[str, Array]) -> Bounds:
@@ -184,7 +184,7 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
 
     A joint's rate is at most the difference of the velocities of its two bodies, and has at most twice their error.
     """
-    found = np.zeros(len(motion))
+    total = np.zeros(len(motion))
     rates = {
         True: 2 * np.linalg.norm(motion.angular_velocity, axis=-1).max(axis=0),
         False: 2 * np.linalg.norm(motion.velocity, axis=-1).max(axis=0),
@@ -196,9 +196,9 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
         moved = 2 * errors["error" if turns else "position_error"]
         slipped = 2 * errors["angular_velocity_error" if turns else "velocity_error"]
         stretch = np.abs(position[:, held][:, 0] - joint.rest)
-        found += joint.armature * slipped * (rates[turns] + slipped)
-        found += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
-    return found
+        total += joint.armature * slipped * (rates[turns] + slipped)
+        total += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
+    return total
 
 
 def reach(mechanism: Mechanism) -> float:

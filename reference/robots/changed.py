@@ -8,17 +8,17 @@ from bodycheck.reference.robots.model import RobotModel
 
 def with_link(model: RobotModel, name: str, **changes: Any) -> RobotModel:
     """The model with other attributes of the link of a name. Raises `KeyError` if there is none."""
-    place = _place([link.name for link in model.links], name)
+    index = _place([link.name for link in model.links], name)
     links = list(model.links)
-    links[place] = replace(links[place], **changes)
+    links[index] = replace(links[index], **changes)
     return replace(model, links=tuple(links))
 
 
 def with_joint(model: RobotModel, name: str, **changes: Any) -> RobotModel:
     """The model with other attributes of the joint of a name. Raises `KeyError` if there is none."""
-    place = _place([joint.name for joint in model.joints], name)
+    index = _place([joint.name for joint in model.joints], name)
     joints = list(model.joints)
-    joints[place] = replace(joints[place], **changes)
+    joints[index] = replace(joints[index], **changes)
     return replace(model, joints=tuple(joints))
 
 

@@ -119,8 +119,8 @@ class RobotModel:
     @property
     def joint_of(self) -> tuple[RobotJoint | None, ...]:
         """The joint whose child each link is; None for the root."""
-        found = {joint.child: joint for joint in self.joints}
-        return tuple(found.get(place) for place in range(len(self.links)))
+        by_child = {joint.child: joint for joint in self.joints}
+        return tuple(by_child.get(index) for index in range(len(self.links)))
 
     @property
     def root(self) -> int:

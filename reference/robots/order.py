@@ -13,11 +13,11 @@ def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
         carried.setdefault(joint.parent, []).append(joint)
     if len({joint.child for joint in model.joints}) < len(model.joints):
         raise ValueError("a link is the child of two joints")
-    found: list[RobotJoint] = []
+    ordered: list[RobotJoint] = []
     waiting = carried.get(model.root, [])[::-1]
     while waiting:
-        found.append(joint := waiting.pop())
+        ordered.append(joint := waiting.pop())
         waiting += carried.get(joint.child, [])[::-1]
-    if len(found) + 1 < len(model.links):
+    if len(ordered) + 1 < len(model.links):
         raise ValueError("the root does not lead to all links")
-    return tuple(found)
+    return tuple(ordered)

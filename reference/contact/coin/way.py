@@ -149,9 +149,9 @@ def _bounds(given: Coin, vouched: _Vouched) -> dict[str, Array]:
     """The bounds (k,) of the errors of a motion, in SI units. Where they allow less than the energy drifts, they grow."""
     rounding = _ROUNDINGS * float(np.finfo(Wide).eps)
     sizes = [1.0 + np.sqrt((pose * pose).sum(axis=1)).astype(float) for pose in vouched.poses]
-    found = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
-    grown = _drift(given, vouched.poses, found)
-    position, velocity, error, spin = (grown * each for each in found)
+    bounds = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
+    grown = _drift(given, vouched.poses, bounds)
+    position, velocity, error, spin = (grown * each for each in bounds)
     length, time = float(given.length), float(given.time)
     return {
         "error": error,
@@ -200,6 +200,6 @@ def _in_units(given: Coin, poses: _Poses) -> _Poses:
 
 def _spread(values: WideArray, count: int) -> WideArray:
     """Values (k, ...) at the instants before the end as values (count, ...) that are NaN after it."""
-    found = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
-    found[: len(values)] = values
-    return found
+    spread = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
+    spread[: len(values)] = values
+    return spread

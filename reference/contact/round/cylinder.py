@@ -41,14 +41,16 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     straight = _level(axis, problem)
     along, aside = Wide(dot(body.velocity, straight)), np.hypot(body.spin[0], body.spin[1])
     _refuse(problem, body, straight, along, aside)
-    of = ball(problem, body, body.shape.radius, body.moments[2])
-    begun = begin(of, body.position, body.velocity - along * straight, body.spin[2] * straight)
-    begun = replace(begun, velocity_error=begun.velocity_error + abs(along) + of.radius * aside)
-    found = moved(of, body, begun, times, "closed form: flight, impacts, slip and roll of a cylinder on its side", REASON)
+    round_body = ball(problem, body, body.shape.radius, body.moments[2])
+    begun = begin(round_body, body.position, body.velocity - along * straight, body.spin[2] * straight)
+    begun = replace(begun, velocity_error=begun.velocity_error + abs(along) + round_body.radius * aside)
+    whole = moved(
+        round_body, body, begun, times, "closed form: flight, impacts, slip and roll of a cylinder on its side", REASON
+    )
     tilt = float(np.abs(axis - straight).sum())
-    turning = np.abs(found.spin[0]).max(axis=1).astype(float)
+    turning = np.abs(whole.spin[0]).max(axis=1).astype(float)
     added = {"error": 2 * tilt, "angular_velocity_error": tilt * turning}
-    return replace(found, errors={name: error + added.get(name, 0.0) for name, error in found.errors.items()})
+    return replace(whole, errors={name: error + added.get(name, 0.0) for name, error in whole.errors.items()})
 
 
 def _level(axis: WideArray, problem: Problem) -> WideArray:

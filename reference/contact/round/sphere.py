@@ -27,11 +27,11 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
         return None
     if len(set(body.moments.tolist())) != 1:
         raise NotModelled("a sphere on a plane whose moments of inertia differ")
-    of = ball(problem, body, radius, body.moments[0])
+    round_body = ball(problem, body, radius, body.moments[0])
     return moved(
-        of,
+        round_body,
         body,
-        begin(of, body.position, body.velocity, rotate(body.quaternion, body.spin)),
+        begin(round_body, body.position, body.velocity, rotate(body.quaternion, body.spin)),
         times,
         "closed form: flight, impacts, slip and roll of a sphere",
         REASON,

@@ -65,12 +65,12 @@ def series(rates: WideArray, lengths: WideArray) -> WideArray:
 
 def chained(turns: WideArray) -> WideArray:
     """The rotations (n + 1, 4) before, between and after n rotations (n, 4) that follow each other along fixed axes."""
-    made = np.concatenate([np.array([[1, 0, 0, 0]], Wide), turns])
+    chain = np.concatenate([np.array([[1, 0, 0, 0]], Wide), turns])
     reach = 1
-    while reach < len(made):
-        made[reach:] = multiply(made[reach:], made[:-reach])
+    while reach < len(chain):
+        chain[reach:] = multiply(chain[reach:], chain[:-reach])
         reach *= 2
-    return normalise(made)
+    return normalise(chain)
 
 
 def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray:

@@ -15,30 +15,30 @@ from bodycheck.reference.witness import WideArray
 LEAST_TERM = Wide(1e-24)
 
 
-def turns_between(of: Ball, found: Course, starts: WideArray) -> WideArray:
+def turns_between(ball: Ball, course: Course, starts: WideArray) -> WideArray:
     """The rotations (m, 4) until the begin of each of the m phases, along the axes of the plane. starts: (m,) their times."""
-    phases = found.phases[:-1]
+    phases = course.phases[:-1]
     lasting = np.diff(starts)
     spins = np.array([phase.start.spin for phase in phases]).reshape(-1, 3)
     turns = about_axis(spins, lasting * np.sqrt(dot(spins, spins)))
-    for place, phase in enumerate(phases):
+    for index, phase in enumerate(phases):
         if phase.slips:
-            turns[place] = turned(of, phase, lasting[place : place + 1])[0]
+            turns[index] = turned(ball, phase, lasting[index : index + 1])[0]
     return chained(turns)
 
 
-def turned(of: Ball, phase: Phase, lasting: WideArray) -> WideArray:
+def turned(ball: Ball, phase: Phase, lasting: WideArray) -> WideArray:
     """The rotations (n, 4) by times (n,) from the start of a phase. Raises `OutOfReach` for too many steps."""
     if phase.hodograph is None:
         return accelerated(phase.start.spin, phase.spin_rate, lasting)
     places = parameters(phase.hodograph, lasting)
     end = places.max(initial=Wide(0))
-    begins = _grid(of, phase, phase.hodograph, end)
+    begins = _grid(ball, phase, phase.hodograph, end)
     orders = _orders(2 * phase.hodograph.rates[1] * np.diff(begins).max(initial=Wide(0)))  # of a product of two
-    return stepped(begins, places, lambda begun: _coefficients(of, phase, begun, orders))
+    return stepped(begins, places, lambda begun: _coefficients(ball, phase, begun, orders))
 
 
-def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
+def _grid(ball: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
     """Steps (m + 1,) from 0 to the end in the parameter of a hodograph: halves until each is short enough for the series."""
     less, more = slipping.rates
 
@@ -47,7 +47,7 @@ def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
 
     ends = np.array([Wide(0), end])
     lasting = elapsed(slipping, ends)[1]
-    gained = (slipping.downhill * lasting + pace(ends).sum()) / (of.radius * (1 + of.ratio))
+    gained = (slipping.downhill * lasting + pace(ends).sum()) / (ball.radius * (1 + ball.ratio))
     fastest = np.sqrt(dot(phase.start.spin, phase.start.spin)) + gained
     while True:
         lengths = np.diff(ends)
@@ -68,7 +68,7 @@ def _orders(exponent: Wide) -> int:
     return orders
 
 
-def _coefficients(of: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
+def _coefficients(ball: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
     """The first coefficients (n, orders, 3) of the angular velocity times the rate of time about parameters (n,)."""
     slipping = phase.hodograph
     assert slipping is not None  # the caller has asked
@@ -85,14 +85,14 @@ def _coefficients(of: Ball, phase: Phase, begun: WideArray, orders: int) -> Wide
     time = np.zeros(shape, Wide)
     time[:, 0] = elapsed(slipping, begun)
     time[:, 1:] = pace[:, :-1] / np.arange(1, orders)
-    first = slip(of, phase.start.velocity, phase.start.spin)
+    first = slip(ball, phase.start.velocity, phase.start.spin)
     change = np.zeros((*shape, 3), Wide)
-    scale = of.radius * (1 + of.ratio)
+    scale = ball.radius * (1 + ball.ratio)
     change[..., 0] = across / scale
     change[..., 1] = (slipping.downhill * time - (along - against)) / scale
     change[:, 0] += phase.start.spin + np.array([-first[1], first[0], Wide(0)]) / scale
-    found = np.zeros_like(change)
+    coefficients = np.zeros_like(change)
     for n in range(orders):
         for back in range(n + 1):
-            found[:, n] += pace[:, back, None] * change[:, n - back]
-    return found
+            coefficients[:, n] += pace[:, back, None] * change[:, n - back]
+    return coefficients

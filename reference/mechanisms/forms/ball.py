@@ -81,13 +81,13 @@ def _start(held: Carried) -> Quaternion4:
 
 def _turning(held: Carried, given: top.Top, axis: Quaternion4, times: Array) -> JointForm:
     """The coordinates of the joint from the motion of the top."""
-    found = top.follow(given, times)
+    motion = top.follow(given, times)
     before, after = _row(conjugate(held.attitude)), _row(conjugate(axis))
     count = len(times)
-    attitude = product(np.tile(before, (count, 1)), product(found.attitude, np.tile(after, (count, 1))))
+    attitude = product(np.tile(before, (count, 1)), product(motion.attitude, np.tile(after, (count, 1))))
     rows = np.array([[wide(part) for part in row] for row in matrix(axis)], dtype=Wide)
-    rates = np.stack([(found.rates * row).sum(axis=1) for row in rows], axis=1)
-    return JointForm(attitude, rates, found.error, found.rates_error)
+    rates = np.stack([(motion.rates * row).sum(axis=1) for row in rows], axis=1)
+    return JointForm(attitude, rates, motion.error, motion.rates_error)
 
 
 def _row(q: Quaternion4) -> np.ndarray:

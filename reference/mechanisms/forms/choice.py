@@ -28,15 +28,15 @@ def form_of(mechanism: Mechanism) -> Form | None:
     groups = carried(mechanism)
     if not groups:
         return None
-    found = {held.place: _form_of_joint(held) for held in groups}
-    known = {place: each for place, each in found.items() if each is not None}
-    if len(known) < len(found):
+    forms = {held.index: _form_of_joint(held) for held in groups}
+    known = {index: each for index, each in forms.items() if each is not None}
+    if len(known) < len(forms):
         return None
     names = list(dict.fromkeys(name for name, _, _ in known.values()))
     reasons = list(dict.fromkeys(reason for _, reason, _ in known.values()))
 
     def follow(times: Array) -> FormMotion:
-        return gathered(mechanism, {place: own(times) for place, (_, _, own) in known.items()}, len(times))
+        return gathered(mechanism, {index: motion_at(times) for index, (_, _, motion_at) in known.items()}, len(times))
 
     return Form(", ".join(names), ", ".join(reasons), follow)
 

@@ -20,8 +20,8 @@ class Carried:
 
     Attributes
     ----------
-    place, joint
-        The joint, and its place in the mechanism.
+    index, joint
+        The joint, and its index in the mechanism.
     attitude, origin
         The rotation from the joint's axes to the world, and the joint's origin in the world (m).
     mass, centre, tensor
@@ -30,7 +30,7 @@ class Carried:
         The gravitational acceleration along the joint's axes (m/s^2).
     """
 
-    place: int
+    index: int
     joint: Joint
     attitude: Quaternion4
     origin: Vector3
@@ -49,29 +49,29 @@ def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
     for body in range(len(mechanism.bodies)):
         root, attitude, origin = _in_root(mechanism, body)
         groups.setdefault(root, []).append((body, attitude, origin))
-    found = []
-    for place, joint in enumerate(mechanism.joints):
+    parts = []
+    for index, joint in enumerate(mechanism.joints):
         if joint.type == "fixed":
             continue
         root, attitude, origin = _in_root(mechanism, joint.parent)
         if root != WORLD:
             return None
-        own = turn(joint.attitude)
+        joint_turn = turn(joint.attitude)
         origin = _sum(origin, turned(matrix(attitude), vector(joint.position)))
-        attitude = multiply(attitude, own)
+        attitude = multiply(attitude, joint_turn)
         whole = joined([_placed(mechanism, *member) for member in groups[joint.child]])
         down = turned(matrix(conjugate(attitude)), (MP.mpf(0), MP.mpf(0), -MP.mpf(mechanism.gravity)))
-        found.append(Carried(place, joint, attitude, origin, whole.mass, whole.centre, whole.tensor, _clean(down)))
-    return tuple(found)
+        parts.append(Carried(index, joint, attitude, origin, whole.mass, whole.centre, whole.tensor, _clean(down)))
+    return tuple(parts)
 
 
 def moment_about(held: Carried, axis: Vector3) -> Real:
     """The moment of inertia (kg m^2) of what a joint carries about an axis of unit length through the joint's origin."""
     x, y, z = axis
     xx, yy, zz, xy, xz, yz = held.tensor
-    own = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+    about_centre = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
     arm = cross(axis, held.centre)
-    return own + held.mass * dot(arm, arm)
+    return about_centre + held.mass * dot(arm, arm)
 
 
 def axis_of(held: Carried) -> Vector3:
@@ -114,23 +114,23 @@ def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3
         joint = above[body]
         if joint is None or joint.type != "fixed":
             break
-        own = turn(joint.attitude)
-        origin = _sum(vector(joint.position), turned(matrix(own), origin))
-        attitude, body = multiply(own, attitude), joint.parent
+        joint_turn = turn(joint.attitude)
+        origin = _sum(vector(joint.position), turned(matrix(joint_turn), origin))
+        attitude, body = multiply(joint_turn, attitude), joint.parent
     return body, attitude, origin
 
 
 def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vector3) -> MassProperties:
     """The mass properties of a body in the frame in which it has an attitude and an origin."""
-    own = inertia(mechanism.bodies[body])
+    body_inertia = inertia(mechanism.bodies[body])
     if attitude == IDENTITY:
-        return MassProperties(own.mass, _sum(origin, own.centre), own.tensor)
+        return MassProperties(body_inertia.mass, _sum(origin, body_inertia.centre), body_inertia.tensor)
     rows = matrix(attitude)
-    xx, yy, zz, xy, xz, yz = own.tensor
+    xx, yy, zz, xy, xz, yz = body_inertia.tensor
     whole = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
     def component(i: int, j: int) -> Real:
         return sum(rows[i][k] * whole[k][m] * rows[j][m] for k in range(3) for m in range(3))
 
     tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
-    return MassProperties(own.mass, _sum(origin, turned(rows, own.centre)), tensor)
+    return MassProperties(body_inertia.mass, _sum(origin, turned(rows, body_inertia.centre)), tensor)

@@ -43,23 +43,23 @@ def floating(mechanism: Mechanism, times: Array) -> tuple[Floating, ...]:
 
     Loops connect trees; a tree with a loop to the world is held.
     """
-    trees = _trees(mechanism)
+    roots = _trees(mechanism)
     frames = start.frames(mechanism)
-    found = []
-    for tree in sorted(set(trees.values()) - {WORLD}):
-        bodies = tuple(body for body in range(len(mechanism.bodies)) if trees[body] == tree)
-        found.append(_tree(mechanism, frames, bodies, times))
-    return tuple(found)
+    trees = []
+    for tree in sorted(set(roots.values()) - {WORLD}):
+        bodies = tuple(body for body in range(len(mechanism.bodies)) if roots[body] == tree)
+        trees.append(_tree(mechanism, frames, bodies, times))
+    return tuple(trees)
 
 
 def _trees(mechanism: Mechanism) -> dict[int, int]:
     """The first body of the tree of each body, or the world where the world holds it."""
-    found = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
+    roots = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
     ties = [(joint.parent, joint.child) for joint in mechanism.joints if joint.type != "free" or joint.parent != WORLD]
     for one, other in (*ties, *(loop.bodies for loop in mechanism.loops)):
-        first, second = sorted((found[one], found[other]))
-        found = {body: first if tree == second else tree for body, tree in found.items()}
-    return found
+        first, second = sorted((roots[one], roots[other]))
+        roots = {body: first if tree == second else tree for body, tree in roots.items()}
+    return roots
 
 
 def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[int, ...], times: Array) -> Floating:
@@ -73,10 +73,10 @@ def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[in
         np.sum([mass * part for mass, part in zip(masses, parts, strict=True)], axis=0) / total for parts in (places, speeds)
     )
     momentum = np.zeros(3, dtype=Wide)
-    for body, mass, place, speed in zip(bodies, masses, places, speeds, strict=True):
+    for body, mass, position, speed in zip(bodies, masses, places, speeds, strict=True):
         frame = frames[body]
         spin = frame.turn @ start.tensor(mechanism.bodies[body]) @ frame.turn.T @ frame.spin
-        momentum = momentum + mass * np.cross(place - centre, speed - velocity) + spin
+        momentum = momentum + mass * np.cross(position - centre, speed - velocity) + spin
     t = times.astype(Wide)[:, None]
     down = np.array([0, 0, -1], dtype=Wide) * Wide(mechanism.gravity)
     return Floating(bodies, total, centre + t * (velocity + t * down / 2), velocity + t * down, momentum)

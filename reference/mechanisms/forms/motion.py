@@ -79,8 +79,8 @@ def gathered(mechanism: Mechanism, parts: dict[int, JointForm], count: int) -> F
     position = np.zeros((count, last[0].stop), dtype=Wide)
     velocity = np.zeros((count, last[1].stop), dtype=Wide)
     error, velocity_error = (np.zeros((count, len(mechanism.joints))) for _ in range(2))
-    for place, part in parts.items():
-        held, moving = slices[place]
+    for index, part in parts.items():
+        held, moving = slices[index]
         position[:, held], velocity[:, moving] = part.position, part.velocity
-        error[:, place], velocity_error[:, place] = part.error, part.velocity_error
+        error[:, index], velocity_error[:, index] = part.error, part.velocity_error
     return FormMotion(position, velocity, error, velocity_error)

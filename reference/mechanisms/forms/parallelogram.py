@@ -66,8 +66,8 @@ def form_of_parallelograms(mechanism: Mechanism) -> Form | None:
 def _rates(mechanism: Mechanism, first: float) -> list[int] | None:
     """The rate of each joint as a multiple of the first one (rad/s), from the initial velocities; None if it is no such."""
     speeds = [joint.start_velocity[0] if joint.type == "revolute" else 0.0 for joint in mechanism.joints]
-    found = [1 if speed == first else -1 if speed == -first else 0 for speed in speeds]
-    return found if all(each * first == speed for each, speed in zip(found, speeds, strict=True)) else None
+    multiples = [1 if speed == first else -1 if speed == -first else 0 for speed in speeds]
+    return multiples if all(each * first == speed for each, speed in zip(multiples, speeds, strict=True)) else None
 
 
 def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, _Frame] | None:
@@ -75,7 +75,7 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
     multiples = {id(joint): rate for joint, rate in zip(mechanism.joints, rates, strict=True)}
     frames = {WORLD: _Frame(IDENTITY, _ZERO, 0, _ZERO)}
     for joint in from_the_root(mechanism):
-        parent, own = frames[joint.parent], multiples[id(joint)]
+        parent, multiple = frames[joint.parent], multiples[id(joint)]
         attitude = multiply(parent.attitude, exact.turn(joint.attitude))
         arm = turned(matrix(parent.attitude), vector(joint.position))
         if joint.type == "revolute":
@@ -84,11 +84,11 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
             if dot(across, across) > _ROUNDED**2:
                 return None
             # The axis of a joint may point the other way than that of theta.
-            own *= 1 if dot(axis, direction) > 0 else -1
+            multiple *= 1 if dot(axis, direction) > 0 else -1
             cosine, sine = MP.cos_sin(MP.mpf(joint.start[0]) / 2)
             x, y, z = exact.unit_axis(joint)
             attitude = multiply(attitude, (cosine, sine * x, sine * y, sine * z))
-        turns = parent.turns + own
+        turns = parent.turns + multiple
         if turns not in (0, 1):
             return None
         radius = _plus(parent.radius, arm) if parent.turns else parent.radius
@@ -96,9 +96,9 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
     return frames
 
 
-def _point(frame: _Frame, place: Vector3) -> tuple[Vector3, Vector3]:
+def _point(frame: _Frame, point: Vector3) -> tuple[Vector3, Vector3]:
     """The place in the world at the start of a point of a body, and its part b."""
-    arm = turned(matrix(frame.attitude), place)
+    arm = turned(matrix(frame.attitude), point)
     return _plus(frame.origin, arm), _plus(frame.radius, arm) if frame.turns else frame.radius
 
 
@@ -106,7 +106,7 @@ def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
     """Whether the loops stay closed: both ends are at the same place, and have the same part b."""
     for loop in mechanism.loops:
         ends = [_point(frames[body], vector(point)) for body, point in zip(loop.bodies, loop.points, strict=True)]
-        size = max(abs(value) for place, _ in ends for value in place)
+        size = max(abs(value) for position, _ in ends for value in position)
         for one, other in zip(*ends, strict=True):
             if max(abs(a - b) for a, b in zip(one, other, strict=True)) > _ROUNDED * size:
                 return False
@@ -119,8 +119,8 @@ def _pendulum(
     """The pendulum that theta is, counted from the start; None where nothing pulls on it."""
     inertia = sum(MP.mpf(joint.armature) * rate**2 for joint, rate in zip(mechanism.joints, rates, strict=True))
     level, slope = MP.mpf(0), MP.mpf(0)
-    for body, own in enumerate(mechanism.bodies):
-        given, frame = exact.inertia(own), frames[body]
+    for body, jointed_body in enumerate(mechanism.bodies):
+        given, frame = exact.inertia(jointed_body), frames[body]
         _, radius = _point(frame, given.centre)
         arm = cross(axis, radius)
         inertia += given.mass * dot(arm, arm)
@@ -147,14 +147,14 @@ def _motion(mechanism: Mechanism, system: pendulum.Pendulum, rates: list[int], t
     """The coordinates of all joints, which begin at their own places and turn with theta."""
     turning = pendulum.follow(system, times)
     parts = {
-        place: JointForm(
+        index: JointForm(
             Wide(joint.start[0]) + rate * turning.position,
             rate * turning.velocity,
             # Errors of the angles add up along a chain.
             len(rates) * (turning.error + WIDE_EPS * abs(joint.start[0])),
             turning.velocity_error * abs(rate),
         )
-        for place, (joint, rate) in enumerate(zip(mechanism.joints, rates, strict=True))
+        for index, (joint, rate) in enumerate(zip(mechanism.joints, rates, strict=True))
         if joint.type == "revolute"
     }
     return gathered(mechanism, parts, len(times))

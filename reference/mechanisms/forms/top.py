@@ -84,7 +84,7 @@ class _Nutation:
         u2 - u1, which is zero for a steady precession.
     rate, start
         lambda and tau0.
-    of, square
+    elliptic, square
         The modulus k, and k^2.
     """
 
@@ -93,7 +93,7 @@ class _Nutation:
     width: Real
     rate: Real
     start: Real
-    of: Modulus
+    elliptic: Modulus
     square: Real
 
 
@@ -115,7 +115,7 @@ def follow(top: Top, times: Array) -> Turned:
     t = times.astype(Wide)
     if path.width:
         reduced, count, tau = _phase(path, t)
-        sn, cn, dn = functions(path.of, reduced)
+        sn, cn, dn = functions(path.elliptic, reduced)
         parity = 1 - 2 * (count % 2)
         sn, cn = parity * sn, parity * cn
     else:
@@ -190,11 +190,11 @@ def _nutation(top: Top, known: _Constants) -> _Nutation:
     high = 1 - u2 if known.difference or 1 - u2 > _ZERO else MP.mpf(0)
     width = 2 - low - high
     above = u3 - 1 + high
-    of = modulus(MP.sqrt(above / (above + width)) if above > _ZERO * width else MP.zero)
+    elliptic = modulus(MP.sqrt(above / (above + width)) if above > _ZERO * width else MP.zero)
     rate = MP.sqrt(top.weight * (above + width) / (2 * top.across))
     sn, cn = (MP.sqrt(max(value, MP.mpf(0)) / width) for value in (1 + u0 - low, 1 - u0 - high))
-    start = argument(of, -sn if speed < 0 else sn, cn)
-    return _Nutation(low, high, width, rate, start, of, width / (above + width))
+    start = argument(elliptic, -sn if speed < 0 else sn, cn)
+    return _Nutation(low, high, width, rate, start, elliptic, width / (above + width))
 
 
 def _roots(b: Real, c: Real, d: Real) -> tuple[Real, Real, Real]:
@@ -210,9 +210,9 @@ def _roots(b: Real, c: Real, d: Real) -> tuple[Real, Real, Real]:
 def _phase(path: _Nutation, t: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """The argument reduced to [-K, K], the number of half periods 2 K, and the argument itself."""
     tau = wide(path.start) + wide(path.rate) * t
-    if not path.of.mean:
+    if not path.elliptic.mean:
         return tau, np.zeros_like(tau), tau
-    period = wide(2 * path.of.quarter)
+    period = wide(2 * path.elliptic.quarter)
     count = np.rint(tau / period)
     return tau - count * period, count, tau
 
@@ -232,8 +232,8 @@ def _phases(
             continue
         begin = _one(_integral(path, np.array([wide(path.start)], dtype=Wide), smallest, rising=rising))
         turned = _integral(path, reduced, smallest, rising=rising)
-        if path.of.mean:
-            quarter = np.array([wide(path.of.quarter)], dtype=Wide)
+        if path.elliptic.mean:
+            quarter = np.array([wide(path.elliptic.quarter)], dtype=Wide)
             turned = turned + 2 * count * _one(_integral(path, quarter, smallest, rising=rising))
         grown = wide(factor / (2 * path.rate)) * (turned - begin)
         first, second = (first + grown, second) if rising else (first, second + grown)
@@ -246,7 +246,7 @@ def _one(values: WideArray) -> np.longdouble:
 
 def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -> WideArray:
     """The integral from 0 to tau in [-K, K] of 1 / (1 + u) if rising, of 1 / (1 - u) if not; at_zero: 1 + u1 or 1 - u1."""
-    sn, cn, dn = functions(path.of, tau)
+    sn, cn, dn = functions(path.elliptic, tau)
     x, y, one = cn * cn, dn * dn, np.ones_like(sn)
     begin, width, square = wide(at_zero), wide(path.width), sn * sn
     if not rising:
@@ -259,8 +259,8 @@ def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -
     small = wide(k2 / ratio)
     root = wide(MP.sqrt((1 + ratio) * (ratio + k2) / ratio))
     rest = small / 3 * sn * square * third_kind(x, y, one, 1 + small * square)
-    found: WideArray = (np.arctan2(sn * root, cn * dn) / root + rest) / begin
-    return found
+    value: WideArray = (np.arctan2(sn * root, cn * dn) / root + rest) / begin
+    return value
 
 
 def _first_phases(top: Top, path: _Nutation) -> tuple[Real, Real]:

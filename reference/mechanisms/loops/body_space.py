@@ -89,9 +89,11 @@ def system(mechanism: Mechanism) -> System:
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     inertias = [exact.inertia(body) for body in mechanism.bodies]
-    tensors = [[[wide(own.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for own in inertias]
+    tensors = [
+        [[wide(inertia.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for inertia in inertias
+    ]
     return System(
-        np.array([wide(own.mass) for own in inertias], dtype=Wide),
+        np.array([wide(inertia.mass) for inertia in inertias], dtype=Wide),
         np.array(tensors, dtype=Wide),
         (*(_joint(mechanism, joint) for joint in mechanism.joints), *_loops(mechanism)),
         Wide(mechanism.gravity),
@@ -133,26 +135,26 @@ def _joint(mechanism: Mechanism, joint: Joint) -> Link:
 
 def _loops(mechanism: Mechanism) -> list[Link]:
     here = np.eye(3, dtype=Wide)
-    found = []
+    links = []
     for loop in mechanism.loops:
         one, other = (_side(mechanism, body, point, here) for body, point in zip(loop.bodies, loop.points, strict=True))
-        found.append(Link(one, other, here, (), None, here[2]))
-    return found
+        links.append(Link(one, other, here, (), None, here[2]))
+    return links
 
 
 def initial(mechanism: Mechanism) -> WideArray:
     """Positions and quaternions (7 b), velocities and rates (6 b), and angles and slides of single joints, at the start."""
     frames = {WORLD: Place(IDENTITY, _ZERO, _ZERO, _ZERO)}
-    for body, own in enumerate(mechanism.bodies):
+    for body, jointed_body in enumerate(mechanism.bodies):
         if mechanism.joint_of[body] is None:
-            frames[body] = _free(own.start or BodyStart(), exact.inertia(own).centre)
+            frames[body] = _free(jointed_body.start or BodyStart(), exact.inertia(jointed_body).centre)
     for joint in from_the_root(mechanism):
         frames[joint.child] = _child(joint, frames[joint.parent])
     held: list[Any] = []
     moving: list[Any] = []
-    for body, own in enumerate(mechanism.bodies):
+    for body, jointed_body in enumerate(mechanism.bodies):
         frame = frames[body]
-        arm = turned(matrix(frame.attitude), exact.inertia(own).centre)
+        arm = turned(matrix(frame.attitude), exact.inertia(jointed_body).centre)
         held += [*_plus(frame.origin, arm), *frame.attitude]
         spin = turned(matrix(conjugate(frame.attitude)), frame.spin)
         moving += [*_plus(frame.velocity, _cross(frame.spin, arm)), *spin]
@@ -177,10 +179,12 @@ def _child(joint: Joint, parent: Place) -> Place:
     rows = matrix(parent.attitude)
     attitude = multiply(parent.attitude, exact.turn(joint.attitude))
     frame = matrix(attitude)
-    shift, own, slides, rate = _relative(joint)
+    shift, relative_turn, slides, rate = _relative(joint)
     arm = _plus(turned(rows, vector(joint.position)), turned(frame, shift))
     velocity = _plus(_plus(parent.velocity, _cross(parent.spin, arm)), turned(frame, slides))
-    return Place(multiply(attitude, own), _plus(parent.origin, arm), velocity, _plus(parent.spin, turned(frame, rate)))
+    return Place(
+        multiply(attitude, relative_turn), _plus(parent.origin, arm), velocity, _plus(parent.spin, turned(frame, rate))
+    )
 
 
 def _relative(joint: Joint) -> tuple[Vector3, Quaternion4, Vector3, Vector3]:
@@ -201,11 +205,11 @@ def _relative(joint: Joint) -> tuple[Vector3, Quaternion4, Vector3, Vector3]:
         case "planar":
             return (q[0], q[1], _ZERO[0]), _about(z, q[2]), (v[0], v[1], _ZERO[0]), _times(z, v[2])
         case "spherical" | "free":
-            own = unit((q[-4], q[-3], q[-2], q[-1]))
-            rate = turned(matrix(own), (v[-3], v[-2], v[-1]))
+            relative_turn = unit((q[-4], q[-3], q[-2], q[-1]))
+            rate = turned(matrix(relative_turn), (v[-3], v[-2], v[-1]))
             if joint.type == "spherical":
-                return _ZERO, own, _ZERO, rate
-            return (q[0], q[1], q[2]), own, (v[0], v[1], v[2]), rate
+                return _ZERO, relative_turn, _ZERO, rate
+            return (q[0], q[1], q[2]), relative_turn, (v[0], v[1], v[2]), rate
         case _:
             return _ZERO, IDENTITY, _ZERO, _ZERO
 

@@ -242,7 +242,7 @@ def recursion(mechanism: Mechanism) -> dict[str, Wide]:
             if link.joint < 0 or joint.type == "free":
                 continue
             if link.kind == "ball":
-                turn = np.array([numbers(trees.anchors[joint.child].place.turn)])
+                turn = np.array([numbers(trees.anchors[joint.child].pose.turn)])
                 found[joint.name] = rotate(conjugate(turn), np.array([rates]))[0]
             elif joint.type == "universal":
                 found[f"{joint.name}:{link.coordinate + 1}"] = np.array(rates[:1])

@@ -137,7 +137,7 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
         found = computed(scene, instants)
     except (NotModelled, OutOfReach):
         return {}
-    motion, bounds = _first(flights(made, instants)) if isinstance(made, Scenes) else (found.truth.trajectory, found.own)
+    motion, bounds = _first(flights(made, instants)) if isinstance(made, Scenes) else (found.truth.trajectory, found.own_bounds)
     way, whole, apart = as_way("", motion, bounds), bounds, []
     for witness in found.witnesses:
         whole = whole.plus(excess(scene, motion, bounds, witness))
