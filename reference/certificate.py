@@ -64,8 +64,8 @@ def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> t
     """Every way but the truth. Those of a slide include the integration that the truth is taken from, with its own bounds."""
     if scene.plane is not None:
         return slides.ways(scene, times)
-    known = any(witness.name == second_closed_form.NAME for witness in witnesses)
-    second = () if known else (second_closed_form.witness(scene, times),)
+    included = any(witness.name == second_closed_form.NAME for witness in witnesses)
+    second = () if included else (second_closed_form.witness(scene, times),)
     return (*witnesses, *second, *_wide_way(scene, times))
 
 

@@ -58,15 +58,15 @@ def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouch
     return computed(scene, times, solver, vouched=vouched).truth
 
 
-def at(known: Truth, times: Array) -> Truth:
+def at(computed_truth: Truth, times: Array) -> Truth:
     """The truth of the scene of a known truth at ascending times (n,) >= 0, s.
 
     It is a part of the known truth if that has all of these times, and is computed if not; this raises as `truth` does.
     """
     try:
-        return known.at(times)
+        return computed_truth.at(times)
     except ValueError:  # it does not have all of them
-        return truth(known.scene, times)
+        return truth(computed_truth.scene, times)
 
 
 def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
@@ -129,7 +129,7 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
     motion = flight.trajectory
     moved = translation(scene, motion.t)
     slowed = replace(motion, position=moved.position, velocity=moved.velocity)
-    known = {
+    errors = {
         "error": flight.bounds.error,
         "position_error": moved.position_error,
         "velocity_error": moved.velocity_error,
@@ -138,7 +138,7 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
     return replace(
         flight,
         trajectory=slowed,
-        bounds=Bounds(**known, **conserved_errors(scene, slowed, **known)),
+        bounds=Bounds(**errors, **conserved_errors(scene, slowed, **errors)),
         model=f"{flight.model}, drag by quadratures",
         witnesses=(*flight.witnesses, *moved.witnesses),
     )
@@ -147,10 +147,10 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
 def _slide_bounds(scene: Scene, slide: Slide) -> Bounds:
     """The bounds of the errors of a slide."""
     motion = slide.trajectory
-    known = {
+    errors = {
         "error": slide.error,
         "position_error": slide.position_error,
         "velocity_error": slide.velocity_error,
         "angular_velocity_error": slide.angular_velocity_error,
     }
-    return Bounds(**known, **conserved_errors(scene, motion, **known))
+    return Bounds(**errors, **conserved_errors(scene, motion, **errors))

@@ -84,12 +84,12 @@ def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity
     last = _last(speeds > STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)))
     if last == len(motion) - 1:
         return float(motion.t[-1])
-    known = [hit for hit in struck if hit.seen]
+    hits = [hit for hit in struck if hit.seen]
     fall = gravity * body.normal[2]
-    if not known or not fall or not known[-1].after < known[-1].before:
+    if not hits or not fall or not hits[-1].after < hits[-1].before:
         return _extrapolated(motion.t, speeds, last)
-    ratio = known[-1].after / known[-1].before
-    settled = known[-1].time + 2 * known[-1].after / fall / (1 - ratio)
+    ratio = hits[-1].after / hits[-1].before
+    settled = hits[-1].time + 2 * hits[-1].after / fall / (1 - ratio)
     # Bounces below the fraction go on for the rest of the sum.
     slack = 2 * STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)) / fall / (1 - ratio)
     return float(np.clip(settled, motion.t[last], motion.t[last + 1] + slack))

@@ -161,8 +161,8 @@ def _along(push: Push, back: tuple[Real, Real, Real, Real]) -> Push:
     return Push((x, y, z), push.point, push.start, push.end, push.body)
 
 
-def _turned(back: tuple[Real, Real, Real, Real], given: tuple[float, float, float]) -> WideArray:
-    x, y, z = given
+def _turned(back: tuple[Real, Real, Real, Real], components: tuple[float, float, float]) -> WideArray:
+    x, y, z = components
     return _wide(turned(matrix(back), (MP.mpf(x), MP.mpf(y), MP.mpf(z))))
 
 

@@ -43,12 +43,12 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
     plane = scene.plane
     if plane is None:
         return ()
-    given = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
+    restitutions = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
     touching_bodies = []
     for index, body in enumerate(bodies(scene)):
         if body.shape is None:
             return ()
-        restitution = given.get((WORLD, index), plane.restitution)
+        restitution = restitutions.get((WORLD, index), plane.restitution)
         touching_bodies.append(Touching(body.shape, body.mass, body.tensor, plane.normal, restitution))
     return tuple(touching_bodies)
 

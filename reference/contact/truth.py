@@ -26,9 +26,9 @@ BACKEND = "numpy"
 
 def computed_contact(scene: AnyScene, times: Array) -> Computed:
     """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises as `truth.truth` does."""
-    known = problem(scene)
-    motion = contact_motion(known, np.asarray(times, dtype=float))
-    trajectory = _in_world(motion, known.turn, np.asarray(times, dtype=float))
+    task = problem(scene)
+    motion = contact_motion(task, np.asarray(times, dtype=float))
+    trajectory = _in_world(motion, task.turn, np.asarray(times, dtype=float))
     errors = _errors(motion, trajectory)
     joints = None
     if isinstance(scene, Mechanism):
@@ -47,7 +47,7 @@ def computed_contact(scene: AnyScene, times: Array) -> Computed:
         BACKEND,
         (motion.witness,) if motion.witness else (),
         joints=joints,
-        events=tuple(_event_in_world(event, known.turn) for event in motion.events),
+        events=tuple(_event_in_world(event, task.turn) for event in motion.events),
         friction=motion.friction,
         interfaces=motion.interfaces,
     )
@@ -90,5 +90,5 @@ def _event_in_world(event: Event, turn: WideArray) -> Event:
     )
 
 
-def _vector(turn: WideArray, given: Vector) -> Vector:
-    return vector_of(rotate(turn, np.array(given, dtype=turn.dtype)))
+def _vector(turn: WideArray, components: Vector) -> Vector:
+    return vector_of(rotate(turn, np.array(components, dtype=turn.dtype)))

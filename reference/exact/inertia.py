@@ -79,12 +79,12 @@ def joined(parts: Sequence[MassProperties]) -> MassProperties:
     return MassProperties(mass, (x0, y0, z0), (xx, yy, zz, xy, xz, yz))
 
 
-def mass_properties(given: Given) -> MassProperties:
+def mass_properties(definition: Given) -> MassProperties:
     """Mass properties of what a file says that a body is made of, in the frame of the body.
 
     Of a tensor whose upper and lower half differ in their last digits, the mean is taken.
     """
-    match given:
+    match definition:
         case Solid() as alone:
             return solid(alone)
         case Tensor(mass, (a, b, c)):

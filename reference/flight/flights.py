@@ -130,13 +130,13 @@ def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Tur
 
 def _elliptic(scenes: Scenes, places: Places, times: Array) -> Generator[tuple[Form, Places, Turning], None, Places]:
     """The rotations of bodies whose moments all differ, in parts. Returns the indices of those left over."""
-    known, accurate = constants_of_many(scenes.exact_moments[places], scenes.angular_velocity[places])
-    p, f, hyperbolic = branches(known)
+    invariants, accurate = constants_of_many(scenes.exact_moments[places], scenes.angular_velocity[places])
+    p, f, hyperbolic = branches(invariants)
     t = np.concatenate(([0.0], times))
     for chosen in itertools.starmap(Branch, itertools.product((0, 2), (0, 2), (False, True))):
         same = accurate & (p == chosen.p) & (f == chosen.f) & (hyperbolic == chosen.hyperbolic)
         for part in _cut(np.flatnonzero(same), times):
-            motion = polhodes(known.part(part), chosen)
+            motion = polhodes(invariants.part(part), chosen)
             yield ASYMMETRIC, places[part], placed(tumbling(motion, t), scenes.quaternion[places[part]])
     return places[~accurate]
 

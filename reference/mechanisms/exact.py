@@ -77,24 +77,24 @@ def nearest_axis(joint: Joint) -> Vector:
 
 
 @functools.lru_cache(maxsize=1024)
-def turn(given: Attitude) -> "Quaternion4":
+def turn(orientation: Attitude) -> "Quaternion4":
     """The unit quaternion (w, x, y, z) of an attitude."""
     from bodycheck.reference.exact.rotations import attitude
 
-    return attitude(given)
+    return attitude(orientation)
 
 
-def nearest_turn(given: Attitude) -> Quaternion:
+def nearest_turn(orientation: Attitude) -> Quaternion:
     """The doubles that are nearest to the unit quaternion (w, x, y, z) of an attitude."""
     from bodycheck.reference.exact.numbers import doubles
 
-    w, x, y, z = doubles(turn(given))
+    w, x, y, z = doubles(turn(orientation))
     return w, x, y, z
 
 
-def rates(given: Attitude, rotation: Vector | EulerRates) -> "Vector3":
+def rates(orientation: Attitude, rotation: Vector | EulerRates) -> "Vector3":
     """The angular velocity (rad/s) in the body's frame of a free body."""
     from bodycheck.reference.exact.numbers import vector
     from bodycheck.reference.exact.rotations import body_rates
 
-    return body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)
+    return body_rates(orientation, rotation) if isinstance(rotation, EulerRates) else vector(rotation)

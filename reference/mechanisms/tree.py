@@ -227,9 +227,9 @@ def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -
 def _body_start(body: JointedBody) -> Moving:
     """The motion of the frame of a body without a joint at t = 0."""
     assert body.start is not None, "a body without a joint has an initial state"
-    given = body.start
-    turn, spin = exact.turn(given.attitude), exact.rates(given.attitude, given.rotation)
-    at_centre = Moving(Place(turn, vector(given.position)), vector(given.velocity), spin)
+    begin = body.start
+    turn, spin = exact.turn(begin.attitude), exact.rates(begin.attitude, begin.rotation)
+    at_centre = Moving(Place(turn, vector(begin.position)), vector(begin.velocity), spin)
     return at_centre.carried(Place(origin=scaled(MP.mpf(-1), exact.inertia(body).centre)))
 
 

@@ -159,7 +159,7 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
     errors
         (n,) bounds of the errors of the states, by the names of `bounds.STATES`.
     """
-    known = {name: errors[name] for name in STATES}
+    of_states = {name: errors[name] for name in STATES}
     masses = observables.masses(mechanism)[:, None]
     moments = np.array([np.trace(observables.tensor(body)) / 2 for body in mechanism.bodies])[:, None]
     speeds, spins = (np.sqrt(dot(each, each)) for each in (motion.velocity, motion.angular_velocity))
@@ -173,8 +173,8 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
     )
     momentum = masses * ((arms + shift) * 2 * slip + drifts * 2 * shift) + moments * (spun + spins * turned)
     return Bounds(
-        **known,
-        energy_error=energy.sum(axis=0) + _of_joints(mechanism, joints, motion, known),
+        **of_states,
+        energy_error=energy.sum(axis=0) + _of_joints(mechanism, joints, motion, of_states),
         angular_momentum_error=momentum.sum(axis=0),
     )
 

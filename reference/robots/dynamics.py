@@ -56,7 +56,7 @@ def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
 
     matrices: (n, k, k), symmetric. right: (n, k). Where a matrix is not positive definite, its solution means nothing.
     """
-    rest, known = matrices.copy(), right.copy()
+    rest, solutions = matrices.copy(), right.copy()
     count, size = right.shape
     smallest = size * np.finfo(np.longdouble).eps * np.diagonal(matrices, axis1=1, axis2=2)
     definite = np.ones(count, np.bool_)
@@ -69,12 +69,12 @@ def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
         factor[:, k, k] = pivot
         below = factor[:, k + 1 :, k]
         rest[:, k + 1 :, k + 1 :] -= below[:, :, None] * below[:, None, :]
-        known[:, k] /= pivot
-        known[:, k + 1 :] -= below * known[:, k, None]
+        solutions[:, k] /= pivot
+        solutions[:, k + 1 :] -= below * solutions[:, k, None]
     for k in reversed(range(size)):
-        known[:, k] /= factor[:, k, k]
-        known[:, :k] -= factor[:, k, :k] * known[:, k, None]
-    return known, definite
+        solutions[:, k] /= factor[:, k, k]
+        solutions[:, :k] -= factor[:, k, :k] * solutions[:, k, None]
+    return solutions, definite
 
 
 @dataclass(frozen=True, eq=False)

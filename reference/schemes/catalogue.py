@@ -152,16 +152,16 @@ def _runge_kutta() -> dict[str, Entry]:
     }
 
 
-def _with_substeps(known: Mapping[str, Entry]) -> dict[str, Entry]:
+def _with_substeps(schemes: Mapping[str, Entry]) -> dict[str, Entry]:
     """Several steps of a scheme in each step: of those of order 1 that engines divide their steps with."""
     divided = [name + how for name in EULER for how in ("", LINEAR)]
     entries = {
-        f"{count} substeps of {name}": replace(known[name], scheme=substeps(count, known[name].scheme))
+        f"{count} substeps of {name}": replace(schemes[name], scheme=substeps(count, schemes[name].scheme))
         for name in divided
         for count in SUBSTEPS
     }
     for name in ("semi-implicit Euler" + ON_ANGLES, "implicit Euler" + ON_WORLD):
-        entries[f"2 substeps of {name}"] = replace(known[name], scheme=substeps(2, known[name].scheme))
+        entries[f"2 substeps of {name}"] = replace(schemes[name], scheme=substeps(2, schemes[name].scheme))
     return entries
 
 

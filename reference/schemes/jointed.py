@@ -205,11 +205,13 @@ def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
     return replace(form, constants=[_at_end(each, damping_step, spring_step) for each in form.constants])
 
 
-def _at_end(given: Constants, damping_step: float, spring_step: float) -> Constants:
-    added = damping_step * given.damping + spring_step**2 * given.stiffness
+def _at_end(constants: Constants, damping_step: float, spring_step: float) -> Constants:
+    added = damping_step * constants.damping + spring_step**2 * constants.stiffness
     if not added:
-        return given
-    return replace(given, armature=given.armature + added, damping=given.damping + spring_step * given.stiffness)
+        return constants
+    return replace(
+        constants, armature=constants.armature + added, damping=constants.damping + spring_step * constants.stiffness
+    )
 
 
 def _apart(tree: Tree, row: Sequence[float]) -> State:

@@ -85,10 +85,10 @@ def _states(body: ContactBody, path: list[Leg], times: Array) -> tuple[WideArray
         )
         if leg.oblique is None:
             way = passed[:, None] * (velocity + acceleration * passed[:, None] / 2)
-            there = velocity + acceleration * passed[:, None]
+            speed = velocity + acceleration * passed[:, None]
         else:
-            way, there = states(leg.oblique, passed)
-        where[within, :2], speeds[within, :2] = start + way, there
+            way, speed = states(leg.oblique, passed)
+        where[within, :2], speeds[within, :2] = start + way, speed
     return where, speeds
 
 

@@ -81,9 +81,9 @@ def face_of(body: ContactBody) -> Face | None:
     return Face(halves[up], tuple((columns[axis][:2], halves[axis]) for axis in (0, 1, 2) if axis != up))
 
 
-def exact_quaternion(given: WideArray) -> Quaternion4:
+def exact_quaternion(quaternion: WideArray) -> Quaternion4:
     """A quaternion of the wide type in exact arithmetic."""
-    w, x, y, z = (real(part) for part in given)
+    w, x, y, z = (real(part) for part in quaternion)
     return w, x, y, z
 
 

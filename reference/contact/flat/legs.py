@@ -150,8 +150,8 @@ def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
     (x, y), (u, v), (a, b) = leg.position, leg.velocity, leg.acceleration
     stopped = time == leg.end and time < leg.load.end
     if leg.oblique is not None:
-        (dx, dy), there = state(leg.oblique, MP.inf if stopped else passed)
-        return (x + dx, y + dy), there
+        (dx, dy), speed = state(leg.oblique, MP.inf if stopped else passed)
+        return (x + dx, y + dy), speed
     position = x + passed * (u + a * passed / 2), y + passed * (v + b * passed / 2)
     return position, (MP.mpf(0), MP.mpf(0)) if stopped else (u + a * passed, v + b * passed)
 

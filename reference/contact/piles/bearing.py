@@ -89,8 +89,8 @@ def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide)
         image = next(
             (
                 other
-                for other, known in enumerate(faces)
-                if problem.bodies[other].mass == problem.bodies[index].mass and _alike(face, mirrored, known)
+                for other, candidate in enumerate(faces)
+                if problem.bodies[other].mass == problem.bodies[index].mass and _alike(face, mirrored, candidate)
             ),
             None,
         )

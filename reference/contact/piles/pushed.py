@@ -80,9 +80,9 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     states = _states(scene, solution, times, until)
     if kind is None or until > times[-1]:
         return states
-    there = _states(scene, solution, np.array([until]), math.inf)
-    position, velocity = (vector_of(rows[index, 0]) for rows in (there.position, there.velocity))
-    spin = vector_of(rotate(there.quaternion, there.spin)[index, 0])
+    at_end = _states(scene, solution, np.array([until]), math.inf)
+    position, velocity = (vector_of(rows[index, 0]) for rows in (at_end.position, at_end.velocity))
+    spin = vector_of(rotate(at_end.quaternion, at_end.spin)[index, 0])
     return replace(states, events=(Event(kind, until, 4 * EPS * until, index, position, velocity, spin),))
 
 

@@ -48,16 +48,16 @@ def series(rates: WideArray, lengths: WideArray) -> WideArray:
         (n,) lengths of the steps in the parameter.
     """
     count = len(lengths)
-    known = min(rates.shape[1], TERMS)
-    scaled = np.zeros((count, known, 4), Wide)
+    count_of_rates = min(rates.shape[1], TERMS)
+    scaled = np.zeros((count, count_of_rates, 4), Wide)
     power = lengths.copy()
-    for order in range(known):
+    for order in range(count_of_rates):
         scaled[:, order, 1:] = rates[:, order] * power[:, None] / 2
         power = power * lengths
     terms = np.zeros((TERMS, count, 4), Wide)
     terms[0, :, 0] = 1
     for order in range(TERMS - 1):
-        for back in range(min(order + 1, known)):
+        for back in range(min(order + 1, count_of_rates)):
             terms[order + 1] += multiply(scaled[:, back], terms[order - back])
         terms[order + 1] /= order + 1
     return normalise(terms[::-1].sum(axis=0))

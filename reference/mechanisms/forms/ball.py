@@ -33,8 +33,8 @@ def form_of_ball(held: Carried) -> Found | None:
         lagrange = _top(held, about)
         if lagrange is None:
             return None
-        given, axis = lagrange
-        return "Lagrange top", "a symmetric body on a ball joint", lambda times: _turning(held, given, axis, times)
+        spinner, axis = lagrange
+        return "Lagrange top", "a symmetric body on a ball joint", lambda times: _turning(held, spinner, axis, times)
     moments, axes = principal_axes(about)
     if min(moments) <= NEGLIGIBLE * max(moments):
         return None
@@ -79,9 +79,9 @@ def _start(held: Carried) -> Quaternion4:
     return turn((w, x, y, z))
 
 
-def _turning(held: Carried, given: top.Top, axis: Quaternion4, times: Array) -> JointForm:
+def _turning(held: Carried, spinner: top.Top, axis: Quaternion4, times: Array) -> JointForm:
     """The coordinates of the joint from the motion of the top."""
-    motion = top.follow(given, times)
+    motion = top.follow(spinner, times)
     before, after = _row(conjugate(held.attitude)), _row(conjugate(axis))
     count = len(times)
     attitude = product(np.tile(before, (count, 1)), product(motion.attitude, np.tile(after, (count, 1))))

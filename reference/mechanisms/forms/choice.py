@@ -29,14 +29,14 @@ def form_of(mechanism: Mechanism) -> Form | None:
     if not groups:
         return None
     forms = {held.index: _form_of_joint(held) for held in groups}
-    known = {index: each for index, each in forms.items() if each is not None}
-    if len(known) < len(forms):
+    complete = {index: each for index, each in forms.items() if each is not None}
+    if len(complete) < len(forms):
         return None
-    names = list(dict.fromkeys(name for name, _, _ in known.values()))
-    reasons = list(dict.fromkeys(reason for _, reason, _ in known.values()))
+    names = list(dict.fromkeys(name for name, _, _ in complete.values()))
+    reasons = list(dict.fromkeys(reason for _, reason, _ in complete.values()))
 
     def follow(times: Array) -> FormMotion:
-        return gathered(mechanism, {index: motion_at(times) for index, (_, _, motion_at) in known.items()}, len(times))
+        return gathered(mechanism, {index: motion_at(times) for index, (_, _, motion_at) in complete.items()}, len(times))
 
     return Form(", ".join(names), ", ".join(reasons), follow)
 

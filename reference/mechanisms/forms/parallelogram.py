@@ -120,15 +120,15 @@ def _pendulum(
     inertia = sum(MP.mpf(joint.armature) * rate**2 for joint, rate in zip(mechanism.joints, rates, strict=True))
     level, slope = MP.mpf(0), MP.mpf(0)
     for body, jointed_body in enumerate(mechanism.bodies):
-        given, frame = exact.inertia(jointed_body), frames[body]
-        _, radius = _point(frame, given.centre)
+        properties, frame = exact.inertia(jointed_body), frames[body]
+        _, radius = _point(frame, properties.centre)
         arm = cross(axis, radius)
-        inertia += given.mass * dot(arm, arm)
+        inertia += properties.mass * dot(arm, arm)
         if frame.turns:
-            inertia += _moment(given.tensor, turned(matrix(conjugate(frame.attitude)), axis))
+            inertia += _moment(properties.tensor, turned(matrix(conjugate(frame.attitude)), axis))
         # The height of R(theta) b is, besides a constant, (z . b across the axis) cos theta + (z . axis x b) sin theta.
-        level += given.mass * (radius[2] - dot(axis, radius) * axis[2])
-        slope += given.mass * arm[2]
+        level += properties.mass * (radius[2] - dot(axis, radius) * axis[2])
+        slope += properties.mass * arm[2]
     weight = MP.mpf(mechanism.gravity) * MP.hypot(level, slope)
     if not weight or not inertia:
         return None

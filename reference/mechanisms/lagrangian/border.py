@@ -261,7 +261,7 @@ def _carried(body: JointedBody, number: int, pose: _Place) -> Carried:
 def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
     """Mass, centre of mass and inertia tensor about it, in the frame of the body."""
     mass, tensor = mass_and_tensor(
-        Definition(body.inertia), lambda given: [[_fraction(v) for v in row] for row in attitude(given)]
+        Definition(body.inertia), lambda orientation: [[_fraction(v) for v in row] for row in attitude(orientation)]
     )
     match body.inertia:
         case Tensor():

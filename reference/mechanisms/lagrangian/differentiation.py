@@ -81,7 +81,7 @@ class Tape:
         if b in (self.one, self.minus_one):
             return a if b == self.one else self.negate(a)
         signs = self._negated(a), self._negated(b)
-        first, second = (sign if sign is not None else given for sign, given in zip(signs, (a, b), strict=True))
+        first, second = (sign if sign is not None else node for sign, node in zip(signs, (a, b), strict=True))
         product = self._place("*", min(first, second), max(first, second))
         return self.negate(product) if (signs[0] is None) != (signs[1] is None) else product
 
@@ -116,8 +116,8 @@ class Tape:
 
     def _place(self, kind: str, a: Any, b: Any = None) -> Node:
         operation = (kind, a, b)
-        if (known := self._places.get(operation)) is not None:
-            return known
+        if (existing := self._places.get(operation)) is not None:
+            return existing
         self.operations.append(operation)
         self._places[operation] = len(self.operations) - 1
         return len(self.operations) - 1

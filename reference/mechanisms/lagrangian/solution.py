@@ -61,8 +61,8 @@ def follow_slipping(
 
     ready = prepared(mechanism)
     start, parameters = _rounded(ready, dtype)
-    given = Slipping(ready.border, ready.structure, ready.units)
-    states, strays = in_phases(given, start, parameters, times, phases, taylor.solve)
+    slipping = Slipping(ready.border, ready.structure, ready.units)
+    states, strays = in_phases(slipping, start, parameters, times, phases, taylor.solve)
     return _motion(ready, mechanism, times, states), strays
 
 

@@ -177,9 +177,9 @@ def joint_sizes(mechanism: Mechanism) -> tuple[int, int]:
 def _steps(joint: Joint | None) -> list[tuple[Kind, WideArray]]:
     """The elements of a joint, or of a free body, and their axes; a ball needs none."""
     form = JOINT_TYPES["free"] if joint is None else joint.form
-    given = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
-    steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, given)) for motion in form.motions]
-    return steps or [("fixed", given)]
+    direction = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
+    steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, direction)) for motion in form.motions]
+    return steps or [("fixed", direction)]
 
 
 def _append_elements(
