@@ -37,7 +37,7 @@ def missing_model(scene: AnyScene) -> str | None:
 
 @functools.lru_cache(maxsize=64)
 def _missing_contact(scene: AnyScene) -> str | None:
-    """What the reference has no model of in a scene of bodies that touch, in words, or None."""
+    """Return in words what the reference has no model of in a scene of bodies that touch, or None."""
     from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
     from bodycheck.reference.contact.ways import contact_motion
 

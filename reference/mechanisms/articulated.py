@@ -94,7 +94,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """What the outward pass leaves of a link.
+    """The results of the outward pass for a link.
 
     spin: angular velocity. squares: the matrix that maps a fixed point to its centripetal acceleration. angular, linear: the
     acceleration if no joint accelerated. crossing: the rotation of the joint, and its displacement.
@@ -110,7 +110,7 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """What the acceleration along an eliminated coordinate follows from.
+    """The numbers from which the acceleration along an eliminated coordinate follows.
 
     component: which of the six it is. ratio: its part of the acceleration of the link, with the other sign. given: its part of
     the forces. weight: the inertia along it. moves: as in `Constants`.

@@ -118,7 +118,7 @@ def _errors_with_loops(mechanism: Mechanism, course: Followed, way: Way) -> dict
 
 
 def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
-    """How many roundings the Lagrangian makes, measured as those of the recursion are. grown: at the `growth_instants`."""
+    """Return the number of roundings of the Lagrangian, measured as for the recursion. grown: at the `growth_instants`."""
     dtype, _, _ = arithmetic()
     if dtype is np.float64:
         return DOP853_ROUNDINGS

@@ -1,4 +1,4 @@
-"""How the coordinates and velocities of joints are laid out in arrays.
+"""The layout of the coordinates and velocities of joints in arrays.
 
 The coordinates of a mechanism are those of its joints one after another, in the order of the file, and so are its velocities.
 

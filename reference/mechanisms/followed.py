@@ -221,7 +221,7 @@ def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
-    """How many roundings an integration makes: by how much the same one in doubles differs, in roundings that have grown."""
+    """Return the number of roundings of an integration: its difference from the same one in doubles, over grown roundings."""
     off = apart(mechanism, base, wide)
     return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
 

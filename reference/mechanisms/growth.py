@@ -1,4 +1,4 @@
-"""How an error grows along the motion of a mechanism, from nudged motions in double precision.
+"""The growth of an error along the motion of a mechanism, from nudged motions in double precision.
 
 A motion is followed again from a state that is nudged by a small part of the sizes of coordinates and velocities. How far it
 gets from the motion that is not nudged, per nudge, is the growth of an error. Where it has got so far that growth would not be

@@ -132,7 +132,7 @@ def start_of(mechanism: Mechanism) -> JointMotion:
 
 
 def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
-    """How far (n,) the bodies of a joint, or the points of a loop, have come apart at most (m).
+    """Return the largest distance (n,) that the bodies of a joint, or the points of a loop, have come apart (m).
 
     It is the distance between the origins of the joint's frame on both bodies, without what the joint allows: along the axis of
     a prismatic joint, in the plane of a planar one, and anywhere for a free one.
@@ -305,7 +305,7 @@ def _start(joint: Joint) -> tuple[float, ...]:
 
 
 def _gap(joint: Joint, apart: Array) -> Array:
-    """How far (n,) a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
+    """Return the distances (n,) by which a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
     left = apart
     for slide in joint.form.slides:
         left = left - _along(joint, slide, apart)[:, None] * _axis(joint, slide)

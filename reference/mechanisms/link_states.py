@@ -81,7 +81,7 @@ class Form:
 
     @property
     def floats(self) -> bool:
-        """Whether the first link is free and carries others."""
+        """True if the first link is free and carries others."""
         return self.links[0][0] == "free" and len(self.links) > 1
 
 

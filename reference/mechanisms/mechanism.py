@@ -130,7 +130,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class PairContact:
-    """How two bodies touch each other, where it is otherwise than they touch the plane.
+    """The contact of two bodies with each other, if it differs from their contact with the plane.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Mechanism:
 
     @property
     def conserves(self) -> bool:
-        """Whether energy is conserved: there are no damping, dry friction, plane and pushes."""
+        """True if energy is conserved: there are no damping, dry friction, plane and pushes."""
         return not (any(joint.damping or joint.friction for joint in self.joints) or self.plane is not None or self.pushes)
 
     @property

@@ -78,7 +78,7 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
 
 @functools.cache
 def solver() -> Solver:
-    """What follows a tree: Taylor's method, where heyoka is installed."""
+    """Return the solver of trees: Taylor's method where heyoka is installed, otherwise DOP853."""
     try:
         from bodycheck.reference.mechanisms import taylor_tree
     except ImportError:

@@ -1,4 +1,4 @@
-"""What a model of a mechanism must contain to be exact, derived from the mechanism itself."""
+"""The parts that a model of a mechanism must have to be exact, derived from the mechanism itself."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -56,12 +56,12 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
 
 
 def turns(mechanism: Mechanism) -> bool:
-    """Whether the joints of a mechanism let any body turn."""
+    """Return whether the joints of a mechanism let any body turn."""
     return None in mechanism.joint_of or any(joint.form.turns for joint in mechanism.joints)
 
 
 def _has_zero_moment(body: JointedBody) -> bool:
-    """Whether a principal moment of a body is zero, so that the determinant of its inertia tensor is."""
+    """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
     from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms alone
 
     xx, yy, zz, xy, xz, yz = inertia(body).tensor

@@ -186,7 +186,7 @@ def _changed(tree: Tree, state: WideArray, modes: Modes, index: int) -> tuple[Wi
 
 
 def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
-    """What the links with dry friction do: those that move as they are, those at rest (0) as their accelerations say.
+    """Return the modes of links with dry friction: moving links keep theirs, and accelerations decide those at rest (0).
 
     Raises
     ------
@@ -211,7 +211,7 @@ def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
 
 
 def _guess(free: Array, across: Array) -> tuple[int, ...]:
-    """What joints at rest do by the projected Gauss-Seidel iteration, which converges to the solution.
+    """Return the modes of joints at rest by the projected Gauss-Seidel iteration, which converges to the solution.
 
     free: (m,) accelerations without friction. across: (m, m) what each one's whole friction adds.
     """
@@ -263,7 +263,7 @@ def _strains(tree: Tree, state: WideArray, modes: Modes) -> list[float]:
 
 
 def _left(tree: Tree, state: WideArray, modes: Modes, index: int) -> float:
-    """What is left of the friction of a link that sticks, in units of the friction; its velocity where it slips."""
+    """Return the unused part of the friction of a link that sticks, in units of the friction; the speed of one that slips."""
     if modes[index]:
         return abs(float(state[_velocities(tree)[index]]))
     return 1 - abs(_strains(tree, state, modes)[index]) / float(tree.links[index].friction)
@@ -276,12 +276,12 @@ def _nearly_slipping(tree: Tree, state: WideArray, modes: Modes) -> list[int]:
 
 
 def _exceeded(tree: Tree, state: WideArray, modes: Modes, index: int) -> bool:
-    """Whether a link cannot stick any more."""
+    """Return whether a link cannot stick any more."""
     return _left(tree, state, modes, index) < -NEAR
 
 
 def _slope(tree: Tree, solver: _Solver, phase: _Phase, index: int, time: Any) -> float:
-    """How fast the velocity of a link, or what is left of its friction, became zero at a time of the last step."""
+    """Return the rate at which the velocity of a link, or its unused friction, became zero at a time of the last step."""
     lapse = time - phase.time
     if lapse <= 0:
         return 0.0

@@ -93,13 +93,13 @@ class Tree:
 
     @property
     def floats(self) -> bool:
-        """Whether the first link is free and carries others."""
+        """True if the first link is free and carries others."""
         return self.links[0].kind == "free" and len(self.links) > 1
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """Where a body is: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
+    """The place of a body: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
 
     tree: int
     link: int

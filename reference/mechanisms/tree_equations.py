@@ -43,7 +43,7 @@ _BEGINNING = 1e-60
 
 @dataclass(frozen=True)
 class Shape:
-    """What compiled equations depend on.
+    """The properties of a tree that its compiled equations depend on.
 
     links: the kind and the parent of each link. marks: those of its numbers. gravity: those of gravity. dry: the places of the
     links with dry friction.
@@ -56,7 +56,7 @@ class Shape:
 
     @property
     def large(self) -> bool:
-        """Whether the equations are too many for optimised code."""
+        """True if the equations are too many for optimised code."""
         return sum(len(FREEDOMS[kind]) for kind, _ in self.links) > MOST_OPTIMISED
 
 
@@ -78,7 +78,7 @@ def most_steps(solver: Any) -> int:
 
 
 def shape_of(tree: Tree) -> Shape:
-    """What the compiled equations of a tree depend on."""
+    """Return the properties of a tree that its compiled equations depend on."""
     return Shape(
         tuple((link.kind, link.parent) for link in tree.links),
         tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),

@@ -125,7 +125,7 @@ def _explained(mechanism: Mechanism, rounded: Printed, errors: dict[str, Array])
 
 
 def _drifted(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Array:
-    """How far (n,) the energy has drifted at most, in units of what its bound allows; zero where it is not conserved."""
+    """Return the largest drift (n,) of the energy so far, in units of what its bound allows; zero where it is not conserved."""
     if not mechanism.conserves:
         return np.zeros(len(trajectory))
     seen = observables.observe(mechanism, trajectory)
@@ -137,7 +137,7 @@ def _drifted(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Ar
 
 
 def _fallen(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Array:
-    """How far (n,) a tree that floats freely is off its parabola at most, in units of what the bound of positions allows."""
+    """Return the largest distance (n,) so far of floating trees from their parabolas, in units of the bound of positions."""
     largest = np.zeros(len(trajectory))
     masses = observables.masses(mechanism)
     for tree in floating(mechanism, trajectory.t):

@@ -68,13 +68,13 @@ Follow = Callable[[Mechanism, Array], Motion]
 
 
 def letters(mechanism: Mechanism) -> tuple[str, str]:
-    """What the coordinates and the velocities of a mechanism's joints are, a letter of `joint_types.LETTERS` each."""
+    """Return the kinds of a mechanism's coordinates and velocities, a letter of `joint_types.LETTERS` each."""
     forms = [joint.form for joint in mechanism.joints]
     return "".join(form.coordinates for form in forms), "".join(form.velocities for form in forms)
 
 
 def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
-    """How far two motions are apart at each instant (n,), by the names of `bounds.STATES`.
+    """Return the differences (n,) of two motions at each instant, by the names of `bounds.STATES`.
 
     Each is the largest over all bodies and joints: angles of attitudes and joints together, places and slides, and their rates.
     All differences are formed in the wider of the two types.
@@ -100,7 +100,7 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
 
 
 def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
-    """How far two ways are apart, by the names of `bounds.STATES`, with what contradicts either."""
+    """Return the differences (n,) of two ways, by the names of `bounds.STATES`, with what contradicts either."""
     differences = apart(mechanism, one.motion, other.motion)
     for name, way in itertools.product(differences, (one, other)):
         if name in way.strays:

@@ -1,4 +1,4 @@
-"""Which closed form a mechanism has."""
+"""The choice of the closed form of a mechanism."""
 
 from collections.abc import Callable
 

@@ -41,7 +41,7 @@ class Carried:
 
 
 def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
-    """What each moving joint carries; None where a joint that moves stands on another, a body is free, or loops are closed."""
+    """Return what each moving joint carries; None if a moving joint stands on another, a body is free, or loops are closed."""
     above = mechanism.joint_of
     if mechanism.loops or any(joint is None for joint in above):
         return None

@@ -1,4 +1,4 @@
-"""What is exact of a chain that floats freely: the motion of its centre of mass, and its momenta.
+"""Exact properties of a chain that floats freely: the motion of its centre of mass, and its momenta.
 
 Forces in joints act on both bodies, so that they do not change the momenta of a tree that nothing holds. Its centre of mass
 falls on a parabola, and its angular momentum about the centre of mass is constant, whatever its joints do.

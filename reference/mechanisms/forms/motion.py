@@ -1,4 +1,4 @@
-"""What a closed form of a mechanism gives: the coordinates and velocities of its joints in the wide type, with their bounds."""
+"""The result of a closed form of a mechanism: coordinates and velocities of its joints in the wide type, with their bounds."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -103,7 +103,7 @@ def _point(frame: _Frame, point: Vector3) -> tuple[Vector3, Vector3]:
 
 
 def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
-    """Whether the loops stay closed: both ends are at the same place, and have the same part b."""
+    """Return whether the loops stay closed: both ends are at the same place, and have the same part b."""
     for loop in mechanism.loops:
         ends = [_point(frames[body], vector(point)) for body, point in zip(loop.bodies, loop.points, strict=True)]
         size = max(abs(value) for position, _ in ends for value in position)

@@ -99,7 +99,7 @@ class _Nutation:
 
 @dataclass(frozen=True, eq=False)
 class _Constants:
-    """What is conserved: momenta Lz + L3 and Lz - L3 divided by I1, L3 / I3, L3 (1/I3 - 1/I1), and initial cos theta."""
+    """Conserved quantities: momenta Lz + L3 and Lz - L3 divided by I1, L3 / I3, L3 (1/I3 - 1/I1), and initial cos theta."""
 
     sum: Real
     difference: Real

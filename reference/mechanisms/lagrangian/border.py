@@ -131,7 +131,7 @@ class Border:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where a body is: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
+    """The place of a body: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
 
     element: int | None
     axes: Matrix

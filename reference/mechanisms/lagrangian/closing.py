@@ -26,7 +26,7 @@ Ends = tuple[tuple[int | None, list[Node]], tuple[int | None, list[Node]]]
 
 
 def gap(tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], ends: Ends) -> list[Node]:
-    """Where the second end of a loop is from the first, along the axes of the element that carries the first."""
+    """Return the vector from the first end of a loop to the second, along the axes of the element that carries the first."""
     (one, first), (other, point) = ends
     down = list(_upwards(parents, one))
     common = next((index for index in _upwards(parents, other) if index in down), None)

@@ -55,7 +55,7 @@ class Derived:
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """How an element moves, along its own axes: angular velocity, velocity of its origin, the vertical; and its height."""
+    """The motion of an element, along its own axes: angular velocity, velocity of its origin, the vertical; and its height."""
 
     omega: list[Node]
     velocity: list[Node]
@@ -65,7 +65,7 @@ class _Moving:
 
 @dataclass(frozen=True, eq=False)
 class _Read:
-    """Where the numbers of a structure are on a tape, one after another."""
+    """The numbers of a structure on a tape, one after another."""
 
     tape: Tape
     nodes: Iterator[Node]
@@ -76,7 +76,7 @@ class _Read:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What the equations of a structure are made of, on a tape.
+    """The parts of the equations of a structure, on a tape.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ def _lagrangian(
 def _moved(
     tape: Tape, kind: Kind, parent: _Moving, turned: list[Node], origin: list[Node], q: list[Node], u: list[Node]
 ) -> tuple[_Moving, Frame]:
-    """How an element moves, from how its parent moves, and where its frame is in that of the parent."""
+    """Return the motion of an element from that of its parent, and its frame in that of the parent."""
     rows = turned[:3], turned[3:6], turned[6:]
 
     def across(vector: list[Node]) -> list[Node]:

@@ -112,7 +112,7 @@ def _begun(slipping: Slipping, state: WideArray, parameters: WideArray, phase: P
 def _strays(
     slipping: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
 ) -> list[Stray]:
-    """What contradicts a phase, from states at instants of it, its length and the time from its beginning to the end (s)."""
+    """Return what contradicts a phase, from states at instants of it, its length, and the time from its begin to the end."""
     equations = derived(slipping.structure)
     values = states.astype(float).T
     leaves: dict[str, Callable[[Any], Any]] = {

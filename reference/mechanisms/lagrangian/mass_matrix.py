@@ -23,7 +23,7 @@ Entries = dict[tuple[int, int], Node]
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where the frame of an element is in that of its parent.
+    """The frame of an element in that of its parent.
 
     turned: rows of the matrix from the frame of the parent to that at zero. origin: that at zero, in the frame of the parent.
     axes: those of the element in the frame at zero. slid: its origin in the frame at zero.

@@ -95,7 +95,7 @@ def _motion(ready: Prepared, mechanism: Mechanism, times: Array, states: WideArr
 
 
 def prepared(mechanism: Mechanism) -> Prepared:
-    """What the equations of a mechanism need. Raises `NotModelled` where free bodies, each of which falls, are in loops."""
+    """Return the input of a mechanism's equations. Raises `NotModelled` if free bodies, each of which falls, are in loops."""
     parts = border(mechanism)
     if any(index is not None and parts.elements[index].falls for ends in parts.loops for index, _ in ends):
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")

@@ -15,7 +15,7 @@ Mark = int | None
 
 @dataclass(frozen=True)
 class Structure:
-    """What the equations of a mechanism depend on besides numbers.
+    """The properties of a mechanism, besides numbers, that its equations depend on.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ _OF_ELEMENT, _BEFORE = 29, 1
 
 
 def friction_parameters(structure: Structure, index: int) -> tuple[int, int]:
-    """Which parameters are the force of an element's dry friction, and whether the element moves."""
+    """Return the indices of two parameters of an element: the force of its dry friction, and whether it moves."""
     last = _BEFORE + _OF_ELEMENT * (index + 1)
     before = sum(mark is None for mark in structure.marks[: last - 2])
     return before, before + 1

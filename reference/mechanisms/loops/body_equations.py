@@ -92,7 +92,7 @@ def derivatives(system: System, states: WideArray) -> WideArray:
 
 
 def gaps(system: System, states: WideArray) -> WideArray:
-    """How far (s,) links have come apart at most: distances (m) and cosines of right angles."""
+    """Return the largest violations (s,) of constraints: distances (m) and cosines of right angles."""
     now = unpacked(system, states)
     sizes = [np.zeros(len(states), dtype=Wide)]
     for link in system.links:

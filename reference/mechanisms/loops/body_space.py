@@ -50,7 +50,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """What holds two bodies together: points on each other, directions of one that stay across directions of the other.
+    """The constraints between two bodies: points on each other, directions of one that stay across directions of the other.
 
     Attributes
     ----------

@@ -203,7 +203,7 @@ def _append_elements(
 
 
 def _moving_velocities(elements: list[Element], index: int, count: int) -> WideArray:
-    """Which of the velocities (u,) move an element: one or zero."""
+    """Return one for each of the velocities (u,) that moves an element, and zero for the others."""
     moves = np.zeros(count, dtype=Wide)
     while index != WORLD:
         moves[elements[index].moving] = 1
@@ -377,7 +377,7 @@ def close_loops(linkage: Tree, state: WideArray) -> WideArray:
 
 
 def gaps(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
-    """How far (s,) the ends of the loops are apart at most (m), and how fast they move apart (m/s), at states (s, c + u)."""
+    """Return the largest distances (s,) between the ends of loops (m), and the rates of these (m/s), at states (s, c + u)."""
     distances, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
     return np.abs(distances).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
