@@ -19,8 +19,8 @@ Start here:
 
 Mechanics of any motion:
 
-- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: inertia tensors and angular momentum.
-- `principal_frame`: conversion between a body's frame and its principal axes.
+- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: inertia tensors, angular momentum, and
+  conversion between a body's frame and its principal axes.
 - `observables`: energies and angular momentum of a trajectory. `contact_observables`: tilt, penetration and stop.
 - `planar`: the planar state of a body that lies flat. `requirements`: what a model of a scene must contain to be exact.
   `modelled`: whether the reference has such a model.

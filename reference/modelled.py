@@ -8,9 +8,9 @@ import functools
 import numpy as np
 
 from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, within_range
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import planar_state
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.sliding.friction import footprint_of
 

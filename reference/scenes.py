@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.exact import pairs
 from bodycheck.reference.exact.pairs import Pair
-from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.scene import (
     Body,
     Brick,

@@ -23,12 +23,12 @@ from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.flight.torque_free import half_period, polhode_of
 from bodycheck.reference.independent import closed_form
 from bodycheck.reference.independent.border import border
+from bodycheck.reference.independent.closed_form import parabola
 from bodycheck.reference.independent.directions import exact_quaternion
-from bodycheck.reference.independent.translation import parabola
+from bodycheck.reference.inertia import along_principal_axes, in_body_frame
 from bodycheck.reference.integration import lagrangian, quasi_coordinates
 from bodycheck.reference.integration.periods import Motion, periodic, searched_period
 from bodycheck.reference.integration.rotation import Rotation, WideArray
-from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import DOUBLE_DIGITS, Witness

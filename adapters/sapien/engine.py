@@ -18,9 +18,9 @@ from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 

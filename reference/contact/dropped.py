@@ -12,6 +12,7 @@ import numpy as np
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.motion import ContactMotion, Event, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
+from bodycheck.reference.contact_observables import reach
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.start import start
@@ -19,7 +20,6 @@ from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, Sphere, State, Vector, vector_of
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 

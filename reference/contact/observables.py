@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference import support
+from bodycheck.reference import contact_observables
 from bodycheck.reference.contact.impacts import Impact
 from bodycheck.reference.contact.touching import Touching, into_plane, lowest
 from bodycheck.reference.contact_observables import STOP_SPEED_FRACTION
@@ -28,7 +28,7 @@ class Rolling:
 
 def depth(body: Touching, motion: Trajectory) -> Array:
     """Depth (n,), m, of the lowest point of a body below the plane, along its normal; zero where it is above it."""
-    return support.depth(body.shape, motion, body.normal)
+    return contact_observables.depth(body.shape, motion, body.normal)
 
 
 def lean(body: Touching, motion: Trajectory) -> Array | None:

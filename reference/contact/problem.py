@@ -9,10 +9,10 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, Wide, wide
 from bodycheck.reference.exact.rotations import conjugate, matrix, multiply, turned
 from bodycheck.reference.exact.start import start
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, PairContact, shape_of
 from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Plane, Push, Scene, Shape
 from bodycheck.reference.witness import WideArray
 

@@ -1,10 +1,38 @@
-"""Rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
+"""Vectors and rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
 
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
 from bodycheck.reference.scene import Attitude, EulerAngles, EulerRates
 
+#: The origin of a frame, and a vector of zeros.
+ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
 #: The quaternion of no rotation.
 IDENTITY: Quaternion4 = (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
+
+def plus(a: Vector3, b: Vector3) -> Vector3:
+    """The sum of two vectors."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def minus(a: Vector3, b: Vector3) -> Vector3:
+    """The difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def scaled(factor: Real, a: Vector3) -> Vector3:
+    """A vector times a number."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def dot(a: Vector3, b: Vector3) -> Real:
+    """The scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector3, b: Vector3) -> Vector3:
+    """The vector product of two vectors."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def multiply(p: Quaternion4, q: Quaternion4) -> Quaternion4:

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import Components, MassProperties
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, cross, matrix, multiply, plus, scaled, turned, unit
 
 #: What is smaller than its terms by this factor is what rounding has left of a zero.
 NEGLIGIBLE = MP.mpf(10) ** -80
-
-#: The origin of a frame, and a vector of zeros.
-ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +24,7 @@ class Place:
 
     def point(self, inner: Vector3) -> Vector3:
         """A point that is given in this frame, in the other."""
-        return total(self.origin, rotated(self.turn, inner))
+        return plus(self.origin, rotated(self.turn, inner))
 
     def inverse(self) -> "Place":
         """The other frame in this one."""
@@ -50,27 +47,12 @@ class Moving:
         """A frame that is fixed in this one."""
         arm = rotated(self.pose.turn, inner.origin)
         swung = cross(rotated(self.pose.turn, self.spin), arm)
-        return Moving(self.pose.then(inner), total(self.velocity, swung), rotated(conjugate(inner.turn), self.spin))
+        return Moving(self.pose.then(inner), plus(self.velocity, swung), rotated(conjugate(inner.turn), self.spin))
 
     def moved(self, inner: Place, velocity: Vector3, spin: Vector3) -> "Moving":
         """A frame that moves in this one: its velocity along the axes of this frame, its angular velocity along its own."""
         at = self.carried(inner)
-        return Moving(at.pose, total(at.velocity, rotated(self.pose.turn, velocity)), total(at.spin, spin))
-
-
-def total(a: Vector3, b: Vector3) -> Vector3:
-    """The sum of two vectors."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def scaled(factor: Real, a: Vector3) -> Vector3:
-    """A vector times a number."""
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-def cross(a: Vector3, b: Vector3) -> Vector3:
-    """The cross product of two vectors."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        return Moving(at.pose, plus(at.velocity, rotated(self.pose.turn, velocity)), plus(at.spin, spin))
 
 
 def rotated(turn: Quaternion4, v: Vector3) -> Vector3:

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, Real, Vector3
+from bodycheck.reference.exact.numbers import MP, FloatType, Real, Vector3, WideArray
+from bodycheck.reference.exact.rotations import ORIGIN, plus, scaled
 from bodycheck.reference.mechanisms import articulated
 from bodycheck.reference.mechanisms.articulated import Constants, Kind, Number, quaternion_rows
-from bodycheck.reference.mechanisms.frames import ORIGIN, Place, scaled, total
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.tree import Tree
 
 #: The numbers of coordinates and of rates of each kind of link.
@@ -154,7 +154,7 @@ def start(tree: Tree) -> list[Real]:
     """The exact state at t = 0."""
     state = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
     if tree.floats:
-        state += [*ORIGIN, *total(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
+        state += [*ORIGIN, *plus(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
     return state
 
 
@@ -166,7 +166,7 @@ def common_velocity(tree: Tree) -> Vector3:
         if constants.mass:
             x, y, z = (part / constants.mass for part in constants.moment)
             centre = link.start.carried(Place(origin=(x, y, z)))
-            mass, momentum = mass + constants.mass, total(momentum, scaled(constants.mass, centre.velocity))
+            mass, momentum = mass + constants.mass, plus(momentum, scaled(constants.mass, centre.velocity))
     return scaled(1 / mass, momentum)
 
 

@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.exact.numbers import MP, FloatType, Quaternion4, Vector3, WideArray
+from bodycheck.reference.kinematics import conjugate, cross, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.link_states import LinkStates
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -33,7 +32,7 @@ class Frames:
     def moved(self, turn: WideArray, shift: WideArray, velocity: WideArray | None, spin: WideArray | None) -> "Frames":
         """A frame whose turn and shift (n, 4) and (n, 3) are given in this one, and its velocities relative to this one."""
         arm = rotate(self.turn, shift)
-        swung = self.velocity + _cross(rotate(self.turn, self.spin), arm)
+        swung = self.velocity + cross(rotate(self.turn, self.spin), arm)
         carried = rotate(conjugate(turn), self.spin)
         return Frames(
             multiply(self.turn, turn),
@@ -174,7 +173,7 @@ def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tu
     seen = parent.carried(Place(exact.turn(joint.attitude), _exact(joint.position)), kind)
     back = conjugate(seen.turn)
     origin, turn = rotate(back, child.origin - seen.origin), normalise(multiply(back, child.turn))
-    linear = rotate(back, child.velocity - seen.velocity) - _cross(seen.spin, origin)
+    linear = rotate(back, child.velocity - seen.velocity) - cross(seen.spin, origin)
     spin = child.spin - rotate(conjugate(turn), seen.spin)
     return np.concatenate([origin, turn], axis=1), np.concatenate([linear, spin], axis=1)
 
@@ -188,8 +187,3 @@ def _spread(values: Quaternion4 | Vector3, count: int, kind: FloatType) -> WideA
     """The same numbers (count, k) at all instants."""
     rounded: Any = kind.array(values)
     return np.tile(rounded, (count, 1))
-
-
-def _cross(a: WideArray, b: WideArray) -> WideArray:
-    (x, y, z), (p, q, r) = (np.moveaxis(v, -1, 0) for v in (a, b))
-    return np.stack([y * r - z * q, z * p - x * r, x * q - y * p], axis=-1)

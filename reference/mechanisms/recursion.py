@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms import poses
 from bodycheck.reference.mechanisms.link_states import Change, Course, derivatives, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -80,10 +80,15 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
 def solver() -> Solver:
     """Return the solver of trees: Taylor's method where heyoka is installed, otherwise DOP853."""
     try:
-        from bodycheck.reference.mechanisms import taylor_tree
+        from bodycheck.reference.mechanisms import stick_slip, tree_equations
     except ImportError:
         return followed_by_dop853
-    return taylor_tree.followed
+
+    def followed_by_taylor(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+        dry = any(link.friction for link in tree.links)
+        return stick_slip.followed(tree, times, kind) if dry else tree_equations.followed(tree, times, kind)
+
+    return followed_by_taylor
 
 
 def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:

@@ -185,7 +185,7 @@ def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
 
 def _inertia(body: JointedBody, frame: Frame) -> WideArray:
     """The spatial inertia (6, 6) of a body about the origin of its frame, along the axes of the world."""
-    own_mass, arm = mass(body), _cross(frame.turn @ centre(body))
+    own_mass, arm = mass(body), _skew(frame.turn @ centre(body))
     rotated = frame.turn @ tensor(body) @ frame.turn.T
     return np.block([[own_mass * np.eye(3, dtype=Wide), -own_mass * arm], [own_mass * arm, rotated - own_mass * arm @ arm]])
 
@@ -193,10 +193,10 @@ def _inertia(body: JointedBody, frame: Frame) -> WideArray:
 def _moved(arm: WideArray) -> WideArray:
     """The matrix (6, 6) that makes the twist at an origin of that at another one, from which it is away by (3,) (m)."""
     one = np.eye(3, dtype=Wide)
-    return np.block([[one, -_cross(arm)], [np.zeros((3, 3), Wide), one]])
+    return np.block([[one, -_skew(arm)], [np.zeros((3, 3), Wide), one]])
 
 
-def _cross(v: WideArray) -> WideArray:
+def _skew(v: WideArray) -> WideArray:
     """The matrix (3, 3) of the cross product with a vector."""
     x, y, z = v
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
@@ -205,7 +205,7 @@ def _cross(v: WideArray) -> WideArray:
 def _about(axis: WideArray, angle: Wide) -> WideArray:
     """The rotation matrix (3, 3) about an axis of length one (Rodrigues)."""
     cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _cross(axis) + (1 - cosine) * np.outer(axis, axis))
+    return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _skew(axis) + (1 - cosine) * np.outer(axis, axis))
 
 
 def _matrix(attitude: Attitude) -> WideArray:

@@ -21,6 +21,7 @@ import heyoka as hy
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
 from bodycheck.reference.mechanisms.link_states import (
     Change,
@@ -32,7 +33,6 @@ from bodycheck.reference.mechanisms.link_states import (
     split,
     start,
 )
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 from bodycheck.reference.trajectory import Array

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, unit
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, multiply, scaled, unit
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.articulated import Constants, Kind
 from bodycheck.reference.mechanisms.frames import (
-    ORIGIN,
     Moving,
     Place,
     about_origin,
@@ -29,7 +28,6 @@ from bodycheck.reference.mechanisms.frames import (
     onto,
     placed,
     rotated,
-    scaled,
 )
 from bodycheck.reference.mechanisms.joint_types import MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism

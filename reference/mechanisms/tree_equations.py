@@ -1,7 +1,8 @@
-"""The equations of a tree in heyoka's expressions, and their parameters.
+"""The equations of a tree in heyoka's expressions, their parameters, and their solution by Taylor's method (Linux only).
 
 One compilation serves all mechanisms whose trees have the same kinds of links on the same parents, dry friction at the same
-joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk.
+joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk. Importing this
+raises `ImportError` where heyoka is not installed.
 """
 
 import functools
@@ -11,11 +12,11 @@ from typing import Any
 
 import heyoka as hy
 
-from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import Equations
+from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
 from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
-from bodycheck.reference.mechanisms.link_states import SIZES, Form, derivatives, places_of_rates
+from bodycheck.reference.mechanisms.link_states import SIZES, Course, Form, derivatives, places_of_rates, split, start
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
 #: What is known of a number when the equations are written: 0, 1 and -1 themselves, and None for a parameter.
@@ -75,6 +76,24 @@ class Written:
 def most_steps(solver: Any) -> int:
     """The number of steps after which an integrator of heyoka gives up."""
     return max(1, min(MAX_STEPS, MAX_OPERATIONS // len(solver.decomposition)))
+
+
+def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+    """The links of a tree without dry friction at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
+    shape = shape_of(tree)
+    solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
+    rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
+    return Course(split(tree, rows, times, kind), ())
+
+
+@functools.cache
+def _equations(shape: Shape) -> functools.partial[Equations]:
+    """A function that gives the equations, always the same one, since compiled integrators are known by it."""
+    return functools.partial(_system, shape)
+
+
+def _system(shape: Shape) -> Equations:
+    return written(shape).system
 
 
 def shape_of(tree: Tree) -> Shape:

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide, from_the_root
 
 #: The place of the link that carries another one, and the origin (3,) and the rotation (3, 3) of that in the carrier's frame.
 _Place = tuple[int, Wide, Wide]

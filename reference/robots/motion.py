@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.kinematics import about, cross, multiply, normalise
-from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide, from_the_root
 from bodycheck.reference.robots.rotations import matrices, plane_axes, quaternion
 from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
 
@@ -62,7 +61,7 @@ def columns(model: RobotModel) -> dict[str, slice]:
 
 
 def placed(model: RobotModel, states: Sequence[RobotState]) -> tuple[PlacedLink, ...]:
-    """The links of a model at n states, the root first and each link after its parent. Raises `ValueError` as `order` does."""
+    """The links of a model at n states, the root first, each after its parent. Raises `ValueError` as `from_the_root` does."""
     return tuple(_placed(model, states))
 
 

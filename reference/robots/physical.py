@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, from_the_root
 
 #: How far moments may be beyond what is possible, relative to the largest: some thousand roundings of the double precision of
 #: decimals in a file and of their principal moments. Moments of a link with a radius of gyration below this (m) are zero.

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference.exact.numbers import FloatType
 from bodycheck.reference.mechanisms import articulated, poses
 from bodycheck.reference.mechanisms.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.schemes.catalogue import EXPLICIT, MUNTHE_KAAS
 from bodycheck.reference.schemes.increments import inverse_dexp_so3_r3, turn

@@ -8,7 +8,7 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Vector3, Wide, doubles, vector, wide
-from bodycheck.reference.exact.rotations import conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.exact.rotations import conjugate, dot, matrix, multiply, turned, unit
 from bodycheck.reference.exact.start import Start
 from bodycheck.reference.flight import torque_free
 from bodycheck.reference.flight.closed_form import ERROR_PER_RADIAN, ROUNDINGS, STORED_ERROR_RAD
@@ -16,7 +16,7 @@ from bodycheck.reference.kinematics import multiply as product
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import turn
 from bodycheck.reference.mechanisms.forms import top
-from bodycheck.reference.mechanisms.forms.ground import Carried, dot
+from bodycheck.reference.mechanisms.forms.ground import Carried
 from bodycheck.reference.mechanisms.forms.motion import JointForm
 from bodycheck.reference.trajectory import Array
 

@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.exact.rotations import dot
 from bodycheck.reference.mechanisms.forms import oscillator, pendulum
 from bodycheck.reference.mechanisms.forms.ball import form_of_ball
-from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, dot, moment_about
+from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, moment_about
 from bodycheck.reference.mechanisms.forms.motion import Form, FormMotion, JointForm, gathered
 from bodycheck.reference.mechanisms.forms.parallelogram import form_of_parallelograms
 from bodycheck.reference.mechanisms.mechanism import Mechanism

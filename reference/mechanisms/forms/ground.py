@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, dot, matrix, multiply, plus, turned
 from bodycheck.reference.mechanisms.exact import inertia, turn, unit_axis
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
-
-_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +55,7 @@ def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
         if root != WORLD:
             return None
         joint_turn = turn(joint.attitude)
-        origin = _sum(origin, turned(matrix(attitude), vector(joint.position)))
+        origin = plus(origin, turned(matrix(attitude), vector(joint.position)))
         attitude = multiply(attitude, joint_turn)
         whole = joined([_placed(mechanism, *member) for member in groups[joint.child]])
         down = turned(matrix(conjugate(attitude)), (MP.mpf(0), MP.mpf(0), -MP.mpf(mechanism.gravity)))
@@ -79,11 +77,6 @@ def axis_of(held: Carried) -> Vector3:
     return unit_axis(held.joint)
 
 
-def dot(one: Vector3, other: Vector3) -> Real:
-    """The scalar product of two vectors."""
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
-
-
 def cross(one: Vector3, other: Vector3) -> Vector3:
     """The vector product of two vectors; components that only rounding has left are zero."""
     (a, b, c), (x, y, z) = one, other
@@ -102,20 +95,16 @@ def _clean(v: Vector3) -> Vector3:
     return x, y, z
 
 
-def _sum(one: Vector3, other: Vector3) -> Vector3:
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
-
-
 def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3]:
     """The body (or the world) at which the fixed joints below a body end, and the body's attitude and origin in its frame."""
-    attitude, origin = IDENTITY, _ZERO
+    attitude, origin = IDENTITY, ORIGIN
     above = mechanism.joint_of
     while body != WORLD:
         joint = above[body]
         if joint is None or joint.type != "fixed":
             break
         joint_turn = turn(joint.attitude)
-        origin = _sum(vector(joint.position), turned(matrix(joint_turn), origin))
+        origin = plus(vector(joint.position), turned(matrix(joint_turn), origin))
         attitude, body = multiply(joint_turn, attitude), joint.parent
     return body, attitude, origin
 
@@ -124,7 +113,7 @@ def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vect
     """The mass properties of a body in the frame in which it has an attitude and an origin."""
     body_inertia = inertia(mechanism.bodies[body])
     if attitude == IDENTITY:
-        return MassProperties(body_inertia.mass, _sum(origin, body_inertia.centre), body_inertia.tensor)
+        return MassProperties(body_inertia.mass, plus(origin, body_inertia.centre), body_inertia.tensor)
     rows = matrix(attitude)
     xx, yy, zz, xy, xz, yz = body_inertia.tensor
     whole = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
@@ -133,4 +122,4 @@ def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vect
         return sum(rows[i][k] * whole[k][m] * rows[j][m] for k in range(3) for m in range(3))
 
     tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
-    return MassProperties(body_inertia.mass, _sum(origin, turned(rows, body_inertia.centre)), tensor)
+    return MassProperties(body_inertia.mass, plus(origin, turned(rows, body_inertia.centre)), tensor)

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, Wide, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, dot, matrix, multiply, plus, turned
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.forms import pendulum
-from bodycheck.reference.mechanisms.forms.ground import cross, dot
+from bodycheck.reference.mechanisms.forms.ground import cross
 from bodycheck.reference.mechanisms.forms.motion import WIDE_EPS, Form, FormMotion, JointForm, gathered
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -25,8 +25,6 @@ from bodycheck.reference.trajectory import Array
 #: Size of a difference, in units of the largest length, up to which it is what the file has rounded: loops are closed to this,
 #: and axes are parallel.
 _ROUNDED = MP.mpf(10) ** -12
-
-_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +71,7 @@ def _rates(mechanism: Mechanism, first: float) -> list[int] | None:
 def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, _Frame] | None:
     """The frames of the bodies at the start; None where the bodies move otherwise. axis: that of theta in the world."""
     multiples = {id(joint): rate for joint, rate in zip(mechanism.joints, rates, strict=True)}
-    frames = {WORLD: _Frame(IDENTITY, _ZERO, 0, _ZERO)}
+    frames = {WORLD: _Frame(IDENTITY, ORIGIN, 0, ORIGIN)}
     for joint in from_the_root(mechanism):
         parent, multiple = frames[joint.parent], multiples[id(joint)]
         attitude = multiply(parent.attitude, exact.turn(joint.attitude))
@@ -91,15 +89,15 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
         turns = parent.turns + multiple
         if turns not in (0, 1):
             return None
-        radius = _plus(parent.radius, arm) if parent.turns else parent.radius
-        frames[joint.child] = _Frame(attitude, _plus(parent.origin, arm), turns, radius)
+        radius = plus(parent.radius, arm) if parent.turns else parent.radius
+        frames[joint.child] = _Frame(attitude, plus(parent.origin, arm), turns, radius)
     return frames
 
 
 def _point(frame: _Frame, point: Vector3) -> tuple[Vector3, Vector3]:
     """The place in the world at the start of a point of a body, and its part b."""
     arm = turned(matrix(frame.attitude), point)
-    return _plus(frame.origin, arm), _plus(frame.radius, arm) if frame.turns else frame.radius
+    return plus(frame.origin, arm), plus(frame.radius, arm) if frame.turns else frame.radius
 
 
 def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
@@ -158,7 +156,3 @@ def _motion(mechanism: Mechanism, system: pendulum.Pendulum, rates: list[int], t
         if joint.type == "revolute"
     }
     return gathered(mechanism, parts, len(times))
-
-
-def _plus(one: Vector3, other: Vector3) -> Vector3:
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]

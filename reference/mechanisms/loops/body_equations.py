@@ -6,10 +6,10 @@ import numpy as np
 
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
-from bodycheck.reference.kinematics import cross
+from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms.loops.body_space import Side, System
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import apply, dot, matrices, turning
+from bodycheck.reference.mechanisms.loops.vectors import apply, matrices, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD
 
 

@@ -18,13 +18,13 @@ from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.independent.directions import quaternion_of
-from bodycheck.reference.kinematics import cross
+from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms import exact, start
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, MotionKind
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import about, apply, dot, matrices, rounded, turning
+from bodycheck.reference.mechanisms.loops.vectors import about, apply, matrices, rounded, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 _EYE = np.eye(3, dtype=Wide)

@@ -15,12 +15,6 @@ def rounded(values: Any) -> WideArray:
     return np.asarray(wide(values))
 
 
-def dot(a: WideArray, b: WideArray) -> WideArray:
-    """Scalar products (...) of vectors (..., 3)."""
-    products: WideArray = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-    return products
-
-
 def apply(matrices: WideArray, v: WideArray) -> WideArray:
     """Products (..., 3) of matrices (..., 3, 3) and vectors (..., 3)."""
     products: WideArray = (matrices * v[..., None, :]).sum(axis=-1)
