@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, FloatType, Quaternion4, Vector3, WideArray
+from bodycheck.reference.exact.numbers import MP, FloatType, Quaternion4, Vector3, WideArray, vector
 from bodycheck.reference.kinematics import conjugate, cross, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
@@ -170,17 +170,12 @@ def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tu
     """The coordinates (n, 7) and velocities (n, 6) of a free joint from the frames of its two bodies."""
     child = frames[joint.child]
     parent = resting(Place(), count, kind) if joint.parent == WORLD else frames[joint.parent]
-    seen = parent.carried(Place(exact.turn(joint.attitude), _exact(joint.position)), kind)
+    seen = parent.carried(Place(exact.turn(joint.attitude), vector(joint.position)), kind)
     back = conjugate(seen.turn)
     origin, turn = rotate(back, child.origin - seen.origin), normalise(multiply(back, child.turn))
     linear = rotate(back, child.velocity - seen.velocity) - cross(seen.spin, origin)
     spin = child.spin - rotate(conjugate(turn), seen.spin)
     return np.concatenate([origin, turn], axis=1), np.concatenate([linear, spin], axis=1)
-
-
-def _exact(values: tuple[float, float, float]) -> Vector3:
-    x, y, z = values
-    return MP.mpf(x), MP.mpf(y), MP.mpf(z)
 
 
 def _spread(values: Quaternion4 | Vector3, count: int, kind: FloatType) -> WideArray:

@@ -159,7 +159,7 @@ def _advanced(
         ignored = phase.begun if first else frozenset[int]()
         crossings = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
         if first and not crossings:
-            crossings = [(index, begin) for index in watched if _exceeded(tree, inner.state, phase.modes, index)]
+            crossings = [(index, begin) for index in watched if _left(tree, inner.state, phase.modes, index) < -NEAR]
         crossing = min(crossings, key=lambda each: each[1], default=None)
         until = inner.time if crossing is None else crossing[1]
         while len(rows) < len(instants) and instants[len(rows)] <= until:
@@ -273,11 +273,6 @@ def _nearly_slipping(tree: Tree, state: WideArray, modes: Modes) -> list[int]:
     """The links that stick with all of their friction."""
     sticking = [index for index, mode in modes.items() if not mode]
     return [index for index in sticking if _left(tree, state, modes, index) < NEAR]
-
-
-def _exceeded(tree: Tree, state: WideArray, modes: Modes, index: int) -> bool:
-    """Return whether a link cannot stick any more."""
-    return _left(tree, state, modes, index) < -NEAR
 
 
 def _slope(tree: Tree, solver: _Solver, phase: _Phase, index: int, time: Any) -> float:

@@ -12,7 +12,7 @@ This is code of its own from the mechanism on: it shares nothing with `exact` an
 """
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal
 
@@ -157,7 +157,7 @@ def border(mechanism: Mechanism) -> Border:
             standing.append(carried)
         else:
             held = elements[pose.element]
-            elements[pose.element] = _replaced(held, carried=(*held.carried, carried))
+            elements[pose.element] = replace(held, carried=(*held.carried, carried))
     loops = []
     for loop in mechanism.loops:
         one, other = (_end(places[body], point) for body, point in zip(loop.bodies, loop.points, strict=True))
@@ -181,10 +181,6 @@ def _downwards(mechanism: Mechanism) -> list[int]:
         ordered.append(body)
         waiting += reversed(children.get(body, []))
     return ordered
-
-
-def _replaced(element: Element, **changes: object) -> Element:
-    return Element(**{**vars(element), **changes})
 
 
 def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Place:

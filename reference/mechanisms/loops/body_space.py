@@ -157,12 +157,8 @@ def initial(mechanism: Mechanism) -> WideArray:
         held += [*plus(frame.origin, arm), *frame.attitude]
         spin = turned(matrix(conjugate(frame.attitude)), frame.spin)
         moving += [*plus(frame.velocity, exact_cross(frame.spin, arm)), *spin]
-    single = [joint.start[0] for joint in mechanism.joints if _is_single(joint)]
+    single = [joint.start[0] for joint in mechanism.joints if joint.type in ("revolute", "prismatic")]
     return np.array([*(wide(value) for value in (*held, *moving)), *(Wide(value) for value in single)], dtype=Wide)
-
-
-def _is_single(joint: Joint | None) -> bool:
-    return joint is not None and joint.type in ("revolute", "prismatic")
 
 
 def _free(start: BodyStart, centre: Vector3) -> Place:
