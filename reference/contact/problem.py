@@ -91,7 +91,7 @@ def problem(scene: AnyScene) -> Problem:
     Raises `NotModelled` for bodies without a shape, or with a frame that is not along their principal axes, and for drag.
     """
     plane = scene.plane
-    assert plane is not None  # the caller has asked
+    assert plane is not None  # the caller has checked this
     half = MP.mpf(plane.incline) / 2
     back = MP.cos(half), MP.mpf(0), -MP.sin(half), MP.mpf(0)
     bodies = _bodies(scene, back) if isinstance(scene, Mechanism) else (_body(scene, back),)

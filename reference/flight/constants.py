@@ -1,7 +1,7 @@
 """The constants of a rotation without torque, from numbers with many digits, rounded once.
 
 The symbols are those of `torque_free`. For one scene they are computed with a hundred digits. For many they are computed with
-pairs of numbers (see `exact.pairs`), and it is told for which members pairs have too few digits.
+pairs of numbers (see `exact.pairs`), with a list of the members for which pairs have too few digits.
 """
 
 from collections.abc import Sequence

@@ -179,7 +179,7 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism with loops by multipliers. The growth of errors is told, but the witness shows their size."""
+    """The motion of a mechanism with loops by multipliers. The growth of errors is stated, but the witness shows their size."""
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 

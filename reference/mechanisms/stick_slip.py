@@ -230,7 +230,7 @@ def _guess(free: Array, across: Array) -> tuple[int, ...]:
 def _responses(tree: Tree, state: WideArray, moving: Modes, rest: Sequence[int]) -> tuple[Array, Array]:
     """The accelerations (m,) of links at rest without their friction, and (m, m) what each one's whole friction adds."""
     form, places = _with_modes(tree, moving), [_velocities(tree)[index] for index in rest]
-    # A joint at rest is not held here: its acceleration without friction is asked for.
+    # A joint at rest is not held here: its acceleration without friction is needed.
     constants = [
         replace(each, moves=1) if index in moving and not moving[index] else each for index, each in enumerate(form.constants)
     ]

@@ -12,7 +12,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: By how much of themselves faces are smaller where balance is asked for: more than the error of linear programming.
+#: The fraction by which faces are made smaller to check balance: more than the error of linear programming.
 SAFE = 1e-6
 
 #: Relative size of what a linear system leaves undetermined, up to which it is rounding.

@@ -13,7 +13,7 @@ from bodycheck.reference.witness import WideArray
 #: Corners of the polygon that stands for a disk.
 CORNERS = 256
 
-#: By how much of itself an outline is made smaller, or larger, where it is asked whether two have an area in common.
+#: The fraction by which an outline is made smaller, or larger, to check whether two have an area in common.
 SLIVER = 1e-9
 
 

@@ -48,7 +48,7 @@ class Ball:
 
     @property
     def braking(self) -> Wide:
-        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never asked for then."""
+        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never used then."""
         return Wide(0) if np.isinf(self.friction) else self.friction * self.onto
 
     @property

@@ -179,7 +179,7 @@ def _orders(exponent: Wide) -> int:
 def _coefficients(ball: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
     """The first coefficients (n, orders, 3) of the angular velocity times the rate of time about parameters (n,)."""
     slipping = phase.hodograph
-    assert slipping is not None  # the caller has asked
+    assert slipping is not None  # the caller has checked this
     less, more = slipping.rates
     shape = len(begun), orders
     along, against, across = np.zeros(shape, Wide), np.zeros(shape, Wide), np.zeros(shape, Wide)

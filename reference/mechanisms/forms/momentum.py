@@ -26,7 +26,7 @@ class Floating:
     mass
         Its mass (kg).
     centre, velocity
-        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the instants that were asked.
+        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the given instants.
     angular_momentum
         (3,) its angular momentum about the centre of mass in the world (kg m^2/s).
     """

@@ -37,7 +37,7 @@ STAGES = 28
 #: Some seconds that a way may take. What an evaluation of its equations costs was measured on one core.
 MOST_SECONDS = 10.0
 
-#: The tolerances of the way and of the witness, which is asked for disagreements above some 1e-13.
+#: The tolerances of the way and of the witness, whose disagreements matter above some 1e-13.
 TOLERANCE, WITNESS_TOLERANCE = 1e-17, 1e-15
 
 
