@@ -1,12 +1,12 @@
 """Convert attitudes of engines: states along the principal axes of a body, in which many engines step, and rotation vectors.
 
-`bodycheck.reference.principal_frame.along_principal_axes` converts the scene, and with it the initial state.
+`bodycheck.reference.inertia.along_principal_axes` converts the scene, and with it the initial state.
 """
 
 import numpy as np
 
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 

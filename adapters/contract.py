@@ -80,7 +80,7 @@ class Engine:
     models
         The requirements of a scene that the engine can model, by the field names of
         `bodycheck.reference.requirements.Requirements`, and those of mechanisms, by the names in
-        `bodycheck.reference.mechanisms.requirements`.
+        `bodycheck.reference.requirements.MechanismRequirements`.
     variants
         Spellings of methods with options, by kind of scene. If the user names no method, they are run with the integrators.
     precision, device

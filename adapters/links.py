@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.adapters.contract import Method, Simulation
-from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.inertia import IDENTITY, inertia_tensor
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Body, Quaternion, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
 

@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.adapters.links import Link, carried
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
 

@@ -9,9 +9,10 @@ Start here:
 
 - `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
   `truths` defines what it returns, and `certified` what `certificate` returns.
-- `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: what a way gives, and how two compare.
+- `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: the result of a way, and the comparison of
+  two ways.
 - `certificate`: every way of computing one truth, compared with every other.
-- `scene`: bodies, initial states, planes, and what a file says of the body and its start. `trajectory`: sampled states.
+- `scene`: bodies, initial states, planes, and the content of a file about a body and its start. `trajectory`: sampled states.
   `bounds`: bounds of the errors of these. All other modules use them.
 - `bodies`: the bodies of any scene in one view, in which a single body is a mechanism of one.
 - `scenes`: many scenes in free flight that differ in numbers only, as arrays.
@@ -19,9 +20,10 @@ Start here:
 
 Mechanics of any motion:
 
-- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: inertia tensors and angular momentum.
-- `principal_frame`: conversion between a body's frame and its principal axes.
-- `observables`: energies and angular momentum of a trajectory. `contact_observables`: tilt, penetration and stop.
+- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: inertia tensors, angular momentum, and
+  conversion between a body's frame and its principal axes.
+- `observables`: energies and angular momentum of a trajectory. `contact_observables`: extent, tilt, penetration and stop of a
+  body on the plane.
 - `planar`: the planar state of a body that lies flat. `requirements`: what a model of a scene must contain to be exact.
   `modelled`: whether the reference has such a model.
 
@@ -30,14 +32,16 @@ Folders:
 - `exact`: what follows from the numbers of a file, with a hundred digits.
 - `flight`: free flight in closed form, and drag.
 - `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
+- `contact`: bodies that roll, bounce, rest and tip on a plane and on each other.
+- `mechanisms`: bodies on joints, in trees and closed chains.
+- `robots`: the terms of the equations of motion of robot models.
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
 - `independent`: a second way from the file to the motion, which shares no mechanics with the others.
 - `schemes`: textbook one-step schemes, with which the schemes of engines are identified.
 - `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
 
-Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these two import `flight`,
-`sliding`, `independent` and `integration`. These, as well as `schemes` and `chapter`, import `exact` and the modules for any
-motion. Those import `scene`, `trajectory`, `bounds` and `errors`, which import nothing of this package but one
-another. `flight` and `sliding` import the DOP853 driver of `integration`, and `independent` its Taylor method. Otherwise the
-folders do not import one another.
+Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these import the folders of
+motions. `contact` and `schemes` import `mechanisms`; `mechanisms` imports tools of `flight`, `independent` and `robots`; all of
+them may import `integration` and `exact`, but `independent` imports only numerical tools of `integration`. `scene`,
+`trajectory`, `bounds` and `errors` import nothing of this package but one another.
 """

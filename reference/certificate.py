@@ -29,14 +29,14 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
     """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
     if touches(scene):
         alone = truth.computed(scene, times)
-        return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own.error), 0, (NO_OTHER_WAY,), None)
+        return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own_bounds.error), 0, (NO_OTHER_WAY,), None)
     if isinstance(scene, Mechanism):
         from bodycheck.reference.mechanisms.certificate import certify_mechanism  # imported where it is needed
 
         return certify_mechanism(scene, times)
-    found = truth.computed(scene, times)
-    own = as_way(TRUTH_WAY, found.truth.trajectory, found.own)
-    ways = (own, *_other_ways(scene, times, found.witnesses))
+    computed = truth.computed(scene, times)
+    truth_way = as_way(TRUTH_WAY, computed.truth.trajectory, computed.own_bounds)
+    ways = (truth_way, *_other_ways(scene, times, computed.witnesses))
     apart = {(one.name, other.name): distances(one, other) for one, other in combinations(ways, 2)}
     faults = [
         fault
@@ -48,10 +48,10 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
         best = min(others, key=lambda way: float(np.max(way.error)))
         bound = np.maximum.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
     else:
-        bound = found.own.error
+        bound = computed.own_bounds.error
         faults.append(NO_OTHER_WAY)
     return Certificate(
-        truth=found.truth,
+        truth=computed.truth,
         differences={pair: np.maximum.accumulate(each["error"]) for pair, each in apart.items() if "error" in each},
         bound=np.asarray(bound),
         digits=best.digits if others else 0,
@@ -64,8 +64,8 @@ def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> t
     """Every way but the truth. Those of a slide include the integration that the truth is taken from, with its own bounds."""
     if scene.plane is not None:
         return slides.ways(scene, times)
-    known = any(witness.name == second_closed_form.NAME for witness in witnesses)
-    second = () if known else (second_closed_form.witness(scene, times),)
+    included = any(witness.name == second_closed_form.NAME for witness in witnesses)
+    second = () if included else (second_closed_form.witness(scene, times),)
     return (*witnesses, *second, *_wide_way(scene, times))
 
 

@@ -1,18 +1,48 @@
 """Observables of a body on the plane: its tilt, its penetration, and the instant and place of its stop.
 
-They are computed from a trajectory alone, with the same formulas for the truth and for every engine.
+The penetration follows from the extent of the body in a direction, the support function of its shape. All are computed from a
+trajectory alone, with the same formulas for the truth and for every engine.
 """
 
 import numpy as np
 
-from bodycheck.reference.kinematics import euler_from_quaternion
+from bodycheck.reference.kinematics import conjugate, euler_from_quaternion, rotate
 from bodycheck.reference.planar import Stop, yaw
-from bodycheck.reference.scene import Scene
-from bodycheck.reference.support import depth
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Fraction of the initial speed below which a body counts as stopped; bodies on soft contacts keep creeping below it.
 STOP_SPEED_FRACTION = 1e-3
+
+
+def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
+    """Return the extent (n,), m, of a body from its centre of mass against a direction.
+
+    Parameters
+    ----------
+    shape
+        The shape, about the centre of mass and along the axes of the body.
+    quaternion
+        (n, 4) unit quaternions w, x, y, z, body to world.
+    normal
+        The unit vector in the world, such as the normal of a plane: the body touches a plane that is so far below it.
+    """
+    down = rotate(conjugate(quaternion), np.tile(np.asarray(normal, dtype=float), (len(quaternion), 1)))
+    match shape:
+        case Brick(semi_axes):
+            return np.asarray(np.abs(down) @ np.array(semi_axes))
+        case Ellipsoid(semi_axes):
+            return np.asarray(np.sqrt(np.square(down * np.array(semi_axes)).sum(axis=1)))
+        case Cylinder(radius, half_length):
+            return np.asarray(half_length * np.abs(down[:, 2]) + radius * np.hypot(down[:, 0], down[:, 1]))
+        case Sphere(radius):
+            return np.full(len(quaternion), radius)
+
+
+def depth(shape: Shape, motion: Trajectory, normal: Vector) -> Array:
+    """Depth (n,), m, of the lowest point of a body below a plane through the origin, along its unit normal; zero above it."""
+    height = motion.position @ np.array(normal)
+    return np.asarray(np.maximum(reach(shape, motion.quaternion, normal) - height, 0.0))
 
 
 def tilt(trajectory: Trajectory) -> Array:

@@ -1,17 +1,20 @@
 """Inertia of rigid bodies in double precision [G 2.9, 2.27-2.32]; `exact.inertia` has what the truth is computed from.
 
-Inertia is always about the centre of mass.
+Inertia is always about the centre of mass. The equations of motion are written along the principal axes of a body, which
+`along_principal_axes` makes the frame of the body.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Shape, Vector
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.scene import Body, Scene, Shape, Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: The quaternion (w, x, y, z) of no rotation: the body frame is that of the principal axes.
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 #: Relative amount by which A + B may fall short of C, because of rounding in the moments of a disc or a needle.
 TRIANGLE_TOLERANCE = 1e-12
@@ -101,6 +104,32 @@ def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array
         return np.asarray(np.array(body.moments) * angular_velocity)
     to_body = np.array(body.axes)
     return rotate(to_body, np.array(body.moments) * rotate(conjugate(to_body), angular_velocity))
+
+
+def along_principal_axes(scene: Scene) -> Scene:
+    """The same scene with the principal axes of its body as the body frame.
+
+    Attitude and angular velocity are converted. A scene whose body frame is that of the principal axes is returned as it is.
+    """
+    if scene.body.axes == IDENTITY:
+        return scene
+    axes = np.array(scene.body.axes)
+    w, x, y, z = normalise(multiply(np.array(scene.initial.quaternion), axes)).tolist()
+    p, q, r = rotate(conjugate(axes), np.array(scene.initial.angular_velocity)).tolist()
+    initial = replace(scene.initial, quaternion=(w, x, y, z), angular_velocity=(p, q, r))
+    return replace(scene, body=replace(scene.body, axes=IDENTITY), initial=initial)
+
+
+def in_body_frame(scene: Scene, motion: Trajectory) -> Trajectory:
+    """The same motion in the frame of the scene's body, from a trajectory along the principal axes of that body."""
+    if scene.body.axes == IDENTITY:
+        return motion
+    axes = np.array(scene.body.axes)
+    return replace(
+        motion,
+        quaternion=multiply(motion.quaternion, np.broadcast_to(conjugate(axes), motion.quaternion.shape)),
+        angular_velocity=rotate(np.broadcast_to(axes, motion.quaternion.shape), motion.angular_velocity),
+    )
 
 
 def satisfies_triangle_inequality(moments: Vector) -> bool:

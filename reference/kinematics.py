@@ -33,9 +33,9 @@ def cross(a: Floats[Float], b: Floats[Float]) -> Floats[Float]:
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     p, q, r = b[..., 0], b[..., 1], b[..., 2]
     first = y * r - z * q
-    found = np.empty((*first.shape, 3), dtype=first.dtype)
-    found[..., 0], found[..., 1], found[..., 2] = first, z * p - x * r, x * q - y * p
-    return found
+    products = np.empty((*first.shape, 3), dtype=first.dtype)
+    products[..., 0], products[..., 1], products[..., 2] = first, z * p - x * r, x * q - y * p
+    return products
 
 
 def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:

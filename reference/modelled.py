@@ -8,9 +8,9 @@ import functools
 import numpy as np
 
 from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, within_range
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import planar_state
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.sliding.friction import footprint_of
 
@@ -37,7 +37,7 @@ def missing_model(scene: AnyScene) -> str | None:
 
 @functools.lru_cache(maxsize=64)
 def _missing_contact(scene: AnyScene) -> str | None:
-    """What the reference has no model of in a scene of bodies that touch, in words, or None."""
+    """Return in words what the reference has no model of in a scene of bodies that touch, or None."""
     from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
     from bodycheck.reference.contact.ways import contact_motion
 

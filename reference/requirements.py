@@ -1,13 +1,15 @@
-"""The contents that an exact model of a scene must have, derived from the scene itself."""
+"""The contents that an exact model of a scene or of a mechanism must have, derived from the scene itself."""
 
 import math
 from collections.abc import Collection
 from dataclasses import asdict, dataclass, fields
-from typing import Literal, TypeGuard
+from typing import ClassVar, Literal, TypeGuard
 
 from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.mechanisms.requirements import MechanismRequirements, of_mechanism
+from bodycheck.reference.mechanisms.coordinates import VELOCITIES
+from bodycheck.reference.mechanisms.exact import inertia
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
+from bodycheck.reference.mechanisms.mechanism import AnyScene, JointedBody, Mechanism
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Scene, Vector
 
@@ -89,6 +91,29 @@ class Requirements:
         return tuple(kind for kind in kinds if getattr(self, kind) not in (False, "none"))
 
 
+@dataclass(frozen=True)
+class MechanismRequirements:
+    """The effects that a model of a mechanism must contain to be exact; what is zero in it is not required.
+
+    Attributes
+    ----------
+    effects
+        The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
+        "joint springs", "joint friction", "joint efforts", "loops", "point masses" where a body has a moment of zero,
+        "contacts" where there is a plane, and "pushes".
+    degrees_of_freedom
+        Number of velocities of its joints and free bodies. Loops, which take some of them away, are not counted.
+    """
+
+    effects: tuple[str, ...]
+    degrees_of_freedom: int
+    kind: ClassVar[Literal["mechanism"]] = "mechanism"
+
+    def names(self) -> tuple[str, ...]:
+        """The names of the required effects."""
+        return self.effects
+
+
 def requirements(scene: Scene) -> Requirements:
     """The requirements of a scene."""
     if scene.plane is not None:
@@ -118,6 +143,29 @@ def requirements(scene: Scene) -> Requirements:
         degrees_of_freedom=3 * translation + 3 * (rotation != "none"),
         pushes=bool(scene.pushes),
     )
+
+
+def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
+    """The requirements of a mechanism."""
+    joints = mechanism.joints
+    used = {joint.type for joint in joints}
+    effects = {
+        "mechanisms": True,
+        "gravity": bool(mechanism.gravity),
+        **{form.effect: name in used for name, form in JOINT_TYPES.items()},
+        "armature": any(joint.armature for joint in joints),
+        "joint damping": any(joint.damping for joint in joints),
+        "joint springs": any(joint.stiffness for joint in joints),
+        "joint friction": any(joint.friction for joint in joints),
+        "joint efforts": any(joint.effort for joint in joints),
+        "loops": bool(mechanism.loops),
+        "point masses": any(_has_zero_moment(body) for body in mechanism.bodies),
+        "contacts": mechanism.plane is not None,
+        "pushes": bool(mechanism.pushes),
+    }
+    free = sum(joint is None for joint in mechanism.joint_of)
+    velocities = sum(VELOCITIES[joint.type] for joint in joints) + 6 * free
+    return MechanismRequirements(tuple(name for name, needed in effects.items() if needed), velocities)
 
 
 def symmetry(moments: Vector) -> Symmetry:
@@ -153,6 +201,11 @@ def slides(scene: AnyScene) -> TypeGuard[Scene]:
     return isinstance(scene, Scene) and scene.plane is not None and not touches(scene)
 
 
+def turns(mechanism: Mechanism) -> bool:
+    """Return whether the joints of a mechanism let any body turn."""
+    return None in mechanism.joint_of or any(joint.form.turns for joint in mechanism.joints)
+
+
 def needs(scene: AnyScene) -> Requirements | MechanismRequirements:
     """The requirements of any scene."""
     return of_mechanism(scene) if isinstance(scene, Mechanism) else requirements(scene)
@@ -169,11 +222,11 @@ def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
     """
     if not isinstance(scene, Mechanism):
         return asdict(requirements(scene))
-    found = of_mechanism(scene)
-    effects = ", ".join(name for name in found.names() if name not in ("mechanisms", "gravity"))
+    needed = of_mechanism(scene)
+    effects = ", ".join(name for name in needed.names() if name not in ("mechanisms", "gravity"))
     row: dict[str, bool | str | int] = dict.fromkeys(COLUMNS, False)
     row["gravity"], row["rotation"], row["mechanism"] = bool(scene.gravity), "none", effects
-    row["degrees_of_freedom"] = found.degrees_of_freedom
+    row["degrees_of_freedom"] = needed.degrees_of_freedom
     return row
 
 
@@ -184,3 +237,12 @@ def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:
     names that `MechanismRequirements.names` gives.
     """
     return ", ".join(name for name in needs(scene).names() if name not in modelled) or None
+
+
+def _has_zero_moment(body: JointedBody) -> bool:
+    """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
+    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms alone
+
+    xx, yy, zz, xy, xz, yz = inertia(body).tensor
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.exact import pairs
 from bodycheck.reference.exact.pairs import Pair
-from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.scene import (
     Body,
     Brick,
@@ -166,20 +166,22 @@ def vary(base: Scene, values: Mapping[str, Array]) -> Scenes:
     """
     if (reason := obstacle(base)) is not None:
         raise ValueError(f"the numbers of this scene cannot vary: {reason}")
-    given = _checked(base, values)
-    m = len(next(iter(given.values())))
+    columns = _checked(base, values)
+    m = len(next(iter(columns.values())))
     body, initial, definition = base.body, base.initial, base.definition
 
     def column(name: str, constant: Any) -> Array:
-        return given[name] if name in given else np.tile(np.asarray(constant, dtype=float), (m, *[1] * (VARIABLES[name] > 0)))
+        return (
+            columns[name] if name in columns else np.tile(np.asarray(constant, dtype=float), (m, *[1] * (VARIABLES[name] > 0)))
+        )
 
-    mass, sizes = column("mass", body.mass), _sizes(body.shape, given, m)
+    mass, sizes = column("mass", body.mass), _sizes(body.shape, columns, m)
     solid = definition is not None and valid(base).inertia and isinstance(definition.inertia, Solid)
-    homogeneous = solid and "moments" not in given
-    if homogeneous and ("mass" in given or sizes is not None):
+    homogeneous = solid and "moments" not in columns
+    if homogeneous and ("mass" in columns or sizes is not None):
         assert body.shape is not None  # a solid has the shape of its body
-        known = np.tile(sizes_of(body.shape), (m, 1)) if sizes is None else sizes
-        exact = _homogeneous(type(body.shape), mass, known)
+        all_sizes = np.tile(sizes_of(body.shape), (m, 1)) if sizes is None else sizes
+        exact = _homogeneous(type(body.shape), mass, all_sizes)
     elif homogeneous:
         from bodycheck.reference.exact.start import start  # processes of engines know this type, but need no mpmath
 
@@ -187,7 +189,7 @@ def vary(base: Scene, values: Mapping[str, Array]) -> Scenes:
         exact = Pair(np.tile(one.high, (m, 1)), np.tile(one.low, (m, 1)))
     else:
         exact = pairs.of_wide(column("moments", body.moments))
-    quaternion = _unit(given["quaternion"]) if "quaternion" in given else column("quaternion", initial.quaternion)
+    quaternion = _unit(columns["quaternion"]) if "quaternion" in columns else column("quaternion", initial.quaternion)
     return Scenes(
         like=base,
         mass=mass,
@@ -205,19 +207,19 @@ def vary(base: Scene, values: Mapping[str, Array]) -> Scenes:
 
 def _checked(base: Scene, values: Mapping[str, Array]) -> dict[str, Array]:
     """The values as arrays of doubles, after a check of their names and shapes."""
-    given = {name: np.array(array, dtype=float) for name, array in values.items()}
-    if not given:
+    columns = {name: np.array(array, dtype=float) for name, array in values.items()}
+    if not columns:
         raise ValueError("nothing varies")
-    own = SIZES[type(base.body.shape)] if base.body.shape is not None else ()
+    shape_sizes = SIZES[type(base.body.shape)] if base.body.shape is not None else ()
     sizes = {name for names in SIZES.values() for name in names}
-    m = len(next(iter(given.values())))
-    for name, array in given.items():
-        if name not in VARIABLES or (name in sizes and name not in own):
+    m = len(next(iter(columns.values())))
+    for name, array in columns.items():
+        if name not in VARIABLES or (name in sizes and name not in shape_sizes):
             raise ValueError(f"{name!r} cannot vary in this scene")
         wanted = (m, VARIABLES[name]) if VARIABLES[name] else (m,)
         if array.shape != wanted:
             raise ValueError(f"{name} has the shape {array.shape}; expected {wanted}")
-    return given
+    return columns
 
 
 def sizes_of(shape: Shape) -> Array:
@@ -225,12 +227,12 @@ def sizes_of(shape: Shape) -> Array:
     return np.hstack([getattr(shape, name) for name in SIZES[type(shape)]])
 
 
-def _sizes(shape: Shape | None, given: dict[str, Array], m: int) -> Array | None:
+def _sizes(shape: Shape | None, columns: dict[str, Array], m: int) -> Array | None:
     """The sizes (m, k) of the shapes of all members (m), or None where none varies."""
     names = SIZES[type(shape)] if shape is not None else ()
-    if not any(name in given for name in names):
+    if not any(name in columns for name in names):
         return None
-    return np.column_stack([given[name] if name in given else np.full(m, getattr(shape, name)) for name in names])
+    return np.column_stack([columns[name] if name in columns else np.full(m, getattr(shape, name)) for name in names])
 
 
 def _homogeneous(kind: type[Shape], mass: Array, sizes: Array) -> Pair:

@@ -44,7 +44,7 @@ class Trajectory:
         states = (self.position, self.quaternion, self.velocity, self.angular_velocity)
         return Trajectory(self.t[rows], *(values[..., rows, :] for values in states))
 
-    def body(self, place: int) -> "Trajectory":
+    def body(self, index: int) -> "Trajectory":
         """The trajectory of one of several bodies."""
         states = (self.position, self.quaternion, self.velocity, self.angular_velocity)
-        return Trajectory(self.t, *(values[place] for values in states))
+        return Trajectory(self.t, *(values[index] for values in states))

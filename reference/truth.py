@@ -58,15 +58,15 @@ def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouch
     return computed(scene, times, solver, vouched=vouched).truth
 
 
-def at(known: Truth, times: Array) -> Truth:
+def at(computed_truth: Truth, times: Array) -> Truth:
     """The truth of the scene of a known truth at ascending times (n,) >= 0, s.
 
     It is a part of the known truth if that has all of these times, and is computed if not; this raises as `truth` does.
     """
     try:
-        return known.at(times)
+        return computed_truth.at(times)
     except ValueError:  # it does not have all of them
-        return truth(known.scene, times)
+        return truth(computed_truth.scene, times)
 
 
 def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
@@ -92,32 +92,32 @@ def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vo
 def _flown(scene: Scene, times: Array, solver: Backend | None, vouched: bool) -> Computed:
     """The truth of a body in free flight."""
     flown = closed_form.flight(scene, times)
-    found = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
+    others = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
     bounds = flown.bounds
-    for witness in found:
+    for witness in others:
         bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
-    names = tuple(witness.name for witness in found)
+    names = tuple(witness.name for witness in others)
     model = f"closed form: {flown.form.name}"
     flight = Truth(scene, flown.motion, bounds, model, flown.form.reason, CLOSED_FORM_BACKEND, names)
-    return Computed(with_drag(scene, flight) if requirements(scene).drag else flight, flown.bounds, found)
+    return Computed(with_drag(scene, flight) if requirements(scene).drag else flight, flown.bounds, others)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
     """The truth of a body that lies flat on a plane, at ascending times (n,) >= 0, s; raises as `truth` does."""
     try:
-        found = slide(scene, times)
+        solution = slide(scene, times)
     except WouldTip as error:
         raise NotModelled(f"a body that would tip: {error}") from error
-    closed = found.model.startswith("closed form")
+    closed = solution.model.startswith("closed form")
     return Truth(
         scene,
-        found.trajectory,
-        _slide_bounds(scene, found),
-        found.model,
-        found.reason,
+        solution.trajectory,
+        _slide_bounds(scene, solution),
+        solution.model,
+        solution.reason,
         CLOSED_FORM_BACKEND if closed else INTEGRATION_BACKEND,
         (BALANCE_WITNESS,),
-        found.stop,
+        solution.stop,
     )
 
 
@@ -129,7 +129,7 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
     motion = flight.trajectory
     moved = translation(scene, motion.t)
     slowed = replace(motion, position=moved.position, velocity=moved.velocity)
-    known = {
+    errors = {
         "error": flight.bounds.error,
         "position_error": moved.position_error,
         "velocity_error": moved.velocity_error,
@@ -138,19 +138,19 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
     return replace(
         flight,
         trajectory=slowed,
-        bounds=Bounds(**known, **conserved_errors(scene, slowed, **known)),
+        bounds=Bounds(**errors, **conserved_errors(scene, slowed, **errors)),
         model=f"{flight.model}, drag by quadratures",
         witnesses=(*flight.witnesses, *moved.witnesses),
     )
 
 
-def _slide_bounds(scene: Scene, found: Slide) -> Bounds:
+def _slide_bounds(scene: Scene, slide: Slide) -> Bounds:
     """The bounds of the errors of a slide."""
-    motion = found.trajectory
-    known = {
-        "error": found.error,
-        "position_error": found.position_error,
-        "velocity_error": found.velocity_error,
-        "angular_velocity_error": found.angular_velocity_error,
+    motion = slide.trajectory
+    errors = {
+        "error": slide.error,
+        "position_error": slide.position_error,
+        "velocity_error": slide.velocity_error,
+        "angular_velocity_error": slide.angular_velocity_error,
     }
-    return Bounds(**known, **conserved_errors(scene, motion, **known))
+    return Bounds(**errors, **conserved_errors(scene, motion, **errors))

@@ -72,11 +72,11 @@ class Truth:
 
     def at(self, times: Array) -> "Truth":
         """The part of this truth at ascending times (n,), s. Raises `ValueError` if it does not have all of them."""
-        known = self.trajectory.t
-        if np.array_equal(times, known):
+        instants = self.trajectory.t
+        if np.array_equal(times, instants):
             return self
-        indices = np.minimum(np.searchsorted(known, times), len(known) - 1)
-        if not len(times) or not np.array_equal(known[indices], times):
+        indices = np.minimum(np.searchsorted(instants, times), len(instants) - 1)
+        if not len(times) or not np.array_equal(instants[indices], times):
             raise ValueError("the truth is at other instants; `bodycheck.reference.truth.at` computes it at these")
         stop = self.stop if self.stop is not None and self.stop.time <= times[-1] else None
         return replace(
@@ -98,14 +98,14 @@ class Computed:
     ----------
     truth
         The truth.
-    own
+    own_bounds
         The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
     witnesses
         The witnesses.
     """
 
     truth: Truth
-    own: Bounds
+    own_bounds: Bounds
     witnesses: tuple[Witness, ...]
 
 

@@ -69,7 +69,7 @@ def distances(one: "Witness", other: "Witness") -> dict[str, Array]:
     return apart
 
 
-def excess(scene: Scene, motion: Trajectory, own: Bounds, witness: Witness) -> Bounds:
+def excess(scene: Scene, motion: Trajectory, own_bounds: Bounds, witness: Witness) -> Bounds:
     """By how much a motion and a witness disagree beyond what the bounds of both allow, the largest so far.
 
     It is zero where both keep their bounds. Otherwise one of them is wrong, and the bound of the motion is to grow by it.
@@ -90,19 +90,19 @@ def excess(scene: Scene, motion: Trajectory, own: Bounds, witness: Witness) -> B
     Bounds
         The excess of each figure (n,), never decreasing. That of energy and angular momentum follows from the others.
     """
-    apart = distances(as_way("", motion, own), witness)
+    apart = distances(as_way("", motion, own_bounds), witness)
     none = np.zeros(len(motion))
-    found = {
-        name: np.maximum.accumulate(np.maximum(0.0, apart.get(name, none) - getattr(own, name) - getattr(witness, name)))
+    excesses = {
+        name: np.maximum.accumulate(np.maximum(0.0, apart.get(name, none) - getattr(own_bounds, name) - getattr(witness, name)))
         for name in STATES
     }
-    return Bounds(**found, **conserved_errors(scene, motion, **found))
+    return Bounds(**excesses, **conserved_errors(scene, motion, **excesses))
 
 
-def as_way(name: str, motion: Trajectory, own: Bounds) -> Witness:
+def as_way(name: str, motion: Trajectory, bounds: Bounds) -> Witness:
     """A motion in double precision with bounds of its errors, as one of the ways that are compared."""
     states = motion.quaternion, motion.angular_velocity, motion.position, motion.velocity
-    return Witness(name, *states, **own.of_states(), digits=DOUBLE_DIGITS)
+    return Witness(name, *states, **bounds.of_states(), digits=DOUBLE_DIGITS)
 
 
 def conserved_errors(

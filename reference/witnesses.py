@@ -23,12 +23,12 @@ from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.flight.torque_free import half_period, polhode_of
 from bodycheck.reference.independent import closed_form
 from bodycheck.reference.independent.border import border
+from bodycheck.reference.independent.closed_form import parabola
 from bodycheck.reference.independent.directions import exact_quaternion
-from bodycheck.reference.independent.translation import parabola
+from bodycheck.reference.inertia import along_principal_axes, in_body_frame
 from bodycheck.reference.integration import lagrangian, quasi_coordinates
 from bodycheck.reference.integration.periods import Motion, periodic, searched_period
 from bodycheck.reference.integration.rotation import Rotation, WideArray
-from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import DOUBLE_DIGITS, Witness
@@ -183,14 +183,14 @@ def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
     """
     if not any(start(scene).rates):
         return [unmoved(scene, times, turns=False)]
-    ways, found = (solver.euler_lagrange, solver.quasi_coordinates), []
+    ways, collected = (solver.euler_lagrange, solver.quasi_coordinates), []
     for way in ways:
         with contextlib.suppress(OutOfReach), within_range("the integration"):
-            found.append(way(scene, times))
-    if len(found) < len(ways) or min(float(np.max(each.error, initial=0.0)) for each in found) > ACCURATE:
-        found.append(closed_form.witness(scene, times))
-    complete = scene.drag or any(each.position is not None for each in found)
-    return found if complete else [*found, unmoved(scene, times, turns=True)]
+            collected.append(way(scene, times))
+    if len(collected) < len(ways) or min(float(np.max(each.error, initial=0.0)) for each in collected) > ACCURATE:
+        collected.append(closed_form.witness(scene, times))
+    complete = scene.drag or any(each.position is not None for each in collected)
+    return collected if complete else [*collected, unmoved(scene, times, turns=True)]
 
 
 def wide_witness(scene: Scene, times: Array, bits: int) -> Witness:
@@ -209,53 +209,53 @@ def euler_lagrange(scene: Scene, times: Array, name: str) -> Witness:
     from bodycheck.reference.integration import taylor
 
     begin, rounding = start(scene), TAYLOR_ROUNDINGS * float(np.finfo(np.longdouble).eps)
-    known = course(begin, times)
-    _require(known, rounding)
+    expected = course(begin, times)
+    _require(expected, rounding)
     motion = taylor.tumbling(begin, np.longdouble)
-    found, error = followed(motion, taylor.momentum_axis(begin, np.longdouble), known, times, rounding)
-    return _witness(f"euler-lagrange, {name}", taylor.in_body_frame(begin, found), known, error, digits=EXTENDED_DIGITS)
+    rotation, error = followed(motion, taylor.momentum_axis(begin, np.longdouble), expected, times, rounding)
+    return _witness(f"euler-lagrange, {name}", taylor.in_body_frame(begin, rotation), expected, error, digits=EXTENDED_DIGITS)
 
 
 def independent(scene: Scene, times: Array, arithmetic: "Arithmetic", name: str) -> Witness:
     """The independent way, as a witness of all states. Raises `OutOfReach`."""
     from bodycheck.reference.independent.integration import momentum_axis, spinning
 
-    known, rounding = course(start(scene), times), TAYLOR_ROUNDINGS * arithmetic.rounding
-    _require(known, rounding)
+    expected, rounding = course(start(scene), times), TAYLOR_ROUNDINGS * arithmetic.rounding
+    _require(expected, rounding)
     begin = border(scene)
     motion = spinning(begin, arithmetic)
-    found, error = followed(motion, momentum_axis(begin, arithmetic), known, times, rounding)
-    turned = Rotation(arithmetic.rounded(found.quaternion), arithmetic.rounded(found.angular_velocity))
+    rotation, error = followed(motion, momentum_axis(begin, arithmetic), expected, times, rounding)
+    turned = Rotation(arithmetic.rounded(rotation.quaternion), arithmetic.rounded(rotation.angular_velocity))
     moved = {} if scene.drag else _translation(scene, times)
-    return _witness(f"quasi-coordinates, {name}", turned, known, error, digits=arithmetic.digits, **moved)
+    return _witness(f"quasi-coordinates, {name}", turned, expected, error, digits=arithmetic.digits, **moved)
 
 
 def in_doubles(name: str, integrate: Callable[[Scene, Array], Trajectory], scene: Scene, times: Array) -> Witness:
     """An integration by DOP853 in double precision, from the doubles of the scene. Raises `OutOfReach`."""
-    rounding, known = DOP853_ROUNDINGS * EPS, course(start(scene), times, few_periods=math.inf)
-    _require(known, rounding)
+    rounding, expected = DOP853_ROUNDINGS * EPS, course(start(scene), times, few_periods=math.inf)
+    _require(expected, rounding)
     if len(times) > DOP853_INSTANTS:
         raise OutOfReach(
             f"DOP853 would take a step at least for each of {len(times)} instants; {DOP853_INSTANTS} are the limit"
         )
     motion = in_body_frame(scene, integrate(along_principal_axes(scene), times))
     turned = Rotation(motion.quaternion, motion.angular_velocity)
-    return _witness(f"{name}, {DOP853_NAME}", turned, known, rounding * known.growth, digits=DOUBLE_DIGITS)
+    return _witness(f"{name}, {DOP853_NAME}", turned, expected, rounding * expected.growth, digits=DOUBLE_DIGITS)
 
 
 def unmoved(scene: Scene, times: Array, *, turns: bool) -> Witness:
     """The parabola, and the attitude of a body that does not turn, which stays as it is: from the file by code of its own."""
     wide = np.longdouble
-    known: dict[str, Any] = {} if scene.drag else _translation(scene, times)
+    states: dict[str, Any] = {} if scene.drag else _translation(scene, times)
     if not turns:
         attitude = exact_quaternion(border(scene).cosines).astype(wide)
         error = STORED_ROUNDINGS * float(np.finfo(wide).eps)
-        known |= {"quaternion": np.tile(attitude, (len(times), 1)), "angular_velocity": np.zeros((len(times), 3), wide)}
-        known["error"] = np.full(len(times), error)
-    return Witness("parabola, numpy", **known)
+        states |= {"quaternion": np.tile(attitude, (len(times), 1)), "angular_velocity": np.zeros((len(times), 3), wide)}
+        states["error"] = np.full(len(times), error)
+    return Witness("parabola, numpy", **states)
 
 
-def followed(motion: Motion, axis: WideArray, known: Course, times: Array, rounding: float) -> tuple[Rotation, Array]:
+def followed(motion: Motion, axis: WideArray, expected: Course, times: Array, rounding: float) -> tuple[Rotation, Array]:
     """A rotation at times (n,), and a bound (n,) of its error (rad), which is infinite where it cannot be followed.
 
     axis: (3,) direction of the angular momentum in the world. rounding: the relative error made at all times.
@@ -263,33 +263,35 @@ def followed(motion: Motion, axis: WideArray, known: Course, times: Array, round
     Where the motion does not have the period that its course says, one of the two is wrong. The period is then searched for;
     and where none is found, the motion is followed as far as it may turn.
     """
-    if not known.repeats:
-        return motion.follow(times.astype(axis.dtype)), rounding * known.growth
-    allowed = rounding * known.in_period
+    if not expected.repeats:
+        return motion.follow(times.astype(axis.dtype)), rounding * expected.growth
+    allowed = rounding * expected.in_period
     try:
-        return periodic(motion, axis, known.period, times, allowed), rounding * known.growth
+        return periodic(motion, axis, expected.period, times, allowed), rounding * expected.growth
     except OutOfReach:
-        horizon = min(float(np.max(times)), FARTHEST_RAD / known.speed)
+        horizon = min(float(np.max(times)), FARTHEST_RAD / expected.speed)
     try:
         period = searched_period(motion, horizon, axis.dtype)
-        return periodic(motion, axis, period, times, allowed), rounding * known.growth
+        return periodic(motion, axis, period, times, allowed), rounding * expected.growth
     except OutOfReach:
-        error = np.where(times <= horizon, rounding * known.growth_until(times), np.inf)
+        error = np.where(times <= horizon, rounding * expected.growth_until(times), np.inf)
         return motion.follow(np.minimum(times, horizon).astype(axis.dtype)), error
 
 
-def _require(known: Course, rounding: float) -> None:
+def _require(expected: Course, rounding: float) -> None:
     """Raise `OutOfReach` where an integration with this relative error turns too far, or its error would grow too large."""
-    if known.turning > FARTHEST_RAD:
-        raise OutOfReach(f"an integration would turn through {known.turning:.3g} rad, and {FARTHEST_RAD:.0f} rad are the limit")
-    if not rounding * float(np.max(known.growth, initial=0.0)) <= LARGEST_ERROR:
+    if expected.turning > FARTHEST_RAD:
+        raise OutOfReach(
+            f"an integration would turn through {expected.turning:.3g} rad, and {FARTHEST_RAD:.0f} rad are the limit"
+        )
+    if not rounding * float(np.max(expected.growth, initial=0.0)) <= LARGEST_ERROR:
         raise OutOfReach("rounding would grow too large")
 
 
-def _witness(name: str, turned: Rotation, known: Course, error: Array, digits: int, **moved: Any) -> Witness:
+def _witness(name: str, turned: Rotation, expected: Course, error: Array, digits: int, **moved: Any) -> Witness:
     """A witness of a rotation, and of a translation where one is given, with the bounds of its errors."""
     error = error + STORED_ROUNDINGS * float(np.finfo(turned.quaternion.dtype).eps)
-    rates_error = known.speed * error
+    rates_error = expected.speed * error
     return Witness(
         name,
         turned.quaternion,

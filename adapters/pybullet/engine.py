@@ -19,9 +19,9 @@ from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.adapters.touching import corners_of_brick, lying_shape
+from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene, State
 from bodycheck.reference.trajectory import Array
 

@@ -21,9 +21,9 @@ from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.adapters.urdf import urdf
+from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 

@@ -19,9 +19,9 @@ from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import lying_shape
+from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 

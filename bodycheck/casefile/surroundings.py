@@ -15,9 +15,9 @@ from bodycheck.casefile import grammar
 from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import BODY_PATTERN, MAX_CONTACTS, MAX_NAME_LENGTH, MAX_PUSHES
+from bodycheck.reference.contact_observables import reach
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector, vector_of
-from bodycheck.reference.support import reach
 from bodycheck.suggestion import did_you_mean, first_names
 
 #: The name of the body of a file of format 1, and that of the plane among the bodies.

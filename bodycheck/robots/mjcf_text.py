@@ -18,8 +18,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, from_the_root
 from bodycheck.reference.robots.rotations import plane_axes, quaternion
 from bodycheck.robots.written import limits, number, numbers
 

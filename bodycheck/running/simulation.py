@@ -140,7 +140,7 @@ def _given(scene: AnyScene, duration: float) -> AnyScene:
     """Return a scene as engines are given it: bodies that touch with finite coefficients of friction. duration: in s."""
     if not touches(scene):
         return scene
-    from bodycheck.reference.contact.no_slip import finite  # the ways of contact are imported where they are needed
+    from bodycheck.reference.contact.ways import finite  # the ways of contact are imported where they are needed
 
     return finite(scene, duration)
 

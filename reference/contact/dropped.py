@@ -12,6 +12,7 @@ import numpy as np
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.motion import ContactMotion, Event, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
+from bodycheck.reference.contact_observables import reach
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.start import start
@@ -19,7 +20,6 @@ from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, Sphere, State, Vector, vector_of
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
@@ -93,9 +93,9 @@ def _flight(problem: Problem, body: ContactBody, times: Array) -> tuple[WideArra
     # The doubles that the closed form begins with are not the numbers of the file.
     begun = 2 * EPS * np.asarray(amplification(start(alone), times))
     speed = float(np.linalg.norm(body.spin.astype(float)))
-    found, bounds = turned.motion, turned.bounds
+    rotation, bounds = turned.motion, turned.bounds
     errors = bounds.error + begun, bounds.angular_velocity_error + begun * speed
-    return position, velocity, found.quaternion.astype(Wide), found.angular_velocity.astype(Wide), *errors
+    return position, velocity, rotation.quaternion.astype(Wide), rotation.angular_velocity.astype(Wide), *errors
 
 
 def _alone(body: ContactBody) -> Scene:
@@ -190,7 +190,7 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "velocity_error": ROUNDINGS * speed,
         "angular_velocity_error": spun,
     }
-    found = ContactMotion(
+    whole = ContactMotion(
         position[None],
         velocity[None],
         quaternion[None],
@@ -200,4 +200,4 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "free flight until the first touch, then inequalities",
         "the motion after an impact beside the centre of mass, or at several points, follows from no law",
     )
-    return known_at(found, times < until)
+    return known_at(whole, times < until)

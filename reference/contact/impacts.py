@@ -85,23 +85,23 @@ def impacts(body: Touching, motion: Trajectory, gravity: float, pushes: tuple[Pu
     fastest = float(np.fmax.reduce(np.linalg.norm(motion.velocity, axis=-1)))
     allowed = ON_ARC * np.abs(along) * steps + ROUNDED * fastest
     off = ~(np.abs(np.diff(speeds) - along * steps) <= allowed)
-    found = []
+    hits = []
     for first, last in _groups(off):
         seen = last < len(motion) - 1
-        made = _impact(body, motion, pulls, first, last, seen)
-        if made.before > ROUNDED * fastest + ON_ARC * abs(along[first]) * steps[first]:
-            found.append(made)
-    return tuple(found)
+        hit = _impact(body, motion, pulls, first, last, seen)
+        if hit.before > ROUNDED * fastest + ON_ARC * abs(along[first]) * steps[first]:
+            hits.append(hit)
+    return tuple(hits)
 
 
 def _accelerations(times: Array, gravity: float, pushes: tuple[Push, ...], mass: float) -> Array:
     """The accelerations (n - 1, 3), m/s^2, of a body that flies, in the middle between instants (n,)."""
-    found = np.zeros((len(times) - 1, 3))
-    found[:, 2] = -gravity
+    accelerations = np.zeros((len(times) - 1, 3))
+    accelerations[:, 2] = -gravity
     middles = (times[1:] + times[:-1]) / 2
     for push in pushes:
-        found[(push.start <= middles) & (middles < push.end)] += np.array(push.force) / mass
-    return found
+        accelerations[(push.start <= middles) & (middles < push.end)] += np.array(push.force) / mass
+    return accelerations
 
 
 def _groups(off: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:

@@ -94,9 +94,9 @@ class ContactMotion:
     witness: str = ""
 
 
-def known_at(found: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:
+def known_at(motion: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:
     """A motion whose states and bounds are NaN at those of its instants (n,) at which it is not known."""
-    states = found.position, found.velocity, found.quaternion, found.spin
+    states = motion.position, motion.velocity, motion.quaternion, motion.spin
     position, velocity, quaternion, spin = (np.where(known[:, None], rows, np.longdouble(math.nan)) for rows in states)
-    errors = {name: np.where(known, bound, math.nan) for name, bound in found.errors.items()}
-    return replace(found, position=position, velocity=velocity, quaternion=quaternion, spin=spin, errors=errors)
+    errors = {name: np.where(known, bound, math.nan) for name, bound in motion.errors.items()}
+    return replace(motion, position=position, velocity=velocity, quaternion=quaternion, spin=spin, errors=errors)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference import support
+from bodycheck.reference import contact_observables
 from bodycheck.reference.contact.impacts import Impact
 from bodycheck.reference.contact.touching import Touching, into_plane, lowest
 from bodycheck.reference.contact_observables import STOP_SPEED_FRACTION
@@ -28,7 +28,7 @@ class Rolling:
 
 def depth(body: Touching, motion: Trajectory) -> Array:
     """Depth (n,), m, of the lowest point of a body below the plane, along its normal; zero where it is above it."""
-    return support.depth(body.shape, motion, body.normal)
+    return contact_observables.depth(body.shape, motion, body.normal)
 
 
 def lean(body: Touching, motion: Trajectory) -> Array | None:
@@ -84,12 +84,12 @@ def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity
     last = _last(speeds > STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)))
     if last == len(motion) - 1:
         return float(motion.t[-1])
-    known = [hit for hit in struck if hit.seen]
+    hits = [hit for hit in struck if hit.seen]
     fall = gravity * body.normal[2]
-    if not known or not fall or not known[-1].after < known[-1].before:
+    if not hits or not fall or not hits[-1].after < hits[-1].before:
         return _extrapolated(motion.t, speeds, last)
-    ratio = known[-1].after / known[-1].before
-    settled = known[-1].time + 2 * known[-1].after / fall / (1 - ratio)
+    ratio = hits[-1].after / hits[-1].before
+    settled = hits[-1].time + 2 * hits[-1].after / fall / (1 - ratio)
     # Bounces below the fraction go on for the rest of the sum.
     slack = 2 * STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)) / fall / (1 - ratio)
     return float(np.clip(settled, motion.t[last], motion.t[last + 1] + slack))
@@ -140,10 +140,10 @@ def _at(t: Array, values: Array, rates: Array, time: float) -> float:
         return float(values[0])
     if time >= t[-1]:
         return float(values[-1])
-    place = int(np.searchsorted(t, time, side="right")) - 1
-    before, after, step = time - t[place], t[place + 1] - time, t[place + 1] - t[place]
-    bent = (rates[place + 1] - rates[place]) * before * after / (2 * step)
-    return float(values[place] + (values[place + 1] - values[place]) * before / step - bent)
+    index = int(np.searchsorted(t, time, side="right")) - 1
+    before, after, step = time - t[index], t[index + 1] - time, t[index + 1] - t[index]
+    bent = (rates[index + 1] - rates[index]) * before * after / (2 * step)
+    return float(values[index] + (values[index + 1] - values[index]) * before / step - bent)
 
 
 def _speeds(body: Touching, motion: Trajectory) -> Array:
@@ -157,8 +157,8 @@ def _speeds(body: Touching, motion: Trajectory) -> Array:
 
 def _last(moving: NDArray[np.bool_]) -> int:
     """The place of the last sample that is true; -1 if none is."""
-    found = np.flatnonzero(moving)
-    return int(found[-1]) if len(found) else -1
+    indices = np.flatnonzero(moving)
+    return int(indices[-1]) if len(indices) else -1
 
 
 def _extrapolated(t: Array, speeds: Array, last: int) -> float:

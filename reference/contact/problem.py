@@ -9,10 +9,10 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, Wide, wide
 from bodycheck.reference.exact.rotations import conjugate, matrix, multiply, turned
 from bodycheck.reference.exact.start import start
+from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, PairContact, shape_of
 from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Plane, Push, Scene, Shape
 from bodycheck.reference.witness import WideArray
 
@@ -81,8 +81,8 @@ class Problem:
     def pair(self, one: int, other: int = WORLD) -> tuple[float, float]:
         """Friction and restitution of two bodies, by their places; by default of a body and the plane."""
         both = min(one, other), max(one, other)
-        found = next((pair for pair in self.contacts if pair.bodies == both), None)
-        return (self.plane.friction, self.plane.restitution) if found is None else (found.friction, found.restitution)
+        contact = next((pair for pair in self.contacts if pair.bodies == both), None)
+        return (self.plane.friction, self.plane.restitution) if contact is None else (contact.friction, contact.restitution)
 
 
 def problem(scene: AnyScene) -> Problem:
@@ -91,7 +91,7 @@ def problem(scene: AnyScene) -> Problem:
     Raises `NotModelled` for bodies without a shape, or with a frame that is not along their principal axes, and for drag.
     """
     plane = scene.plane
-    assert plane is not None  # the caller has asked
+    assert plane is not None  # the caller has checked this
     half = MP.mpf(plane.incline) / 2
     back = MP.cos(half), MP.mpf(0), -MP.sin(half), MP.mpf(0)
     bodies = _bodies(scene, back) if isinstance(scene, Mechanism) else (_body(scene, back),)
@@ -128,14 +128,14 @@ def _body(scene: Scene, back: tuple[Real, Real, Real, Real]) -> ContactBody:
 
 
 def _bodies(mechanism: Mechanism, back: tuple[Real, Real, Real, Real]) -> tuple[ContactBody, ...]:
-    found = []
+    bodies = []
     for body in mechanism.bodies:
         inertia, begin = exact.inertia(body), body.start
         assert begin is not None  # bodies on joints have no plane
         xx, yy, zz, *products = inertia.tensor
         if any(products):
             raise NotModelled("a body on a plane whose frame is not that of its principal axes")
-        found.append(
+        bodies.append(
             ContactBody(
                 body.name,
                 wide(inertia.mass),
@@ -147,7 +147,7 @@ def _bodies(mechanism: Mechanism, back: tuple[Real, Real, Real, Real]) -> tuple[
                 _wide(exact.rates(begin.attitude, begin.rotation)),
             )
         )
-    return tuple(found)
+    return tuple(bodies)
 
 
 def _shaped(shape: Shape | None) -> Shape:
@@ -161,8 +161,8 @@ def _along(push: Push, back: tuple[Real, Real, Real, Real]) -> Push:
     return Push((x, y, z), push.point, push.start, push.end, push.body)
 
 
-def _turned(back: tuple[Real, Real, Real, Real], given: tuple[float, float, float]) -> WideArray:
-    x, y, z = given
+def _turned(back: tuple[Real, Real, Real, Real], components: tuple[float, float, float]) -> WideArray:
+    x, y, z = components
     return _wide(turned(matrix(back), (MP.mpf(x), MP.mpf(y), MP.mpf(z))))
 
 

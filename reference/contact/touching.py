@@ -43,19 +43,19 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
     plane = scene.plane
     if plane is None:
         return ()
-    given = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
+    restitutions = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
     touching_bodies = []
     for index, body in enumerate(bodies(scene)):
         if body.shape is None:
             return ()
-        restitution = given.get((WORLD, index), plane.restitution)
+        restitution = restitutions.get((WORLD, index), plane.restitution)
         touching_bodies.append(Touching(body.shape, body.mass, body.tensor, plane.normal, restitution))
     return tuple(touching_bodies)
 
 
-def pushes_on(scene: AnyScene, place: int) -> tuple[Push, ...]:
+def pushes_on(scene: AnyScene, index: int) -> tuple[Push, ...]:
     """The pushes on the body at a place."""
-    return tuple(push for push in scene.pushes if push.body == place)
+    return tuple(push for push in scene.pushes if push.body == index)
 
 
 def into_plane(body: Touching, motion: Trajectory) -> Array:

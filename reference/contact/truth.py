@@ -26,10 +26,10 @@ BACKEND = "numpy"
 
 def computed_contact(scene: AnyScene, times: Array) -> Computed:
     """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises as `truth.truth` does."""
-    known = problem(scene)
-    found = contact_motion(known, np.asarray(times, dtype=float))
-    trajectory = _in_world(found, known.turn, np.asarray(times, dtype=float))
-    errors = _errors(found, trajectory)
+    task = problem(scene)
+    motion = contact_motion(task, np.asarray(times, dtype=float))
+    trajectory = _in_world(motion, task.turn, np.asarray(times, dtype=float))
+    errors = _errors(motion, trajectory)
     joints = None
     if isinstance(scene, Mechanism):
         none = np.zeros((len(times), 0))
@@ -38,34 +38,34 @@ def computed_contact(scene: AnyScene, times: Array) -> Computed:
     else:
         trajectory = trajectory.body(0)
         bounds = Bounds(**errors, **conserved_errors(scene, trajectory, **errors))
-    made = Truth(
+    truth = Truth(
         scene,
         trajectory,
         bounds,
-        found.model,
-        found.reason,
+        motion.model,
+        motion.reason,
         BACKEND,
-        (found.witness,) if found.witness else (),
+        (motion.witness,) if motion.witness else (),
         joints=joints,
-        events=tuple(_event_in_world(event, known.turn) for event in found.events),
-        friction=found.friction,
-        interfaces=found.interfaces,
+        events=tuple(_event_in_world(event, task.turn) for event in motion.events),
+        friction=motion.friction,
+        interfaces=motion.interfaces,
     )
-    return Computed(made, bounds, ())
+    return Computed(truth, bounds, ())
 
 
-def _in_world(found: ContactMotion, turn: WideArray, times: Array) -> Trajectory:
+def _in_world(motion: ContactMotion, turn: WideArray, times: Array) -> Trajectory:
     """The trajectory of a motion along the axes of the plane, in the world and in doubles."""
     return Trajectory(
         times,
-        rotate(turn, found.position).astype(float),
-        multiply(turn, found.quaternion).astype(float),
-        rotate(turn, found.velocity).astype(float),
-        found.spin.astype(float),
+        rotate(turn, motion.position).astype(float),
+        multiply(turn, motion.quaternion).astype(float),
+        rotate(turn, motion.velocity).astype(float),
+        motion.spin.astype(float),
     )
 
 
-def _errors(found: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
+def _errors(motion: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
     """The bounds of states: those of the way, and what printing adds."""
     sizes = {
         "error": np.ones(len(trajectory)),
@@ -73,7 +73,7 @@ def _errors(found: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
         "velocity_error": _largest(trajectory.velocity),
         "angular_velocity_error": _largest(trajectory.angular_velocity),
     }
-    return {name: found.errors[name] + PRINTED_ROUNDINGS * EPS * sizes[name] for name in STATES}
+    return {name: motion.errors[name] + PRINTED_ROUNDINGS * EPS * sizes[name] for name in STATES}
 
 
 def _largest(vectors: Array) -> Array:
@@ -90,5 +90,5 @@ def _event_in_world(event: Event, turn: WideArray) -> Event:
     )
 
 
-def _vector(turn: WideArray, given: Vector) -> Vector:
-    return vector_of(rotate(turn, np.array(given, dtype=turn.dtype)))
+def _vector(turn: WideArray, components: Vector) -> Vector:
+    return vector_of(rotate(turn, np.array(components, dtype=turn.dtype)))

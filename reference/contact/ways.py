@@ -1,7 +1,12 @@
-"""The ways that compute motions of bodies that touch. The first way that knows a scene computes its motion."""
+"""The ways that compute motions of bodies that touch. The first way that knows a scene computes its motion.
+
+Engines have no infinite coefficient of friction: `finite` gives them one that suffices where nothing slips.
+"""
 
 import functools
+import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,9 +18,10 @@ from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.piles import pushed, rest
 from bodycheck.reference.contact.problem import Problem
 from bodycheck.reference.contact.problem import problem as problem_of
-from bodycheck.reference.contact.round import cylinder, sphere
+from bodycheck.reference.contact.round.alone import cylinder, sphere
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 
 #: A way: the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that it does not know. It raises
@@ -23,8 +29,8 @@ from bodycheck.reference.trajectory import Array
 Way = Callable[[Problem, Array], ContactMotion | None]
 
 WAYS: tuple[Way, ...] = (
-    sphere.motion,
-    cylinder.motion,
+    sphere,
+    cylinder,
     rod.motion,
     rolling_coin,
     block.motion,
@@ -33,12 +39,15 @@ WAYS: tuple[Way, ...] = (
     dropped.motion,
 )
 
+#: By how much the friction that engines are given is larger than the smallest one that holds.
+MARGIN = 2.0
+
 
 def contact_motion(problem: Problem, times: Array) -> ContactMotion:
     """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled`."""
     for way in WAYS:
-        if (found := way(problem, times)) is not None:
-            return found
+        if (motion := way(problem, times)) is not None:
+            return motion
     raise NotModelled("such a motion of bodies that touch (docs/truth.md lists those that it models)")
 
 
@@ -50,3 +59,25 @@ def ends(scene: AnyScene, duration: float) -> ContactMotion:
     A process that runs the scene with many methods computes it once. Raises `NotModelled`.
     """
     return contact_motion(problem_of(scene), np.array([0.0, duration]))
+
+
+def finite(scene: AnyScene, duration: float) -> AnyScene:
+    """A scene in which every infinite coefficient of friction is twice the smallest one that holds along the truth.
+
+    duration: of the run (s). Raises `NotModelled` as `ends` does.
+    """
+    if not touches(scene) or scene.plane is None:
+        return scene
+    contacts = scene.contacts if isinstance(scene, Mechanism) else ()
+    if not any(map(math.isinf, (scene.plane.friction, *(pair.friction for pair in contacts)))):
+        return scene
+    smallest = ends(scene, duration).friction
+    plane = replace(scene.plane, friction=_finite(scene.plane.friction, smallest))
+    if not isinstance(scene, Mechanism):
+        return replace(scene, plane=plane)
+    limited = tuple(replace(pair, friction=_finite(pair.friction, smallest)) for pair in contacts)
+    return replace(scene, plane=plane, contacts=limited)
+
+
+def _finite(friction: float, smallest: float) -> float:
+    return MARGIN * smallest if math.isinf(friction) else friction

@@ -103,14 +103,14 @@ def _rotated(components: list[Real], axes: Quaternion4, pair: tuple[int, int, in
 
     The formulas are those of Golub and Van Loan, Matrix Computations, 8.5.
     """
-    place, p, q, r = pair
-    off = components[place]
+    off_diagonal, p, q, r = pair
+    off = components[off_diagonal]
     tau = (components[q] - components[p]) / (2 * off)
     t = (1 if tau >= 0 else -1) / (abs(tau) + MP.sqrt(1 + tau * tau))
     c = 1 / MP.sqrt(1 + t * t)
     s = t * c
     rotated = list(components)
-    rotated[p], rotated[q], rotated[place] = components[p] - t * off, components[q] + t * off, MP.mpf(0)
+    rotated[p], rotated[q], rotated[off_diagonal] = components[p] - t * off, components[q] + t * off, MP.mpf(0)
     pr, qr = (next(index for index, *axes_of in _PAIRS if set(axes_of[:2]) == {one, r}) for one in (p, q))
     rotated[pr], rotated[qr] = c * components[pr] - s * components[qr], s * components[pr] + c * components[qr]
     # The new axes are p' = c p - s q and q' = s p + c q: a rotation about r = p x q, or about its opposite.

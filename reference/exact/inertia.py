@@ -47,13 +47,13 @@ def _across(sizes: Vector3, factor: Real) -> Vector3:
 
 def solid(part: Solid) -> MassProperties:
     """Mass properties of a homogeneous solid that is displaced and turned in some frame."""
-    own, turn = moments(part.shape, part.mass), attitude(part.attitude)
+    principal, turn = moments(part.shape, part.mass), attitude(part.attitude)
     if turn == IDENTITY:
-        return MassProperties(MP.mpf(part.mass), vector(part.position), (*own, *(MP.mpf(0),) * 3))
+        return MassProperties(MP.mpf(part.mass), vector(part.position), (*principal, *(MP.mpf(0),) * 3))
     rows = matrix(turn)
 
     def component(i: int, j: int) -> Real:
-        return sum(rows[i][k] * own[k] * rows[j][k] for k in range(3))
+        return sum(rows[i][k] * principal[k] * rows[j][k] for k in range(3))
 
     tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
     return MassProperties(MP.mpf(part.mass), vector(part.position), tensor)
@@ -74,17 +74,17 @@ def joined(parts: Sequence[MassProperties]) -> MassProperties:
         x, y, z = part.centre[0] - x0, part.centre[1] - y0, part.centre[2] - z0
         mx, my, mz = part.mass * x, part.mass * y, part.mass * z
         moved = (my * y + mz * z, mx * x + mz * z, mx * x + my * y, -mx * y, -mx * z, -my * z)
-        total = [have + own + more for have, own, more in zip(total, part.tensor, moved, strict=True)]
+        total = [have + term + more for have, term, more in zip(total, part.tensor, moved, strict=True)]
     xx, yy, zz, xy, xz, yz = total
     return MassProperties(mass, (x0, y0, z0), (xx, yy, zz, xy, xz, yz))
 
 
-def mass_properties(given: Given) -> MassProperties:
+def mass_properties(definition: Given) -> MassProperties:
     """Mass properties of what a file says that a body is made of, in the frame of the body.
 
     Of a tensor whose upper and lower half differ in their last digits, the mean is taken.
     """
-    match given:
+    match definition:
         case Solid() as alone:
             return solid(alone)
         case Tensor(mass, (a, b, c)):

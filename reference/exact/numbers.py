@@ -1,10 +1,12 @@
-"""Arithmetic of a hundred decimal digits, and rounding to the types of NumPy."""
+"""Arithmetic of a hundred decimal digits, and rounding to the types of NumPy and heyoka."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mpmath
 import numpy as np
+from numpy.typing import NDArray
 
 #: Decimal digits of the arithmetic. The product of four doubles is exact in it.
 DIGITS = 100
@@ -32,6 +34,9 @@ DOUBLE_BITS = 53
 #: The widest floating-point type of NumPy: 80 bits on x86. Elsewhere it can be double precision, with that accuracy.
 Wide = np.longdouble
 
+#: An array of any floating-point type; the types of heyoka are not NumPy's own.
+WideArray = NDArray[Any]
+
 
 def real(value: Any) -> Real:
     """A number of any type as one of this arithmetic, without rounding."""
@@ -57,3 +62,26 @@ def wide(value: Real) -> Wide:
 def doubles(values: Sequence[Real]) -> tuple[float, ...]:
     """The doubles that are nearest to some numbers of this arithmetic."""
     return tuple(float(value) for value in values)
+
+
+@dataclass(frozen=True)
+class FloatType:
+    """A floating-point type: NumPy's double precision or `longdouble`, or heyoka's `real128`, or its `real` with some bits."""
+
+    dtype: Any = np.longdouble
+    bits: int | None = None
+
+    def number(self, value: Real) -> Any:
+        """The number of this type that is nearest to an exact one or to a double."""
+        value = real(value)
+        if self.bits is not None:
+            return self.dtype(MP.nstr(value, DIGITS), self.bits)
+        if self.dtype is np.float64:
+            return np.float64(float(value))
+        if self.dtype is np.longdouble:
+            return wide(value)
+        return self.dtype(MP.nstr(value, DIGITS))
+
+    def array(self, values: Iterable[Real]) -> WideArray:
+        """Exact numbers or doubles as an array of this type."""
+        return np.array([self.number(value) for value in values])

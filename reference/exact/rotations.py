@@ -1,10 +1,38 @@
-"""Rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
+"""Vectors and rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
 
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
 from bodycheck.reference.scene import Attitude, EulerAngles, EulerRates
 
+#: The origin of a frame, and a vector of zeros.
+ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
 #: The quaternion of no rotation.
 IDENTITY: Quaternion4 = (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
+
+def plus(a: Vector3, b: Vector3) -> Vector3:
+    """The sum of two vectors."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def minus(a: Vector3, b: Vector3) -> Vector3:
+    """The difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def scaled(factor: Real, a: Vector3) -> Vector3:
+    """A vector times a number."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def dot(a: Vector3, b: Vector3) -> Real:
+    """The scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector3, b: Vector3) -> Vector3:
+    """The vector product of two vectors."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def multiply(p: Quaternion4, q: Quaternion4) -> Quaternion4:
@@ -60,12 +88,12 @@ def turned(rows: tuple[Vector3, Vector3, Vector3], v: Vector3) -> Vector3:
     )
 
 
-def attitude(given: Attitude) -> Quaternion4:
+def attitude(orientation: Attitude) -> Quaternion4:
     """The unit quaternion (w, x, y, z) of an attitude [G 2.14]."""
-    if not isinstance(given, EulerAngles):
-        w, x, y, z = given
+    if not isinstance(orientation, EulerAngles):
+        w, x, y, z = orientation
         return unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
-    phi, theta, psi = MP.mpf(given.phi), MP.mpf(given.theta), MP.mpf(given.psi)
+    phi, theta, psi = MP.mpf(orientation.phi), MP.mpf(orientation.theta), MP.mpf(orientation.psi)
     if not (phi or theta or psi):
         return IDENTITY
     c, s = MP.cos_sin(theta / 2)
@@ -74,9 +102,9 @@ def attitude(given: Attitude) -> Quaternion4:
     return c * cos_sum, s * cos_difference, s * sin_difference, c * sin_sum
 
 
-def body_rates(given: Attitude, rates: EulerRates) -> Vector3:
+def body_rates(orientation: Attitude, rates: EulerRates) -> Vector3:
     """The angular velocity in the frame of the body (rad/s) from the rates of the Euler angles of its attitude [G 2.21a]."""
-    theta, psi = _angles(given)
+    theta, psi = _angles(orientation)
     (cos_theta, sin_theta), (cos_psi, sin_psi) = MP.cos_sin(theta), MP.cos_sin(psi)
     dphi, dtheta, dpsi = MP.mpf(rates.dphi), MP.mpf(rates.dtheta), MP.mpf(rates.dpsi)
     return (
@@ -86,11 +114,11 @@ def body_rates(given: Attitude, rates: EulerRates) -> Vector3:
     )
 
 
-def _angles(given: Attitude) -> tuple[Real, Real]:
+def _angles(orientation: Attitude) -> tuple[Real, Real]:
     """theta and psi (rad) of an attitude; where only their sum or difference with phi is determined, phi is 0 [G p. 45]."""
-    if isinstance(given, EulerAngles):
-        return MP.mpf(given.theta), MP.mpf(given.psi)
-    w, x, y, z = (MP.mpf(part) for part in given)
+    if isinstance(orientation, EulerAngles):
+        return MP.mpf(orientation.theta), MP.mpf(orientation.psi)
+    w, x, y, z = (MP.mpf(part) for part in orientation)
     theta = 2 * MP.atan2(MP.hypot(x, y), MP.hypot(w, z))
     if not (x or y):
         return theta, 2 * MP.atan2(z, w)

@@ -50,18 +50,18 @@ def start(scene: Scene) -> Start:
     """
     body, initial, definition, holds = scene.body, scene.initial, scene.definition, valid(scene)
     if definition is not None and holds.inertia:
-        found = defined_inertia(definition.inertia)
+        inertia = defined_inertia(definition.inertia)
     else:
         w, x, y, z = body.axes
-        found = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
+        inertia = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
     turn, rates = attitude(initial.quaternion), vector(initial.angular_velocity)
     if definition is not None:
         exact_turn, exact_rates = defined_rotation(definition.attitude, definition.rotation)
         turn = exact_turn if holds.attitude else turn
         rates = exact_rates if holds.rotation else rates
-    if found.axes == IDENTITY:
-        return Start(found.moments, IDENTITY, turn, rates)
-    return Start(found.moments, found.axes, multiply(turn, found.axes), _along(found.axes, rates))
+    if inertia.axes == IDENTITY:
+        return Start(inertia.moments, IDENTITY, turn, rates)
+    return Start(inertia.moments, inertia.axes, multiply(turn, inertia.axes), _along(inertia.axes, rates))
 
 
 def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
@@ -81,17 +81,17 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
 
 
 @functools.lru_cache(maxsize=64)
-def defined_inertia(given: Given) -> Inertia:
+def defined_inertia(definition: Given) -> Inertia:
     """The inertia of a body from what a file says that it is made of."""
-    made = mass_properties(given)
-    moments, axes = principal_axes(made.tensor)
-    return Inertia(made.mass, moments, axes)
+    properties = mass_properties(definition)
+    moments, axes = principal_axes(properties.tensor)
+    return Inertia(properties.mass, moments, axes)
 
 
-def defined_rotation(given: Attitude, rotation: Vector | EulerRates) -> tuple[Quaternion4, Vector3]:
+def defined_rotation(orientation: Attitude, rotation: Vector | EulerRates) -> tuple[Quaternion4, Vector3]:
     """The unit quaternion of an attitude and the angular velocity in the body frame (rad/s) that a file gives."""
-    rates = body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)
-    return attitude(given), rates
+    rates = body_rates(orientation, rotation) if isinstance(rotation, EulerRates) else vector(rotation)
+    return attitude(orientation), rates
 
 
 def _along(axes: Quaternion4, rates: Vector3) -> Vector3:
@@ -103,6 +103,6 @@ def _along(axes: Quaternion4, rates: Vector3) -> Vector3:
     limit = NEGLIGIBLE * max(abs(rate) for rate in rates)
     exact = [sum(bool(part) for part in row) == 1 for row in rows]
     x, y, z = (
-        rate if known or abs(rate) > limit else MP.mpf(0) for rate, known in zip(turned(rows, rates), exact, strict=True)
+        rate if is_exact or abs(rate) > limit else MP.mpf(0) for rate, is_exact in zip(turned(rows, rates), exact, strict=True)
     )
     return x, y, z

@@ -1,7 +1,7 @@
 """The constants of a rotation without torque, from numbers with many digits, rounded once.
 
 The symbols are those of `torque_free`. For one scene they are computed with a hundred digits. For many they are computed with
-pairs of numbers (see `exact.pairs`), and it is told for which members pairs have too few digits.
+pairs of numbers (see `exact.pairs`), with a list of the members for which pairs have too few digits.
 """
 
 from collections.abc import Sequence
@@ -102,9 +102,9 @@ def constants(moments: Sequence[Any], rates: Sequence[Any]) -> Constants:
         e2 = real(0)
     middle = i[1] * w[1] ** 2
     e1, e3 = middle * low + i[2] * span * w[2] ** 2, i[0] * span * w[0] ** 2 + middle * high
-    known = [wide(value) for value in (*i, low, high, span, e1, e2, e3, *w)]
+    values = [wide(value) for value in (*i, low, high, span, e1, e2, e3, *w)]
     handedness = 1 if (order[1] - order[0]) % 3 == 1 else -1
-    return Constants(np.array(order), handedness, unit, *known)
+    return Constants(np.array(order), handedness, unit, *values)
 
 
 def _scaled(values: list[Real]) -> tuple[list[Real], Wide]:
@@ -141,8 +141,8 @@ def constants_of_many(moments: Pair, rates: Array) -> tuple[Constants, NDArray[n
     for values, ratio in zip((i, w), SMALLEST_RATIOS, strict=True):
         accurate &= ((values.high == 0) | (abs(values.high) >= ratio)).all(axis=1)
     handedness = np.where((order[:, 1] - order[:, 0]) % 3 == 1, 1, -1)
-    known = (value.high for value in (i1, i2, i3, low, high, span, e1, e2, e3, w1, w2, w3))
-    return Constants(order, handedness, unit, *known), np.asarray(accurate)
+    parts = (value.high for value in (i1, i2, i3, low, high, span, e1, e2, e3, w1, w2, w3))
+    return Constants(order, handedness, unit, *parts), np.asarray(accurate)
 
 
 def _ascending(moments: Pair) -> NDArray[np.int_]:

@@ -122,16 +122,16 @@ def _each_until(
             state = advance(*state)
             done = converged(*state)
         return state
-    parts = found = tuple(np.empty(done.shape, dtype=Wide) for _ in state)
-    for whole, part in zip(found, state, strict=True):
+    parts = last = tuple(np.empty(done.shape, dtype=Wide) for _ in state)
+    for whole, part in zip(last, state, strict=True):
         whole[...] = part
     left = np.arange(done.size)
     while True:
         left, parts = left[~done], tuple(part[~done] for part in parts)
         if not len(left):
-            return found
+            return last
         parts = advance(*parts)
-        for whole, part in zip(found, parts, strict=True):
+        for whole, part in zip(last, parts, strict=True):
             whole[left] = part
         done = converged(*parts)
 
@@ -222,11 +222,11 @@ def theta_series(k: Wides, kc: Wides, quarter: Wides, eta: Wides, hyperbolic: bo
 
 def _over_sine(h: Array) -> Array:
     """Coefficients (..., 4) of sum over n of h_n sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v)."""
-    found = np.array(h)
+    quotient = np.array(h)
     for n in (2, 1, 0):
-        found[..., n] += found[..., n + 1]
-    found[..., 1:] *= 2
-    return found
+        quotient[..., n] += quotient[..., n + 1]
+    quotient[..., 1:] *= 2
+    return quotient
 
 
 def _over_cosine(h: Array) -> Array:

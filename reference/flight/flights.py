@@ -92,11 +92,11 @@ def _translate(scenes: Scenes, rows: slice, turning: Turning, motion: Trajectory
     translation = parabolas(scenes.position, scenes.velocity, scenes.gravity, motion.t)
     motion.position[rows], motion.velocity[rows] = translation
     numbers = Numbers(scenes.mass, scenes.gravity, scenes.moments, scenes.angular_velocity, scenes.position, scenes.velocity)
-    own = Trajectory(motion.t, translation[0], motion.quaternion[rows], translation[1], motion.angular_velocity[rows])
+    flights = Trajectory(motion.t, translation[0], motion.quaternion[rows], translation[1], motion.angular_velocity[rows])
     turned = Turning(*(value[rows] for value in vars(turning).values()))
-    found = bounds(numbers, turned, own, turned=False)
+    errors = bounds(numbers, turned, flights, turned=False)
     for name in NAMES:
-        getattr(limits, name)[rows] = getattr(found, name)
+        getattr(limits, name)[rows] = getattr(errors, name)
 
 
 def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Turning]]:
@@ -121,22 +121,22 @@ def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Tur
     asymmetric = np.flatnonzero(certain & ~about_one & (count == 0))
     if len(asymmetric):
         alone.append((yield from _elliptic(scenes, asymmetric, times)))
-    for place in np.concatenate(alone).tolist():
-        begin = _start(scenes, place)
+    for index in np.concatenate(alone).tolist():
+        begin = _start(scenes, index)
         form = smallest_form(begin.moments, begin.rates)
         turning = form.rotation(begin, times)
-        yield form, np.array([place]), Turning(*(np.asarray(value)[None] for value in vars(turning).values()))
+        yield form, np.array([index]), Turning(*(np.asarray(value)[None] for value in vars(turning).values()))
 
 
 def _elliptic(scenes: Scenes, places: Places, times: Array) -> Generator[tuple[Form, Places, Turning], None, Places]:
     """The rotations of bodies whose moments all differ, in parts. Returns the indices of those left over."""
-    known, accurate = constants_of_many(scenes.exact_moments[places], scenes.angular_velocity[places])
-    p, f, hyperbolic = branches(known)
+    invariants, accurate = constants_of_many(scenes.exact_moments[places], scenes.angular_velocity[places])
+    p, f, hyperbolic = branches(invariants)
     t = np.concatenate(([0.0], times))
     for chosen in itertools.starmap(Branch, itertools.product((0, 2), (0, 2), (False, True))):
         same = accurate & (p == chosen.p) & (f == chosen.f) & (hyperbolic == chosen.hyperbolic)
         for part in _cut(np.flatnonzero(same), times):
-            motion = polhodes(known.part(part), chosen)
+            motion = polhodes(invariants.part(part), chosen)
             yield ASYMMETRIC, places[part], placed(tumbling(motion, t), scenes.quaternion[places[part]])
     return places[~accurate]
 
@@ -182,9 +182,9 @@ def _equal_moments(scenes: Scenes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]
     return equal, np.asarray((equal == by_shape).all(axis=1))
 
 
-def _start(scenes: Scenes, place: int) -> Start:
+def _start(scenes: Scenes, index: int) -> Start:
     """The start of a member, in exact arithmetic but for its attitude, of which the doubles are all that matters here."""
-    scene = scenes.scene(place)
+    scene = scenes.scene(index)
     shape = scene.body.shape
     w, x, y, z = scene.initial.quaternion
     attitude = (*vector((w, x, y)), vector((x, y, z))[2])

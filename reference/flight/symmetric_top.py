@@ -50,7 +50,7 @@ def rotation(start: Start, times: Array) -> Turning:
     """The rotation of a body of which exactly two moments are equal from its start, at times (n,) in any order, s."""
     moments, rates = start.moments, start.rates
     axis = figure_axis(moments)
-    equal, own = moments[axis - 1], moments[axis]
+    equal, axial = moments[axis - 1], moments[axis]
     momentum = [moment * rate for moment, rate in zip(moments, rates, strict=True)]
     size = MP.sqrt(sum(part * part for part in momentum))
     steady = Steady(
@@ -58,7 +58,7 @@ def rotation(start: Start, times: Array) -> Turning:
         rates=np.array(doubles(rates)),
         direction=np.array([float(part / size) for part in momentum]),
         precession=wide(size / equal),
-        spin=wide((equal - own) / equal * rates[axis]),
+        spin=wide((equal - axial) / equal * rates[axis]),
     )
     return precessing(steady, np.array(doubles(start.attitude)), times)
 
@@ -76,8 +76,8 @@ def steady_precessions(axis: int, moments: Pair, rates: Array) -> Steady:
     """
     parts = [moments[:, each] * pairs.of_wide(rates[:, each]) for each in range(3)]
     size = pairs.root(parts[0] * parts[0] + parts[1] * parts[1] + parts[2] * parts[2])
-    equal, own = moments[:, axis - 1], moments[:, axis]
-    spin = (equal - own) / equal * pairs.of_wide(rates[:, axis])
+    equal, axial = moments[:, axis - 1], moments[:, axis]
+    spin = (equal - axial) / equal * pairs.of_wide(rates[:, axis])
     direction = np.stack([(part.high / size.high).astype(float) for part in parts], axis=-1)
     return Steady(axis, rates, direction, (size / equal).high, spin.high)
 

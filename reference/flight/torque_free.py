@@ -144,13 +144,15 @@ def polhode(moments: Sequence[Any], rates: Sequence[Any]) -> Polhode | None:
     The numbers are of any type and are meant exactly: E1, E2, E3 and the differences of moments are computed with a hundred
     digits and rounded once. None for a steady spin.
     """
-    known = constants(moments, rates)
-    chosen = branch(known)
-    apart, e_r, e_p = (known.high, known.e1, known.e3) if chosen.p == 2 else (known.low, known.e3, known.e1)
+    invariants = constants(moments, rates)
+    chosen = branch(invariants)
+    apart, e_r, e_p = (
+        (invariants.high, invariants.e1, invariants.e3) if chosen.p == 2 else (invariants.low, invariants.e3, invariants.e1)
+    )
     if not apart * e_r * e_p > 0:
         return None
-    _, cn, dn = _functions_at_start(known, chosen)
-    return polhodes(known, chosen) if cn * cn + dn * dn > 0 else None
+    _, cn, dn = _functions_at_start(invariants, chosen)
+    return polhodes(invariants, chosen) if cn * cn + dn * dn > 0 else None
 
 
 @functools.lru_cache(maxsize=64)

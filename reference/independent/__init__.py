@@ -7,9 +7,8 @@ angular velocity by the derivative of the product of three matrices.
 
 - `inertia`: mass and inertia tensor by exact rational arithmetic.
 - `border`: what a motion starts from, with a hundred digits.
-- `closed_form`: the rotation by elliptic functions and quadrature, which follows any motion; open this first. It is made of
-  `arithmetic`, `principal_axes`, `jacobi`, `phase` and `swing`.
+- `closed_form`: the parabola of the centre of mass, and the rotation by elliptic functions and quadrature, which follows any
+  motion; open this first. It is made of `arithmetic`, `principal_axes`, `jacobi` and `swing`.
 - `directions`: quaternions of matrices of direction cosines.
 - `integration`: the rotation, by Taylor's method in 80 bits or any number of bits (heyoka).
-- `translation`: the motion of the centre of mass.
 """

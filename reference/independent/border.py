@@ -69,29 +69,29 @@ def border(scene: Scene) -> Border:
 def _border(scene: Scene, holds: Valid) -> Border:
     definition, initial = scene.definition, scene.initial
     mass, tensor, mobility = _of_file(definition) if definition and holds.inertia else _of_doubles(scene.body)
-    given = definition.attitude if definition and holds.attitude else initial.quaternion
+    orientation = definition.attitude if definition and holds.attitude else initial.quaternion
     rotation = definition.rotation if definition and holds.rotation else initial.angular_velocity
     if isinstance(rotation, EulerRates):
         assert definition is not None
         rates = euler_velocity(definition.attitude, rotation)
     else:
         rates = [MP.mpf(rate) for rate in rotation]
-    return Border(mass, tensor, mobility, attitude(given), rates, times(tensor, rates))
+    return Border(mass, tensor, mobility, attitude(orientation), rates, times(tensor, rates))
 
 
-def attitude(given: Attitude) -> Matrix:
+def attitude(orientation: Attitude) -> Matrix:
     """The matrix of direction cosines of an attitude, body to world components."""
-    if isinstance(given, EulerAngles):
-        return _product(_product(about_z(given.phi), about_x(given.theta)), about_z(given.psi))
-    return [[_number(entry) for entry in row] for row in _of_quaternion(given)]
+    if isinstance(orientation, EulerAngles):
+        return _product(_product(about_z(orientation.phi), about_x(orientation.theta)), about_z(orientation.psi))
+    return [[_number(entry) for entry in row] for row in _of_quaternion(orientation)]
 
 
-def euler_velocity(given: Attitude, rates: EulerRates) -> Triple:
+def euler_velocity(orientation: Attitude, rates: EulerRates) -> Triple:
     """The angular velocity in the frame of the body (rad/s) from the rates of the Euler angles of its attitude.
 
     With R = Rz(phi) Rx(theta) Rz(psi), its components are those of the skew matrix R^T dR/dt.
     """
-    phi, theta, psi = _angles(given)
+    phi, theta, psi = _angles(orientation)
     first, second, third = about_z(phi), about_x(theta), about_z(psi)
     rotation = _product(_product(first, second), third)
     terms = (
@@ -104,11 +104,11 @@ def euler_velocity(given: Attitude, rates: EulerRates) -> Triple:
     return [skew[2][1], skew[0][2], skew[1][0]]
 
 
-def _angles(given: Attitude) -> Triple:
+def _angles(orientation: Attitude) -> Triple:
     """phi, theta and psi (rad) of an attitude. Where K is vertical, phi is 0 [G p. 45]."""
-    if isinstance(given, EulerAngles):
-        return [MP.mpf(angle) for angle in (given.phi, given.theta, given.psi)]
-    r = attitude(given)
+    if isinstance(orientation, EulerAngles):
+        return [MP.mpf(angle) for angle in (orientation.phi, orientation.theta, orientation.psi)]
+    r = attitude(orientation)
     if not (r[0][2] or r[1][2]):
         return [MP.mpf(0), MP.acos(r[2][2]), MP.atan2(-r[0][1], r[0][0])]
     return [MP.atan2(r[0][2], -r[1][2]), MP.atan2(MP.hypot(r[0][2], r[1][2]), r[2][2]), MP.atan2(r[2][0], r[2][1])]
@@ -150,11 +150,11 @@ def _of_doubles(body: Body) -> tuple[Number, Matrix, Matrix]:
     return MP.mpf(body.mass), _numbers(tensor), _numbers(inverse(tensor))
 
 
-def _rational_cosines(given: Attitude) -> Rows:
+def _rational_cosines(orientation: Attitude) -> Rows:
     """The matrix of an attitude in rational numbers; that of Euler angles is rounded to the digits of `MP`."""
-    if not isinstance(given, EulerAngles):
-        return _of_quaternion(given)
-    return [[Fraction(*mpmath.libmp.to_rational(entry._mpf_)) for entry in row] for row in attitude(given)]
+    if not isinstance(orientation, EulerAngles):
+        return _of_quaternion(orientation)
+    return [[Fraction(*mpmath.libmp.to_rational(entry._mpf_)) for entry in row] for row in attitude(orientation)]
 
 
 def _of_quaternion(q: tuple[float, float, float, float]) -> Rows:

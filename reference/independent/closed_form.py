@@ -1,7 +1,8 @@
-"""A second closed form of the rotation without torque, which shares no formula and no code with the truth.
+"""A second closed form of the flight without drag, which shares no formula and no code with the truth.
 
-It takes the place of an integration where none can follow the motion: after many turns, near the separatrix, and in bodies that
-are nearly symmetric. Its cost does not depend on the motion.
+The parabola of the centre of mass is a witness of every flight. The rotation takes the place of an integration where none can
+follow the motion: after many turns, near the separatrix, and in bodies that are nearly symmetric. Its cost does not depend on
+the motion.
 
 With the principal moments I1 <= I2 <= I3 along a right-handed set of axes, and the angular momentum L in the frame of the body,
 
@@ -36,13 +37,13 @@ from bodycheck.reference.independent.arithmetic import (
     product,
     scaled,
     transposed,
+    turns,
     wide,
     wide_matrix,
 )
 from bodycheck.reference.independent.border import MP, border
 from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.independent.jacobi import Modulus, argument, functions, modulus
-from bodycheck.reference.independent.phase import turns
 from bodycheck.reference.independent.principal_axes import principal_axes
 from bodycheck.reference.independent.swing import integrated, swing
 from bodycheck.reference.scene import Scene
@@ -54,6 +55,9 @@ NAME = "second closed form, numpy"
 
 #: Error (rad) of the matrices that are multiplied and of their conversion; the largest observed is 5 roundings.
 ROUNDINGS = 64 * WIDE_EPS
+
+#: Roundings of a sum of three terms, each of a few factors.
+PARABOLA_ROUNDINGS = 8.0
 
 #: Error of u for each unit of the quarter period, and of the angle of the swings for each radian of it; the largest observed is
 #: 3.5 roundings.
@@ -186,7 +190,7 @@ def _polhode(moments: Vector, rates: Vector) -> Polhode:
     size[p], size[r] = MP.sqrt(moments[p] * er / span), MP.sqrt(moments[r] * ep / span)
     signs = [1 if component >= 0 else -1 for component in momentum]
     signs[1] = signs[0] * signs[2]  # dL2/dt = (1/I1 - 1/I3) L3 L1
-    found = modulus(MP.sqrt(span * abs(e2) / (apart * er)))
+    elliptic_modulus = modulus(MP.sqrt(span * abs(e2) / (apart * er)))
     x, y, z = (sign * each for sign, each in zip(signs, size, strict=True))
     return Polhode(
         moments=moments,
@@ -194,8 +198,8 @@ def _polhode(moments: Vector, rates: Vector) -> Polhode:
         p=p,
         size=(x, y, z),
         rate=MP.sqrt(apart * er / (i1 * i2 * i3)),
-        modulus=found,
-        start=argument(found, momentum[1] / y, momentum[r] / (x, y, z)[r]),
+        modulus=elliptic_modulus,
+        start=argument(elliptic_modulus, momentum[1] / y, momentum[r] / (x, y, z)[r]),
         k2=other * ep / (apart * er),
     )
 
@@ -271,9 +275,27 @@ def _first_nodes(direction: Vector, f: int) -> Matrix:
 
 def _about_momentum(angle: WideArray) -> WideArray:
     """Matrices (n, 3, 3) of turns by angles (n,), rad, about the third axis."""
-    found = np.zeros((len(angle), 3, 3), dtype=Wide)
-    found[:, 0, 0] = found[:, 1, 1] = np.cos(angle)
-    found[:, 1, 0] = np.sin(angle)
-    found[:, 0, 1] = -found[:, 1, 0]
-    found[:, 2, 2] = 1
-    return found
+    matrices = np.zeros((len(angle), 3, 3), dtype=Wide)
+    matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(angle)
+    matrices[:, 1, 0] = np.sin(angle)
+    matrices[:, 0, 1] = -matrices[:, 1, 0]
+    matrices[:, 2, 2] = 1
+    return matrices
+
+
+def parabola(scene: Scene, times: Array) -> tuple[WideArray, WideArray, Array, Array]:
+    """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at times (n,), s, in NumPy's widest type, without drag.
+
+    The way is the time multiplied by the mean of the first and the last velocity. The two last results are bounds (n,) of the
+    errors of both.
+    """
+    wide = np.longdouble
+    t = times.astype(wide)[:, None]
+    first = np.array(scene.initial.velocity, dtype=wide)
+    last = np.tile(first, (len(times), 1))
+    last[:, 2] -= t[:, 0] * wide(scene.gravity)
+    position = np.array(scene.initial.position, dtype=wide) + t * ((first + last) / 2)
+    rounding = PARABOLA_ROUNDINGS * float(np.finfo(wide).eps)
+    speed = np.linalg.norm(scene.initial.velocity) + scene.gravity * times
+    reach = np.linalg.norm(scene.initial.position) + speed * times
+    return position, last, np.asarray(rounding * reach), np.asarray(rounding * speed)

@@ -82,10 +82,10 @@ def _mean_power(power: int, weight: int) -> Fraction:
 def _turned(part: Solid, cosines: Cosines) -> Rows:
     """The second moments (kg m^2) of a solid about its own centre, along the axes of the body."""
     mass = Fraction(part.mass)
-    own = [mass * square for square in mean_squares(part.shape)]
+    principal = [mass * square for square in mean_squares(part.shape)]
     if part.attitude == (1.0, 0.0, 0.0, 0.0):
-        return [[own[i] if i == j else Fraction(0) for j in range(3)] for i in range(3)]
-    return _congruent(own, cosines(part.attitude))
+        return [[principal[i] if i == j else Fraction(0) for j in range(3)] for i in range(3)]
+    return _congruent(principal, cosines(part.attitude))
 
 
 def _congruent(diagonal: Sequence[Fraction], axes: Rows) -> Rows:
@@ -93,11 +93,11 @@ def _congruent(diagonal: Sequence[Fraction], axes: Rows) -> Rows:
     d, d_scale = over_common_denominator(diagonal)
     flat, scale = over_common_denominator([entry for row in axes for entry in row])
     r = flat[:3], flat[3:6], flat[6:]
-    found: Rows = [[Fraction(0)] * 3 for _ in range(3)]
+    product: Rows = [[Fraction(0)] * 3 for _ in range(3)]
     for i in range(3):
         for j in range(i, 3):
-            found[i][j] = found[j][i] = Fraction(sum(r[i][k] * d[k] * r[j][k] for k in range(3)), d_scale * scale * scale)
-    return found
+            product[i][j] = product[j][i] = Fraction(sum(r[i][k] * d[k] * r[j][k] for k in range(3)), d_scale * scale * scale)
+    return product
 
 
 def over_common_denominator(values: Iterable[Fraction | float]) -> tuple[list[int], int]:
@@ -114,13 +114,13 @@ def _joined(parts: Sequence[Particle] | Sequence[Solid], cosines: Cosines) -> tu
     places = [flat[n : n + 3] for n in range(0, len(flat), 3)]
     turned = [_turned(part, cosines) for part in parts if isinstance(part, Solid)]
     mass = sum(masses)
-    first = [sum(m * place[i] for m, place in zip(masses, places, strict=True)) for i in range(3)]
+    first = [sum(m * position[i] for m, position in zip(masses, places, strict=True)) for i in range(3)]
     total: Rows = [[Fraction(0)] * 3 for _ in range(3)]
     for i in range(3):
         for j in range(i, 3):
-            second = sum(m * place[i] * place[j] for m, place in zip(masses, places, strict=True))
+            second = sum(m * position[i] * position[j] for m, position in zip(masses, places, strict=True))
             about_centre = Fraction(second * mass - first[i] * first[j], mass * mass_scale * scale * scale)
-            total[i][j] = total[j][i] = about_centre + sum((_short(own[i][j]) for own in turned), Fraction(0))
+            total[i][j] = total[j][i] = about_centre + sum((_short(tensor[i][j]) for tensor in turned), Fraction(0))
     return Fraction(mass, mass_scale), from_second_moments(total)
 
 

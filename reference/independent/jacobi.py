@@ -57,17 +57,17 @@ def modulus(kc: Real) -> Modulus:
     return Modulus(tuple(means), a, tuple((wide(a), wide(b)) for a, b in means), wide(a))
 
 
-def argument(of: Modulus, sn: Real, cn: Real) -> Real:
+def argument(modulus: Modulus, sn: Real, cn: Real) -> Real:
     """The argument u in [-K, K] from numbers proportional to sn u and cn u >= 0, by Landen's descending transformation.
 
     The amplitude phi is transformed by tan(phi_(n+1) - phi_n) = (b_n / a_n) tan(phi_n), and u = phi_N / (2^N mean) [DLMF
     19.8.12, 22.20.4]. It is kept as the direction of a complex number, and its whole turns are counted in double precision.
     """
-    if not of.mean:
+    if not modulus.mean:
         return MP.asinh(sn / cn)
     x, y = cn, abs(sn)
     angle = _angle(x, y)
-    for a, b in of.means:
+    for a, b in modulus.means:
         landed = b / a * y
         angle = 2 * angle + _angle(x, landed) - _angle(x, y)
         x, y = x * x - y * landed, x * (y + landed)
@@ -75,8 +75,8 @@ def argument(of: Modulus, sn: Real, cn: Real) -> Real:
         x, y = x / size, y / size
     last = MP.atan2(y, x)
     last += 2 * MP.pi * round((angle - float(last)) / (2 * math.pi))
-    found = last / (2 ** len(of.means) * of.mean)
-    return found if sn >= 0 else -found
+    u = last / (2 ** len(modulus.means) * modulus.mean)
+    return u if sn >= 0 else -u
 
 
 def _angle(x: Real, y: Real) -> float:
@@ -85,18 +85,18 @@ def _angle(x: Real, y: Real) -> float:
     return math.atan2(float(y / largest), float(x / largest))
 
 
-def functions(of: Modulus, u: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+def functions(modulus: Modulus, u: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """sn u, cn u and dn u for arguments u (n,) in [-K, K], by Gauss's transformation (Bulirsch, Numer. Math. 7, 78, 1965)."""
     size: WideArray = np.maximum(np.abs(u), _SMALLEST_ARGUMENT)
-    if not of.mean:
+    if not modulus.mean:
         decay = np.exp(-size)
         hyperbolic: WideArray = 2 * decay / (1 + decay * decay)
         return np.copysign(np.tanh(size), u), hyperbolic, hyperbolic
-    angle = size * of.wide_mean
+    angle = size * modulus.wide_mean
     # c is a_n cs u at the level n of the means; the last level has the trigonometric functions, and n = 0 the modulus itself.
     dn: WideArray = np.ones_like(angle)
-    c: WideArray = of.wide_mean * np.cos(angle) / np.sin(angle)
-    for a, b in reversed(of.wide_means):
+    c: WideArray = modulus.wide_mean * np.cos(angle) / np.sin(angle)
+    for a, b in reversed(modulus.wide_means):
         ratio = c * c / ((a + b) / 2)
         c, dn = c * dn, (b + ratio) / (a + ratio)
     sn: WideArray = Wide(1) / np.hypot(c, Wide(1))

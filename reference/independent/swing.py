@@ -42,14 +42,14 @@ class Swing:
     total: np.longdouble
 
 
-def swing(of: Modulus, nu: np.longdouble) -> Swing:
+def swing(modulus: Modulus, nu: np.longdouble) -> Swing:
     """The integral J for a modulus and 0 <= nu <= 1."""
-    reach = wide(min(of.quarter, MP.mpf(LARGEST_ARGUMENT)))
+    reach = wide(min(modulus.quarter, MP.mpf(LARGEST_ARGUMENT)))
     count = math.ceil(reach / LARGEST_WIDTH)
     width = reach / count
     nodes, integrals = _chebyshev()
     u = width * (np.arange(count, dtype=Wide)[:, None] + (1 + nodes) / 2)
-    sn, cn, _ = functions(of, u.ravel())
+    sn, cn, _ = functions(modulus, u.ravel())
     values = (cn * cn / (1 + nu * sn * sn)).reshape(count, NODES)
     series = width / 2 * (integrals @ values.T)
     ends = np.concatenate(([Wide(0)], np.cumsum(series.sum(axis=0))))
@@ -59,9 +59,9 @@ def swing(of: Modulus, nu: np.longdouble) -> Swing:
 
 def integrated(course: Swing, u: WideArray) -> WideArray:
     """Return J(u) for arguments u (n,) in [-K, K]."""
-    place = np.minimum(np.abs(u) / course.width, Wide(course.series.shape[1]))
-    panel = np.minimum(place.astype(int), course.series.shape[1] - 1)
-    twice = 4 * (place - panel) - 2
+    scaled = np.minimum(np.abs(u) / course.width, Wide(course.series.shape[1]))
+    panel = np.minimum(scaled.astype(int), course.series.shape[1] - 1)
+    twice = 4 * (scaled - panel) - 2
     series = np.take(course.series, panel, axis=1)
     # Clenshaw's recurrence.
     later, now = np.zeros_like(twice), series[-1]

@@ -144,13 +144,13 @@ class Step:
         """The states (n, k) at instants (n,) of the step."""
         used = rule(len(self.slopes))
         inside = 2 * (times - self.start) / self.size - 1
-        found: WideArray = self.state + self.size * (_integrals(inside, len(self.slopes)) @ (used.series @ self.slopes))
-        return found
+        states: WideArray = self.state + self.size * (_integrals(inside, len(self.slopes)) @ (used.series @ self.slopes))
+        return states
 
     def last(self) -> WideArray:
         """The state (k,) at its end."""
-        found: WideArray = self.state + self.size * (rule(len(self.slopes)).across @ self.slopes)
-        return found
+        state: WideArray = self.state + self.size * (rule(len(self.slopes)).across @ self.slopes)
+        return state
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,23 +174,23 @@ def integrate(
     memory: int = _MEMORY,
 ) -> Integrated:
     """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. Other parameters are those of `steps`."""
-    found, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
+    states, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
     row = int(np.searchsorted(times, 0.0, side="right"))
-    found[:row], errors[:row] = start, 0.0
+    states[:row], errors[:row] = start, 0.0
     if row == len(times):
-        return Integrated(found, errors)
-    made = 0.0
+        return Integrated(states, errors)
+    error_so_far = 0.0
     solved = steps(
         derivatives, start, stages=stages, first=first, most=most, tolerance=tolerance, corrected=corrected, memory=memory
     )
     for step in solved:
-        made += max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
+        error_so_far += max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
         inside = int(np.searchsorted(times, step.end, side="right"))
-        found[row:inside], errors[row:inside] = step.at(times[row:inside].astype(Wide)), made
+        states[row:inside], errors[row:inside] = step.at(times[row:inside].astype(Wide)), error_so_far
         row = inside
         if row == len(times):
             break
-    return Integrated(found, errors)
+    return Integrated(states, errors)
 
 
 def steps(
@@ -294,8 +294,8 @@ def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray
     """The derivatives at the nodes of a step from the low terms of the series of the step before."""
     few = 6
     at = 1 + 2 * used.nodes * grown
-    found: WideArray = _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
-    return found
+    extended: WideArray = _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
+    return extended
 
 
 def _solved(
@@ -313,16 +313,16 @@ def _solved(
     residuals: list[WideArray] = []
     best = np.inf
     for iteration in range(_ITERATIONS):
-        made = derivatives(state + h * (used.inside @ slopes))
-        residual = made - slopes
+        renewed = derivatives(state + h * (used.inside @ slopes))
+        residual = renewed - slopes
         # Small components count by a twentieth of the largest, so that what rounding leaves of zero does not.
-        scale = np.abs(made).max(axis=0) + np.abs(made).max() / 20 + Wide(1e-300)
+        scale = np.abs(renewed).max(axis=0) + np.abs(renewed).max() / 20 + Wide(1e-300)
         change = float((np.abs(residual) / scale).max())
         if not np.isfinite(change):
             return None, np.inf
         if change < enough or (iteration > 8 and change < 200 * enough and change > 0.3 * best):
-            terms = np.abs(used.series @ made)
-            return made, float((terms[-2:] / scale).max()) / (2 * len(terms))
+            terms = np.abs(used.series @ renewed)
+            return renewed, float((terms[-2:] / scale).max()) / (2 * len(terms))
         if iteration > 10 and change > 1e3 * max(best, 1e-3):
             return None, np.inf
         best = min(best, change)
@@ -346,8 +346,8 @@ def _mixed(points: list[WideArray], residuals: list[WideArray], scale: WideArray
     unit = np.array([Wide(1) / size for size in sizes[sizes > 0]])
     weights = _fitted(steps / scale * unit[:, None], residuals[-1] / scale / largest) * largest * unit
     moves = np.array([latest - (points[other] + residuals[other]) for other in kept])
-    found: WideArray = latest - weights @ moves
-    return found
+    mixed: WideArray = latest - weights @ moves
+    return mixed
 
 
 def _fitted(columns: WideArray, target: WideArray) -> WideArray:
@@ -358,16 +358,16 @@ def _fitted(columns: WideArray, target: WideArray) -> WideArray:
     count = len(columns)
     # Columns of the triangular factor; the last one is that of the target.
     factor, rest = np.zeros((count, count + 1), dtype=Wide), np.concatenate([columns, target[None]])
-    for place in range(count):
-        own = rest[place].copy()
-        size = np.sqrt((own * own).sum())
-        if size <= _DEPENDENT * np.sqrt((columns[place] * columns[place]).sum()):
+    for index in range(count):
+        direction = rest[index].copy()
+        size = np.sqrt((direction * direction).sum())
+        if size <= _DEPENDENT * np.sqrt((columns[index] * columns[index]).sum()):
             continue
-        own = own / size
-        factor[place, place:] = rest[place:] @ own
-        rest[place + 1 :] -= factor[place, place + 1 :, None] * own
+        direction = direction / size
+        factor[index, index:] = rest[index:] @ direction
+        rest[index + 1 :] -= factor[index, index + 1 :, None] * direction
     weights = np.zeros(count, dtype=Wide)
-    for place in reversed(range(count)):
-        if factor[place, place]:
-            weights[place] = (factor[place, count] - factor[place, :count] @ weights) / factor[place, place]
+    for index in reversed(range(count)):
+        if factor[index, index]:
+            weights[index] = (factor[index, count] - factor[index, :count] @ weights) / factor[index, index]
     return weights

@@ -5,9 +5,8 @@ are laid out in arrays, and `exact` the numbers of a mechanism in exact arithmet
 
 The way of the truth without loops is `recursion`. `tree` splits a mechanism into trees of links on elementary joints, with
 `frames` in exact arithmetic. `articulated` has the articulated-body recursion in any arithmetic, and `link_states` the system
-of first order that follows from it. `taylor_tree` and, with dry friction, `stick_slip` solve the equations of `tree_equations`
-by heyoka, in types of `rounding`; where it is not installed, `recursion` does by DOP853. `poses` leads back to joints and
-bodies.
+of first order that follows from it. `tree_equations` and, with dry friction, `stick_slip` solve its equations by
+heyoka in any type; where it is not installed, `recursion` does by DOP853. `poses` leads back to joints and bodies.
 
 `forms` has the motions in closed form, `lagrangian` the witness, and `loops` those of mechanisms whose chains are closed.
 """

@@ -94,7 +94,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """What the outward pass leaves of a link.
+    """The results of the outward pass for a link.
 
     spin: angular velocity. squares: the matrix that maps a fixed point to its centripetal acceleration. angular, linear: the
     acceleration if no joint accelerated. crossing: the rotation of the joint, and its displacement.
@@ -110,7 +110,7 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """What the acceleration along an eliminated coordinate follows from.
+    """The numbers from which the acceleration along an eliminated coordinate follows.
 
     component: which of the six it is. ratio: its part of the acceleration of the link, with the other sign. given: its part of
     the forces. weight: the inertia along it. moves: as in `Constants`.
@@ -192,8 +192,8 @@ def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: A
     motions, forces = _outward(links, gravity, functions)
     inertias = [_rigid(link.constants) for link in links]
     eliminated: list[list[_Step]] = []
-    for place in reversed(range(len(links))):
-        link, motion, (inertia, force) = links[place], motions[place], (inertias[place], forces[place])
+    for index in reversed(range(len(links))):
+        link, motion, (inertia, force) = links[index], motions[index], (inertias[index], forces[index])
         steps = []
         for k, effort in zip(FREEDOMS[link.kind], _efforts(link), strict=True):
             inertia, force, step = _eliminate(inertia, force, k, effort, link.constants)
@@ -299,7 +299,7 @@ def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Con
     ratio = [entry * inverse for entry in column]
     released, need = [entry * moves for entry in ratio], effort - force[k]
     left = _mirrored(lambda i, j: inertia[i][j] - column[i] * released[j], 6)
-    rest = [part + of * need for part, of in zip(force, released, strict=True)]
+    rest = [part + share * need for part, share in zip(force, released, strict=True)]
     # Along the coordinate itself only the armature is left, or all where it is held, in terms that do not cancel.
     kept = (armature + (1 - moves) * column[k]) * inverse
     for j in range(6):
@@ -326,9 +326,9 @@ def _shifted(angular: Rows, mixed: Rows, linear: Rows, shift: Vec) -> Rows:
     added = _transposed([_cross(shift, row) for row in linear])
     after = _sum_rows(mixed, added)
     before, beyond = [_cross(shift, row) for row in mixed], [_cross(shift, row) for row in after]
-    own = _mirrored(lambda i, j: angular[i][j] + before[i][j] + beyond[j][i])
+    partial = _mirrored(lambda i, j: angular[i][j] + before[i][j] + beyond[j][i])
     return [
-        *(a + b for a, b in zip(own, after, strict=True)),
+        *(a + b for a, b in zip(partial, after, strict=True)),
         *(a + b for a, b in zip(_transposed(after), linear, strict=True)),
     ]
 
@@ -351,13 +351,13 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
             whole = [*angular, *linear]
         else:
             whole = [0] * 6
-        own: dict[int, Number] = {}
+        along: dict[int, Number] = {}
         for step in reversed(steps):
             k, released = step.component, step.given - _dot(step.ratio, whole)
-            own[k] = step.moves * released
-            whole[k] = whole[k] + own[k]
+            along[k] = step.moves * released
+            whole[k] = whole[k] + along[k]
         extra.append(whole)
-        rates.append([own[k] for k in sorted(own)])
+        rates.append([along[k] for k in sorted(along)])
         strains.append(step.weight * released)
     return Accelerations(rates, strains)
 

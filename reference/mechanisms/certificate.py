@@ -50,20 +50,20 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
     """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises as `mechanism_truth` does."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        found = followed(mechanism, times)
-        witness = witness_of(mechanism, times, found)
-        truth = joined(mechanism, times, found, witness).truth
-        own = printed(mechanism, times, found)
+        course = followed(mechanism, times)
+        witness = witness_of(mechanism, times, course)
+        truth = joined(mechanism, times, course, witness).truth
+        rounded = printed(mechanism, times, course)
         assert truth.joints is not None  # which a mechanism has
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
-        ways = [Way(TRUTH_WAY, stated, own.bounds.of_states()), *_other_ways(mechanism, times, found, witness)]
+        ways = [Way(TRUTH_WAY, stated, rounded.bounds.of_states()), *_other_ways(mechanism, times, course, witness)]
         differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
-    pairs = combinations((_as_witness(way) for way in ways), 2)
+    pairs = combinations((Witness(way.name, **way.errors, digits=way.digits) for way in ways), 2)
     faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
     best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
     if best is None:
         faults.append("no other way follows this motion")
-        bound = own.bounds.error
+        bound = rounded.bounds.error
     else:
         bound = np.maximum.accumulate(differences[TRUTH_WAY, best.name]["error"] + best.errors["error"])
     return Certificate(
@@ -76,49 +76,44 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
     )
 
 
-def _as_witness(way: Way) -> Witness:
-    """The name and the bounds of a way."""
-    return Witness(way.name, **way.errors, digits=way.digits)
-
-
-def _other_ways(mechanism: Mechanism, times: Array, found: Followed, witness: Way | None) -> Iterator[Way]:
+def _other_ways(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Iterator[Way]:
     """Every way but that of the truth, with bounds of its own errors. witness: that of the truth, whose are not known."""
-    grown = found.growth
+    grown = course.growth
     if mechanism.loops and witness is not None:
-        yield from _ways_with_loops(mechanism, times, found, witness)
+        yield from _ways_with_loops(mechanism, times, course, witness)
     if mechanism.loops or grown is None:
         return
-    if found.form:
+    if course.form:
         yield by_recursion(mechanism, times).way
-    if (way := lagrangian(mechanism, times) if found.form else witness) is not None:
-        made = _roundings_of_lagrangian(mechanism, times, _measured_growth(mechanism, times))
+    if (way := lagrangian(mechanism, times) if course.form else witness) is not None:
+        count = _roundings_of_lagrangian(mechanism, times, _measured_growth(mechanism, times))
         eps = float(np.finfo(arithmetic()[0]).eps)
-        yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, made, eps))
+        yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, count, eps))
     yield from _wide_way(mechanism, times, grown)
 
 
-def _ways_with_loops(mechanism: Mechanism, times: Array, found: Followed, witness: Way) -> Iterator[Way]:
+def _ways_with_loops(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> Iterator[Way]:
     """The witness of a mechanism with loops and, besides the Lagrangian, the equations of every body, if they can follow it."""
     grown = growth_with_loops(mechanism, growth_instants(times))
-    if grown is None or found.growth is None or not witness.name.startswith(solution.NAME):
-        yield replace(witness, errors=_errors_with_loops(mechanism, found, witness))
+    if grown is None or course.growth is None or not witness.name.startswith(solution.NAME):
+        yield replace(witness, errors=_errors_with_loops(mechanism, course, witness))
         return
-    made = _roundings_of_lagrangian(mechanism, times, grown)
-    rounding = rounding_errors(mechanism, witness.motion, found.growth, made, float(np.finfo(arithmetic()[0]).eps))
-    yield replace(witness, errors={name: found.way.errors[name] + rounding[name] for name in rounding})
+    count = _roundings_of_lagrangian(mechanism, times, grown)
+    rounding = rounding_errors(mechanism, witness.motion, course.growth, count, float(np.finfo(arithmetic()[0]).eps))
+    yield replace(witness, errors={name: course.way.errors[name] + rounding[name] for name in rounding})
     with contextlib.suppress(OutOfReach, NotModelled):
         bodies = loops.witness(mechanism, times)
-        yield replace(bodies, errors=_errors_with_loops(mechanism, found, bodies))
+        yield replace(bodies, errors=_errors_with_loops(mechanism, course, bodies))
 
 
-def _errors_with_loops(mechanism: Mechanism, found: Followed, way: Way) -> dict[str, Array]:
+def _errors_with_loops(mechanism: Mechanism, course: Followed, way: Way) -> dict[str, Array]:
     """Errors (n,) of a collocation with loops that is a witness: as much as those of its way, and more by its tolerance."""
     largest = sizes(mechanism, way.motion)
-    return {name: found.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
+    return {name: course.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
 
 
 def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
-    """How many roundings the Lagrangian makes, measured as those of the recursion are. grown: at the `growth_instants`."""
+    """Return the number of roundings of the Lagrangian, measured as for the recursion. grown: at the `growth_instants`."""
     dtype, _, _ = arithmetic()
     if dtype is np.float64:
         return DOP853_ROUNDINGS
@@ -129,9 +124,9 @@ def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) 
 
 
 def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
-    found = by_recursion(mechanism, growth_instants(times)).growth
-    assert found is not None  # which the recursion always has
-    return found
+    growth = by_recursion(mechanism, growth_instants(times)).growth
+    assert growth is not None  # which the recursion always has
+    return growth
 
 
 def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way]:
@@ -143,11 +138,16 @@ def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way
 
         require_modelled(mechanism)
         if bits is not None:
-            found = recursion.follow(mechanism, times, hy.real, bits)
-            states = found.bodies.position, found.bodies.quaternion, found.bodies.velocity, found.bodies.angular_velocity
+            joint_states = recursion.follow(mechanism, times, hy.real, bits)
+            states = (
+                joint_states.bodies.position,
+                joint_states.bodies.quaternion,
+                joint_states.bodies.velocity,
+                joint_states.bodies.angular_velocity,
+            )
             motion = Motion(
-                rounded_to_wide(found.position),
-                rounded_to_wide(found.velocity),
+                rounded_to_wide(joint_states.position),
+                rounded_to_wide(joint_states.velocity),
                 Trajectory(times, *(rounded_to_wide(each) for each in states)),
             )
             stored = rounding_errors(mechanism, motion, grown, 0.0, float(np.finfo(np.longdouble).eps))

@@ -1,4 +1,4 @@
-"""How the coordinates and velocities of joints are laid out in arrays.
+"""The layout of the coordinates and velocities of joints in arrays.
 
 The coordinates of a mechanism are those of its joints one after another, in the order of the file, and so are its velocities.
 
@@ -42,12 +42,12 @@ class JointMotion:
 
 def places(mechanism: Mechanism) -> tuple[tuple[slice, slice], ...]:
     """The slices of each joint's coordinates and velocities in the arrays of the mechanism, in the order of the joints."""
-    found, first, second = [], 0, 0
+    slices, first, second = [], 0, 0
     for joint in mechanism.joints:
         after, beyond = first + COORDINATES[joint.type], second + VELOCITIES[joint.type]
-        found.append((slice(first, after), slice(second, beyond)))
+        slices.append((slice(first, after), slice(second, beyond)))
         first, second = after, beyond
-    return tuple(found)
+    return tuple(slices)
 
 
 def by_name(mechanism: Mechanism, motion: JointMotion) -> dict[str, dict[str, Array]]:
@@ -55,10 +55,10 @@ def by_name(mechanism: Mechanism, motion: JointMotion) -> dict[str, dict[str, Ar
 
     Those of a joint with one coordinate are arrays (n,), of others (n, k).
     """
-    own = zip(mechanism.joints, places(mechanism), strict=True)
+    pairs = zip(mechanism.joints, places(mechanism), strict=True)
     return {
         joint.name: {"position": _single(motion.position[:, held]), "velocity": _single(motion.velocity[:, moving])}
-        for joint, (held, moving) in own
+        for joint, (held, moving) in pairs
     }
 
 

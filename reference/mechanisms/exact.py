@@ -31,9 +31,9 @@ def inertia(body: JointedBody) -> Inertia:
     from bodycheck.reference.exact.inertia import mass_properties
     from bodycheck.reference.exact.numbers import vector
 
-    made = mass_properties(body.inertia)
-    centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else made.centre
-    return Inertia(made.mass, centre, made.tensor)
+    properties = mass_properties(body.inertia)
+    centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else properties.centre
+    return Inertia(properties.mass, centre, properties.tensor)
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ def nearest_inertia(body: JointedBody) -> NearestInertia:
     """The doubles that are nearest to the inertia of a body, which engines get."""
     from bodycheck.reference.exact.numbers import doubles
 
-    found = inertia(body)
-    (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(found.centre), doubles(found.tensor)
-    return NearestInertia(float(found.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
+    exact_inertia = inertia(body)
+    (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(exact_inertia.centre), doubles(exact_inertia.tensor)
+    return NearestInertia(float(exact_inertia.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
 
 
 @functools.lru_cache(maxsize=1024)
@@ -77,24 +77,24 @@ def nearest_axis(joint: Joint) -> Vector:
 
 
 @functools.lru_cache(maxsize=1024)
-def turn(given: Attitude) -> "Quaternion4":
+def turn(orientation: Attitude) -> "Quaternion4":
     """The unit quaternion (w, x, y, z) of an attitude."""
     from bodycheck.reference.exact.rotations import attitude
 
-    return attitude(given)
+    return attitude(orientation)
 
 
-def nearest_turn(given: Attitude) -> Quaternion:
+def nearest_turn(orientation: Attitude) -> Quaternion:
     """The doubles that are nearest to the unit quaternion (w, x, y, z) of an attitude."""
     from bodycheck.reference.exact.numbers import doubles
 
-    w, x, y, z = doubles(turn(given))
+    w, x, y, z = doubles(turn(orientation))
     return w, x, y, z
 
 
-def rates(given: Attitude, rotation: Vector | EulerRates) -> "Vector3":
+def rates(orientation: Attitude, rotation: Vector | EulerRates) -> "Vector3":
     """The angular velocity (rad/s) in the body's frame of a free body."""
     from bodycheck.reference.exact.numbers import vector
     from bodycheck.reference.exact.rotations import body_rates
 
-    return body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)
+    return body_rates(orientation, rotation) if isinstance(rotation, EulerRates) else vector(rotation)

@@ -86,11 +86,11 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
-def witness_of(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
+def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
     """The witness of a motion: the recursion of a closed form, else the Lagrangian; None where it cannot follow the motion."""
     if mechanism.loops:
-        return _loops_witness(mechanism, times, found)
-    if not found.form:
+        return _loops_witness(mechanism, times, course)
+    if not course.form:
         return lagrangian(mechanism, times)
     try:
         require_modelled(mechanism)
@@ -109,14 +109,14 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     strays: list[Stray] = []
     try:
         if widest is np.float64:
-            found = solution.follow_in_doubles(mechanism, times)
+            motion = solution.follow_in_doubles(mechanism, times)
         elif any(joint.friction for joint in mechanism.joints):
-            found, strays = solution.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
+            motion, strays = solution.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
         else:
-            found = solution.follow(mechanism, times, dtype or widest)
+            motion = solution.follow(mechanism, times, dtype or widest)
     except (NotModelled, OutOfReach):
         return None
-    return Way(f"{solution.NAME}, {name}", _motion_of(found, times), {}, digits, _as_errors(mechanism, times, strays))
+    return Way(f"{solution.NAME}, {name}", _motion_of(motion, times), {}, digits, _as_errors(mechanism, times, strays))
 
 
 def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
@@ -169,19 +169,19 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
     follow = _lagrangian_in_doubles if dtype is np.float64 else _in_doubles
     base = follow(mechanism, measured)
     grown = growth(mechanism, follow, base, measured)
-    made = DOP853_ROUNDINGS
+    count = DOP853_ROUNDINGS
     if dtype is not np.float64:
-        made = roundings(mechanism, base, wide.part(np.searchsorted(instants, measured)), grown)
-    here, own = grown.until(times), wide.part(np.searchsorted(instants, times))
-    errors = rounding_errors(mechanism, own, here, made, float(np.finfo(dtype).eps))
-    way = Way(f"{RECURSION}, {name}", own, errors, digits)
+        count = roundings(mechanism, base, wide.part(np.searchsorted(instants, measured)), grown)
+    here, motion = grown.until(times), wide.part(np.searchsorted(instants, times))
+    errors = rounding_errors(mechanism, motion, here, count, float(np.finfo(dtype).eps))
+    way = Way(f"{RECURSION}, {name}", motion, errors, digits)
     return Followed(way, RECURSION, "rigid bodies on joints", name, here)
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism with loops by multipliers. The growth of errors is told, but the witness shows their size."""
-    found = loops.way(mechanism, times)
-    return Followed(found, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
+    """The motion of a mechanism with loops by multipliers. The growth of errors is stated, but the witness shows their size."""
+    way = loops.way(mechanism, times)
+    return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
 
 def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
@@ -199,48 +199,48 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
         return None
 
 
-def _loops_witness(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
+def _loops_witness(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
     """The witness of a mechanism with loops: the multipliers of a closed form, else the Lagrangian or the equations of bodies.
 
     The Lagrangian cannot pass positions in which a mechanism could also move in another way, and has no free bodies in loops.
     """
-    if not found.form and (own := _closed_lagrangian(mechanism, times)) is not None:
-        return own
+    if not course.form and (way := _closed_lagrangian(mechanism, times)) is not None:
+        return way
     try:
-        return loops.way(mechanism, times) if found.form else loops.witness(mechanism, times)
+        return loops.way(mechanism, times) if course.form else loops.witness(mechanism, times)
     except (NotModelled, OutOfReach):
         return None
 
 
 def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
     """The motion by the Lagrangian with multipliers; None where it cannot follow it, or where loops come apart."""
-    found = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
-    if found is None or float(np.max(gaps(mechanism, found.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
+    way = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
+    if way is None or float(np.max(gaps(mechanism, way.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
         return None
-    return replace(found, name=found.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
+    return replace(way, name=way.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
-    """How many roundings an integration makes: by how much the same one in doubles differs, in roundings that have grown."""
+    """Return the number of roundings of an integration: its difference from the same one in doubles, over grown roundings."""
     off = apart(mechanism, base, wide)
     return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
 
 
-def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, made: float, eps: float) -> dict[str, Array]:
+def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
     """Bounds (n,) of the errors of an integration that makes some roundings, each of which is eps, and how they have grown."""
     largest = sizes(mechanism, motion)
-    return {name: eps * (CAUTION * made * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
+    return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
 
 
 def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
     """The motion of a mechanism by its closed form. All joints that move stand on the world."""
-    found = form.follow(times)
-    motion = Motion(found.position, found.velocity, bodies_of(mechanism, times, found.position, found.velocity))
+    joints = form.follow(times)
+    motion = Motion(joints.position, joints.velocity, bodies_of(mechanism, times, joints.position, joints.velocity))
     largest = sizes(mechanism, motion)
     slides = np.array([joint.type == "prismatic" for joint in mechanism.joints])
     angle, slide, spin, slip = (
         values[:, chosen].max(axis=1, initial=0.0)
-        for values in (found.error, found.velocity_error)
+        for values in (joints.error, joints.velocity_error)
         for chosen in (~slides, slides)
     )
     origins = [np.linalg.norm([float(value) for value in held.origin]) for held in carried(mechanism) or ()]
@@ -293,8 +293,8 @@ def arithmetic() -> tuple[Any, str, int]:
 
 
 def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
-    found = recursion.follow(mechanism, times, dtype)
-    return Motion(found.position, found.velocity, found.bodies)
+    states = recursion.follow(mechanism, times, dtype)
+    return Motion(states.position, states.velocity, states.bodies)
 
 
 def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
@@ -302,9 +302,9 @@ def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
     return _motion_of(solution.follow_in_doubles(mechanism, times), times)
 
 
-def _motion_of(found: WideMotion, times: Array) -> Motion:
-    bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
-    return Motion(found.joint_position, found.joint_velocity, bodies)
+def _motion_of(motion: WideMotion, times: Array) -> Motion:
+    bodies = Trajectory(times, motion.position, motion.quaternion, motion.velocity, motion.angular_velocity)
+    return Motion(motion.joint_position, motion.joint_velocity, bodies)
 
 
 def _in_doubles(mechanism: Mechanism, times: Array) -> Motion:

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import Components, MassProperties
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, cross, matrix, multiply, plus, scaled, turned, unit
 
 #: What is smaller than its terms by this factor is what rounding has left of a zero.
 NEGLIGIBLE = MP.mpf(10) ** -80
-
-#: The origin of a frame, and a vector of zeros.
-ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +24,7 @@ class Place:
 
     def point(self, inner: Vector3) -> Vector3:
         """A point that is given in this frame, in the other."""
-        return total(self.origin, rotated(self.turn, inner))
+        return plus(self.origin, rotated(self.turn, inner))
 
     def inverse(self) -> "Place":
         """The other frame in this one."""
@@ -39,38 +36,23 @@ class Place:
 class Moving:
     """A frame that moves in the world.
 
-    place: where it is. velocity: that of its origin, world (m/s). spin: angular velocity along its own axes (rad/s).
+    pose: where it is. velocity: that of its origin, world (m/s). spin: angular velocity along its own axes (rad/s).
     """
 
-    place: Place = Place()
+    pose: Place = Place()
     velocity: Vector3 = ORIGIN
     spin: Vector3 = ORIGIN
 
     def carried(self, inner: Place) -> "Moving":
         """A frame that is fixed in this one."""
-        arm = rotated(self.place.turn, inner.origin)
-        swung = cross(rotated(self.place.turn, self.spin), arm)
-        return Moving(self.place.then(inner), total(self.velocity, swung), rotated(conjugate(inner.turn), self.spin))
+        arm = rotated(self.pose.turn, inner.origin)
+        swung = cross(rotated(self.pose.turn, self.spin), arm)
+        return Moving(self.pose.then(inner), plus(self.velocity, swung), rotated(conjugate(inner.turn), self.spin))
 
     def moved(self, inner: Place, velocity: Vector3, spin: Vector3) -> "Moving":
         """A frame that moves in this one: its velocity along the axes of this frame, its angular velocity along its own."""
         at = self.carried(inner)
-        return Moving(at.place, total(at.velocity, rotated(self.place.turn, velocity)), total(at.spin, spin))
-
-
-def total(a: Vector3, b: Vector3) -> Vector3:
-    """The sum of two vectors."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def scaled(factor: Real, a: Vector3) -> Vector3:
-    """A vector times a number."""
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-def cross(a: Vector3, b: Vector3) -> Vector3:
-    """The cross product of two vectors."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        return Moving(at.pose, plus(at.velocity, rotated(self.pose.turn, velocity)), plus(at.spin, spin))
 
 
 def rotated(turn: Quaternion4, v: Vector3) -> Vector3:
@@ -94,15 +76,15 @@ def cleaned(values: Sequence[Real], scale: Real) -> tuple[Real, ...]:
     )
 
 
-def placed(made: MassProperties, place: Place) -> MassProperties:
-    """Mass properties that are given in one frame, in another, in which that frame is `place`."""
-    return MassProperties(made.mass, place.point(made.centre), _turned_tensor(place.turn, made.tensor))
+def placed(properties: MassProperties, pose: Place) -> MassProperties:
+    """Mass properties that are given in one frame, in another, in which that frame is `pose`."""
+    return MassProperties(properties.mass, pose.point(properties.centre), _turned_tensor(pose.turn, properties.tensor))
 
 
-def about_origin(made: MassProperties) -> Components:
+def about_origin(properties: MassProperties) -> Components:
     """The inertia tensor about the origin of the frame, by the parallel-axis theorem."""
-    (x, y, z), m = made.centre, made.mass
-    xx, yy, zz, xy, xz, yz = made.tensor
+    (x, y, z), m = properties.centre, properties.mass
+    xx, yy, zz, xy, xz, yz = properties.tensor
     return (
         xx + m * (y * y + z * z),
         yy + m * (x * x + z * z),
@@ -118,9 +100,9 @@ def _turned_tensor(turn: Quaternion4, tensor: Components) -> Components:
     if turn == IDENTITY:
         return tensor
     xx, yy, zz, xy, xz, yz = tensor
-    rows, own = matrix(turn), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    rows, entries = matrix(turn), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
     def component(i: int, j: int) -> Real:
-        return sum(rows[i][k] * own[k][m] * rows[j][m] for k in range(3) for m in range(3))
+        return sum(rows[i][k] * entries[k][m] * rows[j][m] for k in range(3) for m in range(3))
 
     return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)

@@ -1,4 +1,4 @@
-"""How an error grows along the motion of a mechanism, from nudged motions in double precision.
+"""The growth of an error along the motion of a mechanism, from nudged motions in double precision.
 
 A motion is followed again from a state that is nudged by a small part of the sizes of coordinates and velocities. How far it
 gets from the motion that is not nudged, per nudge, is the growth of an error. Where it has got so far that growth would not be
@@ -131,15 +131,15 @@ def _deviations(
             nudged = follow(start, t[first:] - t[first])
         except OutOfReach:  # such as a nudge that leaves undecided whether a joint sticks
             return
-        found = apart(mechanism, nudged, base.part(slice(first, None)))
-        relative = np.max([found[name] / units[name] for name in STATES], axis=0)
+        differences = apart(mechanism, nudged, base.part(slice(first, None)))
+        relative = np.max([differences[name] / units[name] for name in STATES], axis=0)
         # A nudge of a mechanism with loops is closed before it is followed, and has another size then.
         nudge = float(relative[0]) if mechanism.loops else NUDGE
         if not nudge:
             return
         large = np.flatnonzero(relative[1:] > SMALL)
         at = int(large[0]) + 1 if len(large) else len(relative) - 1
-        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / nudge) for name, values in found.items()}
+        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / nudge) for name, values in differences.items()}
         if first + at + 1 >= len(t):
             return
         grown *= float(relative[at]) / nudge
@@ -188,9 +188,9 @@ def _between(mechanism: Mechanism, base: Motion, other: Motion, part: float) -> 
     target = other.position[0].copy()
     for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
         if joint.form.has_quaternion:
-            own = slice(held.stop - 4, held.stop)
-            if base.position[0, own] @ target[own] < 0:
-                target[own] = -target[own]
+            components = slice(held.stop - 4, held.stop)
+            if base.position[0, components] @ target[components] < 0:
+                target[components] = -target[components]
     return _started(mechanism, mixed(base.position[0], target), mixed(base.velocity[0], other.velocity[0]), bodies)
 
 
@@ -201,11 +201,11 @@ def _started(mechanism: Mechanism, q: Array, u: Array, states: Trajectory) -> Me
         for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)
     )
 
-    def begun(place: int) -> BodyStart:
-        x, v, w = (each[place, 0].tolist() for each in (states.position, states.velocity, states.angular_velocity))
-        return BodyStart(tuple(x), tuple(states.quaternion[place, 0].tolist()), tuple(v), tuple(w))
+    def begun(index: int) -> BodyStart:
+        x, v, w = (each[index, 0].tolist() for each in (states.position, states.velocity, states.angular_velocity))
+        return BodyStart(tuple(x), tuple(states.quaternion[index, 0].tolist()), tuple(v), tuple(w))
 
     bodies = tuple(
-        body if body.start is None else replace(body, start=begun(place)) for place, body in enumerate(mechanism.bodies)
+        body if body.start is None else replace(body, start=begun(index)) for index, body in enumerate(mechanism.bodies)
     )
     return replace(mechanism, joints=joints, bodies=bodies)

@@ -131,17 +131,17 @@ class JointForm:
 
     @property
     def has_axis(self) -> bool:
-        """Whether a case file gives its axis."""
+        """True if a case file gives its axis."""
         return any(motion.axis == "given" for motion in self.motions if motion.kind != "ball")
 
     @property
     def has_quaternion(self) -> bool:
-        """Whether its last four coordinates are a quaternion."""
+        """True if its last four coordinates are a quaternion."""
         return "q" in self.coordinates
 
     @property
     def transmits(self) -> bool:
-        """Whether a force can act between its bodies: it allows less than any motion."""
+        """True if a force can act between its bodies: it allows less than any motion."""
         return len(self.velocities) < 6
 
     def columns(self, letter: str) -> slice:

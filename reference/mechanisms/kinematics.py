@@ -84,17 +84,17 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
         raise ValueError("the instants of a mechanism without free bodies are missing")
     held = dict(zip(mechanism.joints, places(mechanism), strict=True))
     frames: dict[int, _Frame] = {WORLD: _at_rest(len(instants))}
-    unheld = (place for place, joint in enumerate(mechanism.joint_of) if joint is None)
-    for row, place in enumerate(unheld):
+    unheld = (index for index, joint in enumerate(mechanism.joint_of) if joint is None)
+    for row, index in enumerate(unheld):
         assert free is not None  # a mechanism with free bodies has their states
-        frames[place] = _frame_of(mechanism.bodies[place], free.body(row))
+        frames[index] = _frame_of(mechanism.bodies[index], free.body(row))
     for joint in from_the_root(mechanism):
-        own, moving = held[joint]
-        moved = _moved(joint, joints.position[:, own], joints.velocity[:, moving])
+        coordinates, moving = held[joint]
+        moved = _moved(joint, joints.position[:, coordinates], joints.velocity[:, moving])
         frames[joint.child] = moved.after(_joint_frame(joint, frames[joint.parent]))
-    found = [_state_of(body, frames[place], instants) for place, body in enumerate(mechanism.bodies)]
+    states = [_state_of(body, frames[index], instants) for index, body in enumerate(mechanism.bodies)]
     parts = ("position", "quaternion", "velocity", "angular_velocity")
-    return Trajectory(instants, *(np.stack([getattr(state, part) for state in found]) for part in parts))
+    return Trajectory(instants, *(np.stack([getattr(state, part) for state in states]) for part in parts))
 
 
 def joints(mechanism: Mechanism, trajectory: Trajectory) -> JointMotion:
@@ -104,9 +104,9 @@ def joints(mechanism: Mechanism, trajectory: Trajectory) -> JointMotion:
     on over full turns: from one instant to the next the mean of both rates predicts the turns, and the poses decide the rest.
     They begin, as the signs of quaternions do, from the initial values of the mechanism at t = 0.
     """
-    found = [_coordinates(joint, _relative(mechanism, joint, trajectory), trajectory.t) for joint in mechanism.joints]
+    pairs = [_coordinates(joint, _relative(mechanism, joint, trajectory), trajectory.t) for joint in mechanism.joints]
     nothing = np.empty((len(trajectory), 0))
-    position, velocity = ([nothing, *(one[part] for one in found)] for part in (0, 1))
+    position, velocity = ([nothing, *(one[part] for one in pairs)] for part in (0, 1))
     return JointMotion(np.concatenate(position, axis=1), np.concatenate(velocity, axis=1))
 
 
@@ -132,7 +132,7 @@ def start_of(mechanism: Mechanism) -> JointMotion:
 
 
 def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
-    """How far (n,) the bodies of a joint, or the points of a loop, have come apart at most (m).
+    """Return the largest distance (n,) that the bodies of a joint, or the points of a loop, have come apart (m).
 
     It is the distance between the origins of the joint's frame on both bodies, without what the joint allows: along the axis of
     a prismatic joint, in the plane of a planar one, and anywhere for a free one.
@@ -143,7 +143,7 @@ def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
     for loop in mechanism.loops:
         first, second = (
             frame.origin + rotate(frame.turn, _each(point, len(trajectory)))
-            for frame, point in zip((_frame(mechanism, place, trajectory) for place in loop.bodies), loop.points, strict=True)
+            for frame, point in zip((_frame(mechanism, body, trajectory) for body in loop.bodies), loop.points, strict=True)
         )
         largest = np.maximum(largest, np.linalg.norm(first - second, axis=-1))
     return largest
@@ -154,16 +154,16 @@ def from_the_root(mechanism: Mechanism) -> Iterator[Joint]:
     above = mechanism.joint_of
     done: set[int] = set()
 
-    def chain(place: int) -> list[Joint]:
-        found: list[Joint] = []
-        while place != WORLD and place not in done and (joint := above[place]) is not None:
-            done.add(place)
-            found.append(joint)
-            place = joint.parent
-        return found[::-1]
+    def chain(body: int) -> list[Joint]:
+        branch: list[Joint] = []
+        while body != WORLD and body not in done and (joint := above[body]) is not None:
+            done.add(body)
+            branch.append(joint)
+            body = joint.parent
+        return branch[::-1]
 
-    for place in range(len(mechanism.bodies)):
-        yield from chain(place)
+    for body in range(len(mechanism.bodies)):
+        yield from chain(body)
 
 
 def _relative(mechanism: Mechanism, joint: Joint, trajectory: Trajectory) -> _Frame:
@@ -172,9 +172,9 @@ def _relative(mechanism: Mechanism, joint: Joint, trajectory: Trajectory) -> _Fr
     return _frame(mechanism, joint.child, trajectory).seen_from(parent)
 
 
-def _frame(mechanism: Mechanism, place: int, trajectory: Trajectory) -> _Frame:
+def _frame(mechanism: Mechanism, index: int, trajectory: Trajectory) -> _Frame:
     """The motion of the frame of a body or of the world."""
-    return _at_rest(len(trajectory)) if place == WORLD else _frame_of(mechanism.bodies[place], trajectory.body(place))
+    return _at_rest(len(trajectory)) if index == WORLD else _frame_of(mechanism.bodies[index], trajectory.body(index))
 
 
 def _at_rest(n: int) -> _Frame:
@@ -305,7 +305,7 @@ def _start(joint: Joint) -> tuple[float, ...]:
 
 
 def _gap(joint: Joint, apart: Array) -> Array:
-    """How far (n,) a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
+    """Return the distances (n,) by which a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
     left = apart
     for slide in joint.form.slides:
         left = left - _along(joint, slide, apart)[:, None] * _axis(joint, slide)

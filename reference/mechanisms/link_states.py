@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, Real, Vector3
+from bodycheck.reference.exact.numbers import MP, FloatType, Real, Vector3, WideArray
+from bodycheck.reference.exact.rotations import ORIGIN, plus, scaled
 from bodycheck.reference.mechanisms import articulated
 from bodycheck.reference.mechanisms.articulated import Constants, Kind, Number, quaternion_rows
-from bodycheck.reference.mechanisms.frames import ORIGIN, Place, scaled, total
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.tree import Tree
 
 #: The numbers of coordinates and of rates of each kind of link.
@@ -81,7 +81,7 @@ class Form:
 
     @property
     def floats(self) -> bool:
-        """Whether the first link is free and carries others."""
+        """True if the first link is free and carries others."""
         return self.links[0][0] == "free" and len(self.links) > 1
 
 
@@ -101,13 +101,13 @@ def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
         links.append(articulated.Link(kind, parent, constants, state[first:middle], state[middle:last]))
         first = last
     rates: list[Number] = []
-    found = articulated.accelerations(links, form.gravity, functions)
-    for link, own in zip(links, found.rates, strict=True):
-        rates += [*_coordinate_rates(link), *own[: len(link.rates)]]
+    solution = articulated.accelerations(links, form.gravity, functions)
+    for link, accelerations in zip(links, solution.rates, strict=True):
+        rates += [*_coordinate_rates(link), *accelerations[: len(link.rates)]]
     if form.floats:
-        linear, rows = found.rates[0][3:], quaternion_rows(links[0].coordinates)
+        linear, rows = solution.rates[0][3:], quaternion_rows(links[0].coordinates)
         rates += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
-    return Rates(rates, found.strains)
+    return Rates(rates, solution.strains)
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
@@ -143,19 +143,19 @@ def _double(value: Real) -> float | int:
 
 def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:
     """The place of each link's first rate in a state."""
-    found, first = [], 0
+    indices, first = [], 0
     for kind, _ in links:
-        found.append(first + SIZES[kind][0])
+        indices.append(first + SIZES[kind][0])
         first += sum(SIZES[kind])
-    return found
+    return indices
 
 
 def start(tree: Tree) -> list[Real]:
     """The exact state at t = 0."""
-    found = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
+    state = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
     if tree.floats:
-        found += [*ORIGIN, *total(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
-    return found
+        state += [*ORIGIN, *plus(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
+    return state
 
 
 def common_velocity(tree: Tree) -> Vector3:
@@ -166,25 +166,25 @@ def common_velocity(tree: Tree) -> Vector3:
         if constants.mass:
             x, y, z = (part / constants.mass for part in constants.moment)
             centre = link.start.carried(Place(origin=(x, y, z)))
-            mass, momentum = mass + constants.mass, total(momentum, scaled(constants.mass, centre.velocity))
+            mass, momentum = mass + constants.mass, plus(momentum, scaled(constants.mass, centre.velocity))
     return scaled(1 / mass, momentum)
 
 
 def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> list[LinkStates]:
     """The states of the links from states (n, k) at times (n,)."""
-    found, first = list[LinkStates](), 0
+    states, first = list[LinkStates](), 0
     for link in tree.links:
         middle, last = first + SIZES[link.kind][0], first + sum(SIZES[link.kind])
-        found.append(LinkStates(rows[:, first:middle], rows[:, middle:last]))
+        states.append(LinkStates(rows[:, first:middle], rows[:, middle:last]))
         first = last
     if tree.links[0].kind == "free":
         floating = rows[:, first:] if tree.floats else np.full((len(times), 6), kind.number(MP.mpf(0)))
-        found[0] = LinkStates(found[0].coordinates, found[0].rates, *_flown(tree, floating, times, kind))
-    return found
+        states[0] = LinkStates(states[0].coordinates, states[0].rates, *_flown(tree, floating, times, kind))
+    return states
 
 
 def _flown(tree: Tree, floating: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
     """Position and velocity (n, 3), world, of the first link, which is free, from those relative to where it would be."""
     begin, t = tree.links[0].start, kind.array(times)[:, None]
-    origin, velocity, fall = (kind.array(part) for part in (begin.place.origin, common_velocity(tree), tree.fall))
+    origin, velocity, fall = (kind.array(part) for part in (begin.pose.origin, common_velocity(tree), tree.fall))
     return origin + (velocity + fall * t / 2) * t + floating[:, :3], velocity + fall * t + floating[:, 3:]

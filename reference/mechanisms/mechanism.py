@@ -130,7 +130,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class PairContact:
-    """How two bodies touch each other, where it is otherwise than they touch the plane.
+    """The contact of two bodies with each other, if it differs from their contact with the plane.
 
     Attributes
     ----------
@@ -175,25 +175,25 @@ class Mechanism:
 
     @property
     def conserves(self) -> bool:
-        """Whether energy is conserved: there are no damping, dry friction, plane and pushes."""
+        """True if energy is conserved: there are no damping, dry friction, plane and pushes."""
         return not (any(joint.damping or joint.friction for joint in self.joints) or self.plane is not None or self.pushes)
 
     @property
     def joint_of(self) -> tuple[Joint | None, ...]:
         """The joint whose child each body is; None for a free body."""
-        found = {joint.child: joint for joint in self.joints}
-        return tuple(found.get(place) for place in range(len(self.bodies)))
+        by_child = {joint.child: joint for joint in self.joints}
+        return tuple(by_child.get(index) for index in range(len(self.bodies)))
 
 
 def depth_first(mechanism: Mechanism) -> Iterator[int]:
     """The places of all bodies, each followed by all that hang on it, children in the order of the file."""
     children: dict[int, list[int]] = {}
-    for place, joint in enumerate(mechanism.joint_of):
-        children.setdefault(WORLD if joint is None else joint.parent, []).append(place)
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
     waiting = children.get(WORLD, [])[::-1]
     while waiting:
-        yield (place := waiting.pop())
-        waiting += children.get(place, [])[::-1]
+        yield (body := waiting.pop())
+        waiting += children.get(body, [])[::-1]
 
 
 #: The physical content of any case.

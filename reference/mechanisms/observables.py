@@ -60,7 +60,7 @@ def observe(mechanism: Mechanism, trajectory: Trajectory) -> MechanismObservable
 
 
 def floats(mechanism: Mechanism) -> bool:
-    """Whether nothing holds or pushes the mechanism, so that only gravity changes its linear momentum.
+    """Return whether nothing holds or pushes the mechanism, so that only gravity changes its linear momentum.
 
     Its angular momentum about the centre of mass of all is then conserved, and the linear one where there is no gravity.
     """

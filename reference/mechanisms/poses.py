@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.exact.numbers import MP, FloatType, Quaternion4, Vector3, WideArray, vector
+from bodycheck.reference.kinematics import conjugate, cross, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.link_states import LinkStates
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -33,7 +32,7 @@ class Frames:
     def moved(self, turn: WideArray, shift: WideArray, velocity: WideArray | None, spin: WideArray | None) -> "Frames":
         """A frame whose turn and shift (n, 4) and (n, 3) are given in this one, and its velocities relative to this one."""
         arm = rotate(self.turn, shift)
-        swung = self.velocity + _cross(rotate(self.turn, self.spin), arm)
+        swung = self.velocity + cross(rotate(self.turn, self.spin), arm)
         carried = rotate(conjugate(turn), self.spin)
         return Frames(
             multiply(self.turn, turn),
@@ -42,25 +41,25 @@ class Frames:
             carried if spin is None else carried + spin,
         )
 
-    def carried(self, place: Place, kind: FloatType) -> "Frames":
+    def carried(self, pose: Place, kind: FloatType) -> "Frames":
         """A frame that is fixed in this one."""
-        turn, shift = _spread(place.turn, len(self.turn), kind), _spread(place.origin, len(self.turn), kind)
+        turn, shift = _spread(pose.turn, len(self.turn), kind), _spread(pose.origin, len(self.turn), kind)
         return self.moved(turn, shift, None, None)
 
 
-def resting(place: Place, count: int, kind: FloatType) -> Frames:
+def resting(pose: Place, count: int, kind: FloatType) -> Frames:
     """A frame that does not move, at `count` instants."""
     zeros = _spread((MP.mpf(0),) * 3, count, kind)
-    return Frames(_spread(place.turn, count, kind), _spread(place.origin, count, kind), zeros, zeros)
+    return Frames(_spread(pose.turn, count, kind), _spread(pose.origin, count, kind), zeros, zeros)
 
 
 def link_frames(tree: Tree, states: list[LinkStates], count: int, kind: FloatType) -> list[Frames]:
     """The motions of the frames of all links of a tree."""
-    base, found = resting(tree.base, count, kind), list[Frames]()
+    base, frames = resting(tree.base, count, kind), list[Frames]()
     for link, state in zip(tree.links, states, strict=True):
-        parent = base if link.parent == STILL else found[link.parent]
-        found.append(_link_frame(link, state, parent.carried(link.before, kind)))
-    return found
+        parent = base if link.parent == STILL else frames[link.parent]
+        frames.append(_link_frame(link, state, parent.carried(link.before, kind)))
+    return frames
 
 
 def _link_frame(link: Link, state: LinkStates, before: Frames) -> Frames:
@@ -89,8 +88,8 @@ def body_frames(forest: Forest, frames: list[list[Frames]], count: int, kind: Fl
 
 def _anchored(anchor: Anchor, frames: list[list[Frames]], count: int, kind: FloatType) -> Frames:
     if anchor.tree < 0:
-        return resting(anchor.place, count, kind)
-    return frames[anchor.tree][anchor.link].carried(anchor.place, kind)
+        return resting(anchor.pose, count, kind)
+    return frames[anchor.tree][anchor.link].carried(anchor.pose, kind)
 
 
 def bodies(mechanism: Mechanism, frames: list[Frames], times: WideArray, kind: FloatType) -> Trajectory:
@@ -127,9 +126,9 @@ def _state_of(
     """The states of a link; of a ball along the axes of the link, which are not those of the joint and of its child."""
     held, moving = places(mechanism)[link.joint]
     if link.kind != "ball":
-        own, rate = held.start + link.coordinate, moving.start + link.coordinate
-        return LinkStates(position[:, own : own + 1], velocity[:, rate : rate + 1])
-    child = whole.anchors[mechanism.joints[link.joint].child].place
+        column, rate = held.start + link.coordinate, moving.start + link.coordinate
+        return LinkStates(position[:, column : column + 1], velocity[:, rate : rate + 1])
+    child = whole.anchors[mechanism.joints[link.joint].child].pose
     socket, axes = (np.tile(kind.array(turn), (len(position), 1)) for turn in (link.socket.turn, child.turn))
     turned = multiply(multiply(socket, position[:, held]), conjugate(axes))
     return LinkStates(turned, rotate(axes, velocity[:, moving]))
@@ -143,14 +142,14 @@ def joints(
     position = np.full((count, sum(COORDINATES[joint.type] for joint in mechanism.joints)), zero)
     velocity = np.full((count, sum(VELOCITIES[joint.type] for joint in mechanism.joints)), zero)
     layout = places(mechanism)
-    for tree, own in zip(forest.trees, states, strict=True):
-        for link, state in zip(tree.links, own, strict=True):
+    for tree, tree_states in zip(forest.trees, states, strict=True):
+        for link, state in zip(tree.links, tree_states, strict=True):
             if link.joint < 0:
                 continue
             held, moving = layout[link.joint]
             joint = mechanism.joints[link.joint]
             if link.kind == "ball":
-                position[:, held], velocity[:, moving] = _ball(link, state, forest.anchors[joint.child].place, kind)
+                position[:, held], velocity[:, moving] = _ball(link, state, forest.anchors[joint.child].pose, kind)
             elif link.kind == "free":
                 position[:, held], velocity[:, moving] = _free(joint, frames, count, kind)
             else:
@@ -162,34 +161,24 @@ def joints(
 def _ball(link: Link, state: LinkStates, child: Place, kind: FloatType) -> tuple[WideArray, WideArray]:
     """The quaternion of a ball from the child's frame to that of the joint, and its rates in the child's frame."""
     count = len(state.rates)
-    socket, own = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
-    turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), own)
-    return normalise(turn), rotate(conjugate(own), state.rates)
+    socket, child_turn = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
+    turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), child_turn)
+    return normalise(turn), rotate(conjugate(child_turn), state.rates)
 
 
 def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tuple[WideArray, WideArray]:
     """The coordinates (n, 7) and velocities (n, 6) of a free joint from the frames of its two bodies."""
     child = frames[joint.child]
     parent = resting(Place(), count, kind) if joint.parent == WORLD else frames[joint.parent]
-    seen = parent.carried(Place(exact.turn(joint.attitude), _exact(joint.position)), kind)
+    seen = parent.carried(Place(exact.turn(joint.attitude), vector(joint.position)), kind)
     back = conjugate(seen.turn)
     origin, turn = rotate(back, child.origin - seen.origin), normalise(multiply(back, child.turn))
-    linear = rotate(back, child.velocity - seen.velocity) - _cross(seen.spin, origin)
+    linear = rotate(back, child.velocity - seen.velocity) - cross(seen.spin, origin)
     spin = child.spin - rotate(conjugate(turn), seen.spin)
     return np.concatenate([origin, turn], axis=1), np.concatenate([linear, spin], axis=1)
-
-
-def _exact(values: tuple[float, float, float]) -> Vector3:
-    x, y, z = values
-    return MP.mpf(x), MP.mpf(y), MP.mpf(z)
 
 
 def _spread(values: Quaternion4 | Vector3, count: int, kind: FloatType) -> WideArray:
     """The same numbers (count, k) at all instants."""
     rounded: Any = kind.array(values)
     return np.tile(rounded, (count, 1))
-
-
-def _cross(a: WideArray, b: WideArray) -> WideArray:
-    (x, y, z), (p, q, r) = (np.moveaxis(v, -1, 0) for v in (a, b))
-    return np.stack([y * r - z * q, z * p - x * r, x * q - y * p], axis=-1)

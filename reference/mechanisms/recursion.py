@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms import poses
 from bodycheck.reference.mechanisms.link_states import Change, Course, derivatives, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -65,25 +65,30 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     """
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
-    kind, found, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
+    kind, whole, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
     solve, count = solver(), len(instants)
-    courses = [solve(tree, instants, kind) for tree in found.trees]
+    courses = [solve(tree, instants, kind) for tree in whole.trees]
     states = [course.links for course in courses]
-    links = [poses.link_frames(tree, own, count, kind) for tree, own in zip(found.trees, states, strict=True)]
-    frames = poses.body_frames(found, links, count, kind)
-    position, velocity = poses.joints(mechanism, found, states, frames, count, kind)
+    links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]
+    frames = poses.body_frames(whole, links, count, kind)
+    position, velocity = poses.joints(mechanism, whole, states, frames, count, kind)
     changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
     return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes))
 
 
 @functools.cache
 def solver() -> Solver:
-    """What follows a tree: Taylor's method, where heyoka is installed."""
+    """Return the solver of trees: Taylor's method where heyoka is installed, otherwise DOP853."""
     try:
-        from bodycheck.reference.mechanisms import taylor_tree
+        from bodycheck.reference.mechanisms import stick_slip, tree_equations
     except ImportError:
         return followed_by_dop853
-    return taylor_tree.followed
+
+    def followed_by_taylor(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+        dry = any(link.friction for link in tree.links)
+        return stick_slip.followed(tree, times, kind) if dry else tree_equations.followed(tree, times, kind)
+
+    return followed_by_taylor
 
 
 def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:

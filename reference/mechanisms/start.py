@@ -42,13 +42,13 @@ class Frame:
     velocity: WideArray
     spin: WideArray
 
-    def point(self, place: WideArray) -> WideArray:
+    def point(self, at: WideArray) -> WideArray:
         """The place (3,) in the world of a point (3,) of the frame (m)."""
-        return np.asarray(self.origin + self.turn @ place)
+        return np.asarray(self.origin + self.turn @ at)
 
-    def speed(self, place: WideArray) -> WideArray:
+    def speed(self, point: WideArray) -> WideArray:
         """The velocity (3,) in the world (m/s) of a point (3,) of the frame (m)."""
-        return np.asarray(self.velocity + np.cross(self.spin, self.turn @ place))
+        return np.asarray(self.velocity + np.cross(self.spin, self.turn @ point))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +79,12 @@ WORLD_FRAME = Frame(np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros(3, Wide),
 @functools.lru_cache(maxsize=4)
 def frames(mechanism: Mechanism) -> dict[int, Frame]:
     """The frames of all bodies at the start by their places, with that of the world at `WORLD`. They are not to be changed."""
-    found = {WORLD: WORLD_FRAME}
+    by_body = {WORLD: WORLD_FRAME}
     joint_of = mechanism.joint_of
-    for place in _from_the_world(mechanism):
-        joint, body = joint_of[place], mechanism.bodies[place]
-        found[place] = _of_free(body, body.start or BodyStart()) if joint is None else _of_child(joint, found[joint.parent])
-    return found
+    for index in _from_the_world(mechanism):
+        joint, body = joint_of[index], mechanism.bodies[index]
+        by_body[index] = _of_free(body, body.start or BodyStart()) if joint is None else _of_child(joint, by_body[joint.parent])
+    return by_body
 
 
 def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
@@ -93,24 +93,24 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     The pivots are those of the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
     world. They are rounded in the widest type.
     """
-    at, made, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
-    places = {joint.child: place for place, joint in enumerate(mechanism.joints)}
-    loose = {place: _inertia(body, at[place]) for place, body in enumerate(mechanism.bodies)}
-    locked = {place: inertia.copy() for place, inertia in loose.items()}
-    for place in reversed(_from_the_world(mechanism)):
-        joint = joint_of[place]
+    at, collected, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
+    places = {joint.child: index for index, joint in enumerate(mechanism.joints)}
+    loose = {index: _inertia(body, at[index]) for index, body in enumerate(mechanism.bodies)}
+    locked = {index: inertia.copy() for index, inertia in loose.items()}
+    for index in reversed(_from_the_world(mechanism)):
+        joint = joint_of[index]
         columns, armature = (np.eye(6, dtype=Wide), 0.0) if joint is None else (_columns(joint, at), joint.armature)
         for column in columns[::-1]:
-            force = loose[place] @ column
-            pivot, whole = column @ force + Wide(armature), column @ locked[place] @ column + Wide(armature)
-            made.append(Coordinate(places.get(place), place, whole, pivot))
+            force = loose[index] @ column
+            pivot, whole = column @ force + Wide(armature), column @ locked[index] @ column + Wide(armature)
+            collected.append(Coordinate(places.get(index), index, whole, pivot))
             if pivot > 0:
-                loose[place] = loose[place] - np.outer(force, force) / pivot
+                loose[index] = loose[index] - np.outer(force, force) / pivot
         if joint is not None and joint.parent != WORLD:
-            moved = _moved(at[place].origin - at[joint.parent].origin)
+            moved = _moved(at[index].origin - at[joint.parent].origin)
             for inertia in (loose, locked):
-                inertia[joint.parent] = inertia[joint.parent] + moved.T @ inertia[place] @ moved
-    return tuple(made[::-1])
+                inertia[joint.parent] = inertia[joint.parent] + moved.T @ inertia[index] @ moved
+    return tuple(collected[::-1])
 
 
 def mass(body: JointedBody) -> Wide:
@@ -134,10 +134,10 @@ def _from_the_world(mechanism: Mechanism) -> list[int]:
     children: dict[int, list[int]] = {}
     for joint in mechanism.joints:
         children.setdefault(joint.parent, []).append(joint.child)
-    found = [place for place, joint in enumerate(mechanism.joint_of) if joint is None or joint.parent == WORLD]
-    for place in found:
-        found += children.get(place, ())
-    return found
+    ordered = [index for index, joint in enumerate(mechanism.joint_of) if joint is None or joint.parent == WORLD]
+    for index in ordered:
+        ordered += children.get(index, ())
+    return ordered
 
 
 def _of_free(body: JointedBody, start: BodyStart) -> Frame:
@@ -179,24 +179,24 @@ def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
 
 def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
     """The same twists (k, 6) along the axes of the world."""
-    axes, own = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint)[2]
-    return np.concatenate([own[:, :3] @ axes.T, own[:, 3:] @ axes.T], axis=1)
+    axes, twists = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint)[2]
+    return np.concatenate([twists[:, :3] @ axes.T, twists[:, 3:] @ axes.T], axis=1)
 
 
 def _inertia(body: JointedBody, frame: Frame) -> WideArray:
     """The spatial inertia (6, 6) of a body about the origin of its frame, along the axes of the world."""
-    own_mass, arm = mass(body), _cross(frame.turn @ centre(body))
-    own = frame.turn @ tensor(body) @ frame.turn.T
-    return np.block([[own_mass * np.eye(3, dtype=Wide), -own_mass * arm], [own_mass * arm, own - own_mass * arm @ arm]])
+    own_mass, arm = mass(body), _skew(frame.turn @ centre(body))
+    rotated = frame.turn @ tensor(body) @ frame.turn.T
+    return np.block([[own_mass * np.eye(3, dtype=Wide), -own_mass * arm], [own_mass * arm, rotated - own_mass * arm @ arm]])
 
 
 def _moved(arm: WideArray) -> WideArray:
     """The matrix (6, 6) that makes the twist at an origin of that at another one, from which it is away by (3,) (m)."""
     one = np.eye(3, dtype=Wide)
-    return np.block([[one, -_cross(arm)], [np.zeros((3, 3), Wide), one]])
+    return np.block([[one, -_skew(arm)], [np.zeros((3, 3), Wide), one]])
 
 
-def _cross(v: WideArray) -> WideArray:
+def _skew(v: WideArray) -> WideArray:
     """The matrix (3, 3) of the cross product with a vector."""
     x, y, z = v
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
@@ -205,7 +205,7 @@ def _cross(v: WideArray) -> WideArray:
 def _about(axis: WideArray, angle: Wide) -> WideArray:
     """The rotation matrix (3, 3) about an axis of length one (Rodrigues)."""
     cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _cross(axis) + (1 - cosine) * np.outer(axis, axis))
+    return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _skew(axis) + (1 - cosine) * np.outer(axis, axis))
 
 
 def _matrix(attitude: Attitude) -> WideArray:

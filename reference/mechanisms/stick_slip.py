@@ -21,6 +21,7 @@ import heyoka as hy
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
 from bodycheck.reference.mechanisms.link_states import (
     Change,
@@ -32,7 +33,6 @@ from bodycheck.reference.mechanisms.link_states import (
     split,
     start,
 )
-from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 from bodycheck.reference.trajectory import Array
@@ -93,15 +93,15 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
 def _solver(shape: Shape, kind: FloatType) -> _Solver:
     equations, crossings = written(shape), list[tuple[int, Any]]()
     events = [
-        hy.nt_event(margin, _noting(crossings, place), direction=hy.event_direction.negative, fp_type=kind.dtype)
-        for place, margin in zip(shape.dry, equations.margins, strict=True)
+        hy.nt_event(margin, _noting(crossings, index), direction=hy.event_direction.negative, fp_type=kind.dtype)
+        for index, margin in zip(shape.dry, equations.margins, strict=True)
     ]
     return _Solver(compiled(equations.system, kind.dtype, kind.bits, large=shape.large, events=events), crossings)
 
 
-def _noting(crossings: list[tuple[int, Any]], place: int) -> Callable[[Any, Any, int], None]:
+def _noting(crossings: list[tuple[int, Any]], index: int) -> Callable[[Any, Any, int], None]:
     def note(_: Any, time: Any, __: int) -> None:
-        crossings.append((place, time))
+        crossings.append((index, time))
 
     return note
 
@@ -109,7 +109,7 @@ def _noting(crossings: list[tuple[int, Any]], place: int) -> Callable[[Any, Any,
 def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> tuple[WideArray, tuple[Change, ...]]:
     """The states (n, k) at ascending times (n,), the first of which is 0, and the changes."""
     state, changes = kind.array(start(tree)), list[Change]()
-    moving = {place: int(np.sign(float(state[at]))) for place, at in _velocities(tree).items()}
+    moving = {index: int(np.sign(float(state[at]))) for index, at in _velocities(tree).items()}
     modes = settled(tree, state, moving)
     phase = _Phase(instants[0], state, modes, _slipping(modes, moving))
     rows, left = [state], most_steps(solver.solver)
@@ -117,12 +117,12 @@ def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> 
         crossing, left = _advanced(tree, kind, solver, phase, instants, rows, left)
         if crossing is None:
             break
-        place, time = crossing
+        index, time = crossing
         if len(changes) >= MOST_CHANGES:
             raise OutOfReach(f"more than {MOST_CHANGES} changes between sticking and slipping before t = {float(time):.6g} s")
         before, modes = phase.modes, phase.modes
-        slope = _slope(tree, solver, phase, place, time)
-        state, modes = _changed(tree, solver.output(time), before, place)
+        slope = _slope(tree, solver, phase, index, time)
+        state, modes = _changed(tree, solver.output(time), before, index)
         changes += [Change(time, tree.links[each].joint, mode, slope) for each, mode in modes.items() if mode != before[each]]
         phase = _Phase(time, state, modes, _slipping(modes, before))
     return np.array(rows), tuple(changes)
@@ -130,13 +130,13 @@ def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> 
 
 def _slipping(modes: Modes, before: Modes) -> frozenset[int]:
     """The links that have begun to slip."""
-    return frozenset(place for place, mode in modes.items() if mode and mode != before[place])
+    return frozenset(index for index, mode in modes.items() if mode and mode != before[index])
 
 
 def _velocities(tree: Tree) -> dict[int, int]:
     """The places in a state of the velocities of links with dry friction, by the places of the links."""
     places = places_of_rates([(link.kind, link.parent) for link in tree.links])
-    return {place: places[place] for place, link in enumerate(tree.links) if link.friction}
+    return {index: places[index] for index, link in enumerate(tree.links) if link.friction}
 
 
 def _advanced(
@@ -157,10 +157,10 @@ def _advanced(
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
             raise OutOfReach(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}")
         ignored = phase.begun if first else frozenset[int]()
-        found = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
-        if first and not found:
-            found = [(place, begin) for place in watched if _exceeded(tree, inner.state, phase.modes, place)]
-        crossing = min(found, key=lambda each: each[1], default=None)
+        crossings = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
+        if first and not crossings:
+            crossings = [(index, begin) for index in watched if _left(tree, inner.state, phase.modes, index) < -NEAR]
+        crossing = min(crossings, key=lambda each: each[1], default=None)
         until = inner.time if crossing is None else crossing[1]
         while len(rows) < len(instants) and instants[len(rows)] <= until:
             rows.append(solver.output(instants[len(rows)]))
@@ -171,29 +171,29 @@ def _advanced(
     raise OutOfReach(f"Taylor's method stopped at t = {float(inner.time):.6g} s, since the motion needs too many steps")
 
 
-def _changed(tree: Tree, state: WideArray, modes: Modes, place: int) -> tuple[WideArray, Modes]:
+def _changed(tree: Tree, state: WideArray, modes: Modes, index: int) -> tuple[WideArray, Modes]:
     """The state after a change of a link, and what the links do from then on."""
-    if not modes[place]:
+    if not modes[index]:
         # Its acceleration begins at zero, so that nothing changes at once for the others.
-        return state, {**modes, place: int(np.sign(_strains(tree, state, modes)[place]))}
+        return state, {**modes, index: int(np.sign(_strains(tree, state, modes)[index]))}
     state, velocities = state.copy(), _velocities(tree)
     largest = float(max(abs(state[at]) for at in velocities.values()))
     moving = dict(modes)
     for each, at in velocities.items():
-        if each == place or not modes[each] or abs(float(state[at])) <= NEAR**1.5 * largest:
+        if each == index or not modes[each] or abs(float(state[at])) <= NEAR**1.5 * largest:
             state[at], moving[each] = state[at] * 0, 0
     return state, settled(tree, state, moving)
 
 
 def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
-    """What the links with dry friction do: those that move as they are, those at rest (0) as their accelerations say.
+    """Return the modes of links with dry friction: moving links keep theirs, and accelerations decide those at rest (0).
 
     Raises
     ------
     OutOfReach
         If rounding leaves no solution.
     """
-    rest = [place for place, mode in moving.items() if not mode]
+    rest = [index for index, mode in moving.items() if not mode]
     if not rest:
         return dict(moving)
     free, across = _responses(tree, state, moving, rest)
@@ -211,15 +211,15 @@ def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
 
 
 def _guess(free: Array, across: Array) -> tuple[int, ...]:
-    """What joints at rest do by the projected Gauss-Seidel iteration, which converges to the solution.
+    """Return the modes of joints at rest by the projected Gauss-Seidel iteration, which converges to the solution.
 
     free: (m,) accelerations without friction. across: (m, m) what each one's whole friction adds.
     """
     force = np.zeros(len(free))
     for _ in range(ROUNDS):
         before = force.copy()
-        for place, row in enumerate(across):
-            force[place] = np.clip(force[place] - (free[place] + row @ force) / row[place], -1.0, 1.0)
+        for index, row in enumerate(across):
+            force[index] = np.clip(force[index] - (free[index] + row @ force) / row[index], -1.0, 1.0)
         if np.abs(force - before).max() < UNCHANGED:
             break
     acceleration, scale = free + across @ force, np.abs(free) + np.abs(across).sum(axis=1)
@@ -229,30 +229,32 @@ def _guess(free: Array, across: Array) -> tuple[int, ...]:
 
 def _responses(tree: Tree, state: WideArray, moving: Modes, rest: Sequence[int]) -> tuple[Array, Array]:
     """The accelerations (m,) of links at rest without their friction, and (m, m) what each one's whole friction adds."""
-    form, places = _with_modes(tree, moving), [_velocities(tree)[place] for place in rest]
-    # A joint at rest is not held here: its acceleration without friction is asked for.
+    form, places = _with_modes(tree, moving), [_velocities(tree)[index] for index in rest]
+    # A joint at rest is not held here: its acceleration without friction is needed.
     constants = [
-        replace(own, moves=1) if place in moving and not moving[place] else own for place, own in enumerate(form.constants)
+        replace(each, moves=1) if index in moving and not moving[index] else each for index, each in enumerate(form.constants)
     ]
 
     def accelerations(pushed: int | None) -> Array:
-        given = list(constants)
+        pushed_constants = list(constants)
         if pushed is not None:
-            given[pushed] = replace(given[pushed], force=given[pushed].force + float(tree.links[pushed].friction))
-        rates = derivatives(Form(form.links, given, form.gravity), state.astype(float).tolist(), math).state
+            pushed_constants[pushed] = replace(
+                pushed_constants[pushed], force=pushed_constants[pushed].force + float(tree.links[pushed].friction)
+            )
+        rates = derivatives(Form(form.links, pushed_constants, form.gravity), state.astype(float).tolist(), math).state
         return np.array([float(rates[at]) for at in places])
 
     free = accelerations(None)
-    return free, np.stack([accelerations(place) - free for place in rest], axis=1)
+    return free, np.stack([accelerations(index) - free for index in rest], axis=1)
 
 
 def _with_modes(tree: Tree, modes: Mapping[int, int]) -> Form:
     """A tree in doubles whose links with dry friction slip or stick."""
     form = in_doubles(tree)
     constants = list(form.constants)
-    for place, mode in modes.items():
-        force = constants[place].force - mode * float(tree.links[place].friction)
-        constants[place] = replace(constants[place], force=force, moves=abs(mode))
+    for index, mode in modes.items():
+        force = constants[index].force - mode * float(tree.links[index].friction)
+        constants[index] = replace(constants[index], force=force, moves=abs(mode))
     return Form(form.links, constants, form.gravity)
 
 
@@ -260,36 +262,31 @@ def _strains(tree: Tree, state: WideArray, modes: Modes) -> list[float]:
     return [float(strain) for strain in derivatives(_with_modes(tree, modes), state.astype(float).tolist(), math).strains]
 
 
-def _left(tree: Tree, state: WideArray, modes: Modes, place: int) -> float:
-    """What is left of the friction of a link that sticks, in units of the friction; its velocity where it slips."""
-    if modes[place]:
-        return abs(float(state[_velocities(tree)[place]]))
-    return 1 - abs(_strains(tree, state, modes)[place]) / float(tree.links[place].friction)
+def _left(tree: Tree, state: WideArray, modes: Modes, index: int) -> float:
+    """Return the unused part of the friction of a link that sticks, in units of the friction; the speed of one that slips."""
+    if modes[index]:
+        return abs(float(state[_velocities(tree)[index]]))
+    return 1 - abs(_strains(tree, state, modes)[index]) / float(tree.links[index].friction)
 
 
 def _nearly_slipping(tree: Tree, state: WideArray, modes: Modes) -> list[int]:
     """The links that stick with all of their friction."""
-    sticking = [place for place, mode in modes.items() if not mode]
-    return [place for place in sticking if _left(tree, state, modes, place) < NEAR]
+    sticking = [index for index, mode in modes.items() if not mode]
+    return [index for index in sticking if _left(tree, state, modes, index) < NEAR]
 
 
-def _exceeded(tree: Tree, state: WideArray, modes: Modes, place: int) -> bool:
-    """Whether a link cannot stick any more."""
-    return _left(tree, state, modes, place) < -NEAR
-
-
-def _slope(tree: Tree, solver: _Solver, phase: _Phase, place: int, time: Any) -> float:
-    """How fast the velocity of a link, or what is left of its friction, became zero at a time of the last step."""
+def _slope(tree: Tree, solver: _Solver, phase: _Phase, index: int, time: Any) -> float:
+    """Return the rate at which the velocity of a link, or its unused friction, became zero at a time of the last step."""
     lapse = time - phase.time
     if lapse <= 0:
         return 0.0
     begin = time - min(lapse, abs(solver.solver.last_h)) * 2.0**-13
-    unit = 1.0 if phase.modes[place] else float(tree.links[place].friction)
-    return _left(tree, solver.output(begin), phase.modes, place) * unit / float(time - begin)
+    unit = 1.0 if phase.modes[index] else float(tree.links[index].friction)
+    return _left(tree, solver.output(begin), phase.modes, index) * unit / float(time - begin)
 
 
 def _check_directions(tree: Tree, state: WideArray, modes: Modes, time: float) -> None:
     """Raise `OutOfReach` if a link slips against the direction in which it was last known to."""
-    for place, at in _velocities(tree).items():
-        if modes[place] * float(state[at]) < -NEAR * float(np.abs(state.astype(float)).max()):
+    for index, at in _velocities(tree).items():
+        if modes[index] * float(state[at]) < -NEAR * float(np.abs(state.astype(float)).max()):
             raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips after t = {time:.6g} s")

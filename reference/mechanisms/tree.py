@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, unit
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, multiply, scaled, unit
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.articulated import Constants, Kind
 from bodycheck.reference.mechanisms.frames import (
-    ORIGIN,
     Moving,
     Place,
     about_origin,
@@ -29,7 +28,6 @@ from bodycheck.reference.mechanisms.frames import (
     onto,
     placed,
     rotated,
-    scaled,
 )
 from bodycheck.reference.mechanisms.joint_types import MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
@@ -93,17 +91,17 @@ class Tree:
 
     @property
     def floats(self) -> bool:
-        """Whether the first link is free and carries others."""
+        """True if the first link is free and carries others."""
         return self.links[0].kind == "free" and len(self.links) > 1
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """Where a body is: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
+    """The place of a body: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
 
     tree: int
     link: int
-    place: Place
+    pose: Place
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,24 +124,24 @@ class _Draft:
     def moving(self, anchor: Anchor) -> Moving:
         """The motion of a body's frame at t = 0."""
         if anchor.tree < 0:
-            return Moving(anchor.place)
-        return self.trees[anchor.tree][anchor.link].start.carried(anchor.place)
+            return Moving(anchor.pose)
+        return self.trees[anchor.tree][anchor.link].start.carried(anchor.pose)
 
 
 @functools.lru_cache(maxsize=64)
 def forest(mechanism: Mechanism) -> Forest:
     """The trees of a mechanism."""
     draft = _Draft(mechanism, [], [], {WORLD: Anchor(-1, -1, Place())})
-    joints = {joint.child: (place, joint) for place, joint in enumerate(mechanism.joints)}
+    joints = {joint.child: (index, joint) for index, joint in enumerate(mechanism.joints)}
     for body in _ordered(mechanism):
-        place, joint = joints.get(body, (-1, None))
+        index, joint = joints.get(body, (-1, None))
         if joint is not None and joint.type == "fixed":
             parent = draft.anchors[joint.parent]
-            draft.anchors[body] = Anchor(parent.tree, parent.link, parent.place.then(_frame_of(joint)))
+            draft.anchors[body] = Anchor(parent.tree, parent.link, parent.pose.then(_frame_of(joint)))
         elif joint is None or joint.type == "free":
-            _add_free(draft, body, place, joint)
+            _add_free(draft, body, index, joint)
         else:
-            _add_jointed(draft, body, place, joint)
+            _add_jointed(draft, body, index, joint)
     down = vector((0, 0, -mechanism.gravity))
     trees = tuple(
         Tree(tuple(links), base, _gravity(links[0], base, down), down)
@@ -174,26 +172,26 @@ def _frame_of(joint: Joint) -> Place:
 
 
 def _made(body: JointedBody) -> MassProperties:
-    own = exact.inertia(body)
-    return MassProperties(own.mass, own.centre, own.tensor)
+    inertia = exact.inertia(body)
+    return MassProperties(inertia.mass, inertia.centre, inertia.tensor)
 
 
 def _fused(mechanism: Mechanism, body: int) -> MassProperties:
     """The mass properties of a body and of all that is fixed to it, in its frame."""
     parts, frames = [_made(mechanism.bodies[body])], [(body, Place())]
-    for carrier, place in frames:
+    for carrier, pose in frames:
         for joint in mechanism.joints:
             if joint.parent == carrier and joint.type == "fixed":
-                frames.append((joint.child, place.then(_frame_of(joint))))
+                frames.append((joint.child, pose.then(_frame_of(joint))))
                 parts.append(placed(_made(mechanism.bodies[joint.child]), frames[-1][1]))
     return joined(parts) if len(parts) > 1 else parts[0]
 
 
-def _add_free(draft: _Draft, body: int, place: int, joint: Joint | None) -> None:
+def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -> None:
     """Add a tree that begins with a free body."""
-    made = _fused(draft.mechanism, body)
-    moments, axes = principal_axes(made.tensor)
-    own = Place(axes, made.centre)
+    properties = _fused(draft.mechanism, body)
+    moments, axes = principal_axes(properties.tensor)
+    centred_frame = Place(axes, properties.centre)
     if joint is None:
         socket, start = Place(), _body_start(draft.mechanism.bodies[body])
     else:
@@ -203,23 +201,23 @@ def _add_free(draft: _Draft, body: int, place: int, joint: Joint | None) -> None
         inner = Place(unit((w, i, j, k)), (x, y, z))
         velocity, spin = vector(joint.start_velocity[:3]), vector(joint.start_velocity[3:])
         start = parent.carried(socket).moved(inner, velocity, spin)
-    centred = start.carried(own)
+    centred = start.carried(centred_frame)
     tensor = (*moments, *ORIGIN)
-    constants = _constants(Place(), MassProperties(made.mass, ORIGIN, tensor))
+    constants = _constants(Place(), MassProperties(properties.mass, ORIGIN, tensor))
     link = Link(
         kind="free",
         parent=STILL,
         constants=constants,
         friction=MP.mpf(0),
-        joint=place,
+        joint=joint_index,
         coordinate=0,
         before=Place(),
         socket=socket,
-        coordinates=centred.place.turn,
+        coordinates=centred.pose.turn,
         rates=centred.spin,
         start=centred,
     )
-    draft.anchors[body] = Anchor(len(draft.trees), 0, own.inverse())
+    draft.anchors[body] = Anchor(len(draft.trees), 0, centred_frame.inverse())
     draft.trees.append([link])
     draft.bases.append(Place())
 
@@ -227,26 +225,26 @@ def _add_free(draft: _Draft, body: int, place: int, joint: Joint | None) -> None
 def _body_start(body: JointedBody) -> Moving:
     """The motion of the frame of a body without a joint at t = 0."""
     assert body.start is not None, "a body without a joint has an initial state"
-    given = body.start
-    turn, spin = exact.turn(given.attitude), exact.rates(given.attitude, given.rotation)
-    at_centre = Moving(Place(turn, vector(given.position)), vector(given.velocity), spin)
+    begin = body.start
+    turn, spin = exact.turn(begin.attitude), exact.rates(begin.attitude, begin.rotation)
+    at_centre = Moving(Place(turn, vector(begin.position)), vector(begin.velocity), spin)
     return at_centre.carried(Place(origin=scaled(MP.mpf(-1), exact.inertia(body).centre)))
 
 
-def _add_jointed(draft: _Draft, body: int, place: int, joint: Joint) -> None:
+def _add_jointed(draft: _Draft, body: int, joint_index: int, joint: Joint) -> None:
     """Add the links of a joint that transmits forces."""
     anchor = draft.anchors[joint.parent]
-    tree, parent, socket = anchor.tree, anchor.link, anchor.place.then(_frame_of(joint))
+    tree, parent, socket = anchor.tree, anchor.link, anchor.pose.then(_frame_of(joint))
     if tree < 0:
         tree, parent = len(draft.trees), STILL
         draft.trees.append([])
         draft.bases.append(_base(joint, socket))
         socket = draft.bases[tree].inverse().then(socket)
-    links, made = draft.trees[tree], _fused(draft.mechanism, body)
+    links, properties = draft.trees[tree], _fused(draft.mechanism, body)
     below = Moving(draft.bases[tree]) if parent == STILL else links[parent].start
     if joint.type == "spherical":
-        links.append(_ball(joint, place, parent, socket, made, below))
-        draft.anchors[body] = Anchor(tree, len(links) - 1, Place(conjugate(_principal(made))))
+        links.append(_ball(joint, joint_index, parent, socket, properties, below))
+        draft.anchors[body] = Anchor(tree, len(links) - 1, Place(conjugate(_principal(properties))))
         return
     axes = _axes(joint)
     for coordinate, (kind, axis) in enumerate(axes):
@@ -254,8 +252,8 @@ def _add_jointed(draft: _Draft, body: int, place: int, joint: Joint) -> None:
         before = _before(kind, socket, rotated(socket.turn, axis), parallel)
         after = before.inverse().then(socket)
         last = coordinate == len(axes) - 1
-        own = placed(made, after) if last else None
-        link = _single(joint, place, coordinate, kind, parent, before, socket, own, below)
+        link_properties = placed(properties, after) if last else None
+        link = _single(joint, joint_index, coordinate, kind, parent, before, socket, link_properties, below)
         links.append(link)
         parent, socket, below = len(links) - 1, after, link.start
     draft.anchors[body] = Anchor(tree, parent, socket)
@@ -284,16 +282,16 @@ def _before(kind: Kind, socket: Place, axis: Vector3, parallel: bool) -> Place:
 
 def _single(
     joint: Joint,
-    place: int,
+    joint_index: int,
     coordinate: int,
     kind: Kind,
     parent: int,
     before: Place,
     socket: Place,
-    made: MassProperties | None,
+    properties: MassProperties | None,
     below: Moving,
 ) -> Link:
-    """The link of a revolute or prismatic joint. made: its mass properties in its frame, None for one without mass."""
+    """The link of a revolute or prismatic joint. properties: its mass properties in its frame, None for one without mass."""
     q, v = (MP.mpf(values[coordinate]) if values else MP.mpf(0) for values in (joint.start, joint.start_velocity))
     cosine, sine = MP.cos_sin(q / 2)
     turning = kind == "revolute"
@@ -302,9 +300,9 @@ def _single(
     return Link(
         kind=kind,
         parent=parent,
-        constants=_constants(before, made, joint),
+        constants=_constants(before, properties, joint),
         friction=MP.mpf(joint.friction),
-        joint=place,
+        joint=joint_index,
         coordinate=coordinate,
         before=before,
         socket=socket,
@@ -314,18 +312,18 @@ def _single(
     )
 
 
-def _ball(joint: Joint, place: int, parent: int, socket: Place, made: MassProperties, below: Moving) -> Link:
+def _ball(joint: Joint, joint_index: int, parent: int, socket: Place, properties: MassProperties, below: Moving) -> Link:
     """The link of a ball."""
-    own, before = _principal(made), Place(origin=socket.origin)
+    axes, before = _principal(properties), Place(origin=socket.origin)
     w, x, y, z = (MP.mpf(value) for value in joint.start)
-    turn = multiply(multiply(socket.turn, unit((w, x, y, z))), own)
-    spin = rotated(conjugate(own), vector(joint.start_velocity))
+    turn = multiply(multiply(socket.turn, unit((w, x, y, z))), axes)
+    spin = rotated(conjugate(axes), vector(joint.start_velocity))
     return Link(
         kind="ball",
         parent=parent,
-        constants=_constants(before, placed(made, Place(conjugate(own))), joint),
+        constants=_constants(before, placed(properties, Place(conjugate(axes))), joint),
         friction=MP.mpf(0),
-        joint=place,
+        joint=joint_index,
         coordinate=0,
         before=before,
         socket=socket,
@@ -335,18 +333,18 @@ def _ball(joint: Joint, place: int, parent: int, socket: Place, made: MassProper
     )
 
 
-def _principal(made: MassProperties) -> tuple[Real, Real, Real, Real]:
+def _principal(properties: MassProperties) -> tuple[Real, Real, Real, Real]:
     """The rotation from the principal axes about the origin."""
-    return principal_axes(about_origin(made))[1]
+    return principal_axes(about_origin(properties))[1]
 
 
-def _constants(before: Place, made: MassProperties | None, joint: Joint | None = None) -> Constants:
+def _constants(before: Place, properties: MassProperties | None, joint: Joint | None = None) -> Constants:
     """The numbers of a link with its mass properties in its frame."""
-    made = made or MassProperties(MP.mpf(0), ORIGIN, (*ORIGIN, *ORIGIN))
+    properties = properties or MassProperties(MP.mpf(0), ORIGIN, (*ORIGIN, *ORIGIN))
     rows = [entry for row in matrix(before.turn) for entry in row]
-    tensor = cleaned(about_origin(made), sum(abs(part) for part in about_origin(made)))
+    tensor = cleaned(about_origin(properties), sum(abs(part) for part in about_origin(properties)))
     xx, yy, zz, *_ = tensor
-    reach = sum(abs(part) for part in made.centre)
+    reach = sum(abs(part) for part in properties.centre)
     armature, damping, stiffness, rest, effort = (
         (MP.mpf(0),) * 5
         if joint is None
@@ -355,8 +353,8 @@ def _constants(before: Place, made: MassProperties | None, joint: Joint | None =
     return Constants(
         turn=cleaned(rows, MP.mpf(1)),
         offset=cleaned(before.origin, sum(abs(part) for part in before.origin)),
-        mass=made.mass,
-        moment=tuple(made.mass * part for part in cleaned(made.centre, reach)),
+        mass=properties.mass,
+        moment=tuple(properties.mass * part for part in cleaned(properties.centre, reach)),
         tensor=tensor,
         differences=cleaned((zz - yy, xx - zz, yy - xx), abs(xx) + abs(yy) + abs(zz)),
         armature=armature,

@@ -1,7 +1,8 @@
-"""The equations of a tree in heyoka's expressions, and their parameters.
+"""The equations of a tree in heyoka's expressions, their parameters, and their solution by Taylor's method (Linux only).
 
 One compilation serves all mechanisms whose trees have the same kinds of links on the same parents, dry friction at the same
-joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk.
+joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk. Importing this
+raises `ImportError` where heyoka is not installed.
 """
 
 import functools
@@ -11,11 +12,11 @@ from typing import Any
 
 import heyoka as hy
 
-from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import Equations
+from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
 from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
-from bodycheck.reference.mechanisms.link_states import SIZES, Form, derivatives, places_of_rates
+from bodycheck.reference.mechanisms.link_states import SIZES, Course, Form, derivatives, places_of_rates, split, start
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
 #: What is known of a number when the equations are written: 0, 1 and -1 themselves, and None for a parameter.
@@ -43,7 +44,7 @@ _BEGINNING = 1e-60
 
 @dataclass(frozen=True)
 class Shape:
-    """What compiled equations depend on.
+    """The properties of a tree that its compiled equations depend on.
 
     links: the kind and the parent of each link. marks: those of its numbers. gravity: those of gravity. dry: the places of the
     links with dry friction.
@@ -56,7 +57,7 @@ class Shape:
 
     @property
     def large(self) -> bool:
-        """Whether the equations are too many for optimised code."""
+        """True if the equations are too many for optimised code."""
         return sum(len(FREEDOMS[kind]) for kind, _ in self.links) > MOST_OPTIMISED
 
 
@@ -77,13 +78,31 @@ def most_steps(solver: Any) -> int:
     return max(1, min(MAX_STEPS, MAX_OPERATIONS // len(solver.decomposition)))
 
 
+def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+    """The links of a tree without dry friction at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
+    shape = shape_of(tree)
+    solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
+    rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
+    return Course(split(tree, rows, times, kind), ())
+
+
+@functools.cache
+def _equations(shape: Shape) -> functools.partial[Equations]:
+    """A function that gives the equations, always the same one, since compiled integrators are known by it."""
+    return functools.partial(_system, shape)
+
+
+def _system(shape: Shape) -> Equations:
+    return written(shape).system
+
+
 def shape_of(tree: Tree) -> Shape:
-    """What the compiled equations of a tree depend on."""
+    """Return the properties of a tree that its compiled equations depend on."""
     return Shape(
         tuple((link.kind, link.parent) for link in tree.links),
         tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),
         tuple(_mark(part, ones=False) for part in tree.gravity),
-        tuple(place for place, link in enumerate(tree.links) if link.friction),
+        tuple(index for index, link in enumerate(tree.links) if link.friction),
     )
 
 
@@ -93,14 +112,14 @@ def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]
     modes: what each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
     """
     modes = modes or {}
-    found: list[Real] = []
-    for place, link in enumerate(tree.links):
-        constants = with_mode(link, modes[place]) if link.friction else link.constants
-        found += [number for mark, number in _numbers(link, constants) if mark is None]
-    found += [part for part in tree.gravity if part]
-    for place, mode in modes.items():
-        found += [tree.links[place].friction, MP.mpf(mode)]
-    return found
+    values: list[Real] = []
+    for index, link in enumerate(tree.links):
+        constants = with_mode(link, modes[index]) if link.friction else link.constants
+        values += [number for mark, number in _numbers(link, constants) if mark is None]
+    values += [part for part in tree.gravity if part]
+    for index, mode in modes.items():
+        values += [tree.links[index].friction, MP.mpf(mode)]
+    return values
 
 
 def with_mode(link: Link, mode: int) -> Constants:
@@ -128,23 +147,23 @@ def written(shape: Shape) -> Written:
 
     def symbols(marks: Sequence[Mark]) -> list[Any]:
         nonlocal taken
-        found: list[Any] = []
+        entries: list[Any] = []
         for mark in marks:
-            found.append(hy.par[taken] if mark is None else mark)
+            entries.append(hy.par[taken] if mark is None else mark)
             taken += mark is None
-        return found
+        return entries
 
     constants = [_named(symbols(marks)) for marks in shape.marks]
     form = Form(shape.links, constants, symbols(shape.gravity))
     count = sum(sum(SIZES[kind]) for kind, _ in shape.links) + 6 * form.floats
-    state = [hy.make_vars(f"x{place}") for place in range(count)]
+    state = [hy.make_vars(f"x{index}") for index in range(count)]
     rates, velocities = derivatives(form, state, hy), places_of_rates(shape.links)
     margins = []
-    for place in shape.dry:
+    for index in shape.dry:
         friction, mode = symbols((None, None))
-        slips, strain = constants[place].moves, rates.strains[place]
+        slips, strain = constants[index].moves, rates.strains[index]
         left = (friction - strain) * (friction + strain)
-        margins.append(slips * (mode * state[velocities[place]] + _BEGINNING) + (1 - slips) * left)
+        margins.append(slips * (mode * state[velocities[index]] + _BEGINNING) + (1 - slips) * left)
     # A derivative that is zero is a number here, which heyoka takes only as an expression.
     system = [(x, hy.expression(0.0) + rate) for x, rate in zip(state, rates.state, strict=True)]
     return Written(system, margins)
@@ -155,7 +174,7 @@ def _named(symbols: list[Any]) -> Constants:
     values, taken = dict[str, Any](), 0
     for field in fields(Constants):
         size = _SIZES.get(field.name, 1)
-        own = symbols[taken : taken + size]
-        values[field.name] = own if field.name in _SIZES else own[0]
+        numbers = symbols[taken : taken + size]
+        values[field.name] = numbers if field.name in _SIZES else numbers[0]
         taken += size
     return Constants(**values)

@@ -66,29 +66,29 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
     """The truth of a mechanism with what its bounds come from; arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        found = followed(mechanism, times)
-        return joined(mechanism, times, found, witness_of(mechanism, times, found) if vouched else None)
+        course = followed(mechanism, times)
+        return joined(mechanism, times, course, witness_of(mechanism, times, course) if vouched else None)
 
 
-def joined(mechanism: Mechanism, times: Array, found: Followed, witness: Way | None) -> Computed:
+def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Computed:
     """The truth of a mechanism at times (n,), s, from its way and the witness of this."""
-    own = printed(mechanism, times, found)
-    errors = own.bounds.of_states()
+    rounded = printed(mechanism, times, course)
+    errors = rounded.bounds.of_states()
     if witness is not None:
-        for name, difference in disagreement(mechanism, found.way, witness).items():
+        for name, difference in disagreement(mechanism, course.way, witness).items():
             errors[name] = errors[name] + DISAGREEMENT * np.maximum.accumulate(difference)
     truth = Truth(
         mechanism,
-        own.trajectory,
-        _explained(mechanism, own, errors),
-        found.model,
-        found.reason,
-        found.backend,
+        rounded.trajectory,
+        _explained(mechanism, rounded, errors),
+        course.model,
+        course.reason,
+        course.backend,
         () if witness is None else (witness.name,),
-        joints=own.joints,
-        growth=None if found.growth is None else found.growth.of_start,
+        joints=rounded.joints,
+        growth=None if course.growth is None else course.growth.of_start,
     )
-    return Computed(truth, own.bounds, ())
+    return Computed(truth, rounded.bounds, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,44 +100,44 @@ class Printed:
     bounds: Bounds
 
 
-def printed(mechanism: Mechanism, times: Array, found: Followed) -> Printed:
+def printed(mechanism: Mechanism, times: Array, course: Followed) -> Printed:
     """The motion of a way at times (n,), s, rounded to double precision."""
-    motion = found.way.motion
+    motion = course.way.motion
     states = motion.bodies.position, motion.bodies.quaternion, motion.bodies.velocity, motion.bodies.angular_velocity
     trajectory = Trajectory(times, *(values.astype(float) for values in states))
     largest = sizes(mechanism, motion)
-    errors = {name: found.way.errors[name] + EPS * largest[name] for name in STATES}
+    errors = {name: course.way.errors[name] + EPS * largest[name] for name in STATES}
     errors["error"] = errors["error"] + PRINTED_ROUNDINGS * EPS
     joints = JointMotion(motion.position.astype(float), motion.velocity.astype(float))
     return Printed(trajectory, joints, bounds_of(mechanism, trajectory, joints.position, errors))
 
 
-def _explained(mechanism: Mechanism, own: Printed, errors: dict[str, Array]) -> Bounds:
+def _explained(mechanism: Mechanism, rounded: Printed, errors: dict[str, Array]) -> Bounds:
     """The bounds of all figures, larger where energy or a centre of mass drifts by more than they allow."""
-    trajectory, joints = own.trajectory, own.joints.position
-    found = bounds_of(mechanism, trajectory, joints, errors)
+    trajectory, joints = rounded.trajectory, rounded.joints.position
+    bounds = bounds_of(mechanism, trajectory, joints, errors)
     if not len(trajectory):
-        return found
-    short = np.maximum(_drifted(mechanism, trajectory, found), _fallen(mechanism, trajectory, found))
+        return bounds
+    short = np.maximum(_drifted(mechanism, trajectory, bounds), _fallen(mechanism, trajectory, bounds))
     if not (short > 1).any():
-        return found
+        return bounds
     return bounds_of(mechanism, trajectory, joints, {name: values * np.maximum(short, 1.0) for name, values in errors.items()})
 
 
-def _drifted(mechanism: Mechanism, trajectory: Trajectory, found: Bounds) -> Array:
-    """How far (n,) the energy has drifted at most, in units of what its bound allows; zero where it is not conserved."""
+def _drifted(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Array:
+    """Return the largest drift (n,) of the energy so far, in units of what its bound allows; zero where it is not conserved."""
     if not mechanism.conserves:
         return np.zeros(len(trajectory))
     seen = observables.observe(mechanism, trajectory)
     start = observables.observe(mechanism, kinematics.initial(mechanism)).total_energy[0]
     weights = observables.masses(mechanism)[:, None] * mechanism.gravity * np.abs(trajectory.position[..., 2])
     terms = seen.kinetic_energy + np.abs(seen.potential_energy) + weights.sum(axis=0)
-    allowed = found.energy_error + OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(terms)
+    allowed = bounds.energy_error + OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(terms)
     return _largest_ratio(np.abs(seen.total_energy - start), allowed)
 
 
-def _fallen(mechanism: Mechanism, trajectory: Trajectory, found: Bounds) -> Array:
-    """How far (n,) a tree that floats freely is off its parabola at most, in units of what the bound of positions allows."""
+def _fallen(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Array:
+    """Return the largest distance (n,) so far of floating trees from their parabolas, in units of the bound of positions."""
     largest = np.zeros(len(trajectory))
     masses = observables.masses(mechanism)
     for tree in floating(mechanism, trajectory.t):
@@ -146,7 +146,7 @@ def _fallen(mechanism: Mechanism, trajectory: Trajectory, found: Bounds) -> Arra
         mean = (masses[bodies, None, None] * places).sum(axis=0) / masses[bodies].sum()
         off = np.linalg.norm((mean - tree.centre).astype(float), axis=1)
         rounding = OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(np.linalg.norm(places, axis=2).max(axis=0))
-        largest = np.maximum(largest, _largest_ratio(off, found.position_error + rounding))
+        largest = np.maximum(largest, _largest_ratio(off, bounds.position_error + rounding))
     return largest
 
 

@@ -68,13 +68,13 @@ Follow = Callable[[Mechanism, Array], Motion]
 
 
 def letters(mechanism: Mechanism) -> tuple[str, str]:
-    """What the coordinates and the velocities of a mechanism's joints are, a letter of `joint_types.LETTERS` each."""
+    """Return the kinds of a mechanism's coordinates and velocities, a letter of `joint_types.LETTERS` each."""
     forms = [joint.form for joint in mechanism.joints]
     return "".join(form.coordinates for form in forms), "".join(form.velocities for form in forms)
 
 
 def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
-    """How far two motions are apart at each instant (n,), by the names of `bounds.STATES`.
+    """Return the differences (n,) of two motions at each instant, by the names of `bounds.STATES`.
 
     Each is the largest over all bodies and joints: angles of attitudes and joints together, places and slides, and their rates.
     All differences are formed in the wider of the two types.
@@ -100,12 +100,12 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
 
 
 def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
-    """How far two ways are apart, by the names of `bounds.STATES`, with what contradicts either."""
-    found = apart(mechanism, one.motion, other.motion)
-    for name, way in itertools.product(found, (one, other)):
+    """Return the differences (n,) of two ways, by the names of `bounds.STATES`, with what contradicts either."""
+    differences = apart(mechanism, one.motion, other.motion)
+    for name, way in itertools.product(differences, (one, other)):
         if name in way.strays:
-            found[name] = found[name] + way.strays[name]
-    return found
+            differences[name] = differences[name] + way.strays[name]
+    return differences
 
 
 def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
@@ -113,8 +113,8 @@ def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
     held, moving = letters(mechanism)
     bodies = motion.bodies
 
-    def largest(vectors: WideArray, joints: WideArray, own: str, letter: str) -> Array:
-        return np.maximum(_lengths(vectors, np.zeros_like(vectors)), _differences(joints, np.zeros_like(joints), own, letter))
+    def largest(vectors: WideArray, joints: WideArray, kinds: str, letter: str) -> Array:
+        return np.maximum(_lengths(vectors, np.zeros_like(vectors)), _differences(joints, np.zeros_like(joints), kinds, letter))
 
     return {
         "error": _differences(motion.position, np.zeros_like(motion.position), held, "a"),
@@ -136,11 +136,11 @@ def _lengths(one: WideArray, other: WideArray) -> Array:
     return np.asarray(np.sqrt((difference * difference).sum(axis=-1)).astype(float).max(axis=0))
 
 
-def _differences(one: WideArray, other: WideArray, own: str, letter: str) -> Array:
+def _differences(one: WideArray, other: WideArray, letters: str, letter: str) -> Array:
     """The largest difference (n,) between those coordinates (n, c) that have a letter."""
-    columns = [place for place, each in enumerate(own) if each == letter]
-    found = np.abs(one[:, columns] - other[:, columns]).astype(float)
-    return np.asarray(found.max(axis=1, initial=0.0))
+    columns = [column for column, each in enumerate(letters) if each == letter]
+    differences = np.abs(one[:, columns] - other[:, columns]).astype(float)
+    return np.asarray(differences.max(axis=1, initial=0.0))
 
 
 def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: dict[str, Array]) -> Bounds:
@@ -159,7 +159,7 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
     errors
         (n,) bounds of the errors of the states, by the names of `bounds.STATES`.
     """
-    known = {name: errors[name] for name in STATES}
+    of_states = {name: errors[name] for name in STATES}
     masses = observables.masses(mechanism)[:, None]
     moments = np.array([np.trace(observables.tensor(body)) / 2 for body in mechanism.bodies])[:, None]
     speeds, spins = (np.sqrt(dot(each, each)) for each in (motion.velocity, motion.angular_velocity))
@@ -173,8 +173,8 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
     )
     momentum = masses * ((arms + shift) * 2 * slip + drifts * 2 * shift) + moments * (spun + spins * turned)
     return Bounds(
-        **known,
-        energy_error=energy.sum(axis=0) + _of_joints(mechanism, joints, motion, known),
+        **of_states,
+        energy_error=energy.sum(axis=0) + _of_joints(mechanism, joints, motion, of_states),
         angular_momentum_error=momentum.sum(axis=0),
     )
 
@@ -184,7 +184,7 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
 
     A joint's rate is at most the difference of the velocities of its two bodies, and has at most twice their error.
     """
-    found = np.zeros(len(motion))
+    total = np.zeros(len(motion))
     rates = {
         True: 2 * np.linalg.norm(motion.angular_velocity, axis=-1).max(axis=0),
         False: 2 * np.linalg.norm(motion.velocity, axis=-1).max(axis=0),
@@ -196,9 +196,9 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
         moved = 2 * errors["error" if turns else "position_error"]
         slipped = 2 * errors["angular_velocity_error" if turns else "velocity_error"]
         stretch = np.abs(position[:, held][:, 0] - joint.rest)
-        found += joint.armature * slipped * (rates[turns] + slipped)
-        found += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
-    return found
+        total += joint.armature * slipped * (rates[turns] + slipped)
+        total += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
+    return total
 
 
 def reach(mechanism: Mechanism) -> float:

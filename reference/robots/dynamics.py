@@ -56,7 +56,7 @@ def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
 
     matrices: (n, k, k), symmetric. right: (n, k). Where a matrix is not positive definite, its solution means nothing.
     """
-    rest, known = matrices.copy(), right.copy()
+    rest, solutions = matrices.copy(), right.copy()
     count, size = right.shape
     smallest = size * np.finfo(np.longdouble).eps * np.diagonal(matrices, axis1=1, axis2=2)
     definite = np.ones(count, np.bool_)
@@ -69,12 +69,12 @@ def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
         factor[:, k, k] = pivot
         below = factor[:, k + 1 :, k]
         rest[:, k + 1 :, k + 1 :] -= below[:, :, None] * below[:, None, :]
-        known[:, k] /= pivot
-        known[:, k + 1 :] -= below * known[:, k, None]
+        solutions[:, k] /= pivot
+        solutions[:, k + 1 :] -= below * solutions[:, k, None]
     for k in reversed(range(size)):
-        known[:, k] /= factor[:, k, k]
-        known[:, :k] -= factor[:, k, :k] * known[:, k, None]
-    return known, definite
+        solutions[:, k] /= factor[:, k, k]
+        solutions[:, :k] -= factor[:, k, :k] * solutions[:, k, None]
+    return solutions, definite
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,8 +184,8 @@ def _forces(links: Sequence[PlacedLink], velocity: Wide, acceleration: Wide, gra
     needed = [_needed(link, motion) for link, motion in zip(links, motions, strict=True)]
     pushes, torques = [push for push, _ in needed], [torque for _, torque in needed]
     efforts = np.zeros_like(velocity)
-    for place, link in reversed(list(enumerate(links))):
-        push, torque = pushes[place], torques[place]
+    for index, link in reversed(list(enumerate(links))):
+        push, torque = pushes[index], torques[index]
         efforts[:, link.columns] = each(link.slides, push) + each(link.spins, torque)
         if link.parent >= 0:
             pushes[link.parent] = pushes[link.parent] + push
@@ -226,23 +226,23 @@ def _mass_matrix(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]],
     masses = [link.mass for link in links]
     moments = [link.mass * link.centre for link in links]
     tensors = [link.tensor + link.mass * _squared(link.centre, link.centre) for link in links]
-    found = np.zeros((len(links[0].turn), len(armature), len(armature)), np.longdouble)
-    for place, link in reversed(list(enumerate(links))):
-        push, torque = _momentum(link, masses[place], moments[place], tensors[place])
-        linear, angular = maps[place]
+    matrix = np.zeros((len(links[0].turn), len(armature), len(armature)), np.longdouble)
+    for index, link in reversed(list(enumerate(links))):
+        push, torque = _momentum(link, masses[index], moments[index], tensors[index])
+        linear, angular = maps[index]
         # The power of this force along the velocity that each joint gives to the link, which only those that carry it do.
         rows = push @ np.swapaxes(linear, 1, 2) + torque @ np.swapaxes(angular, 1, 2)
-        found[:, link.columns] += rows
-        found[:, :, link.columns] += np.swapaxes(rows, 1, 2)
-        own = rows[:, :, link.columns]
-        found[:, link.columns, link.columns] = (own + np.swapaxes(own, 1, 2)) / 2
+        matrix[:, link.columns] += rows
+        matrix[:, :, link.columns] += np.swapaxes(rows, 1, 2)
+        block = rows[:, :, link.columns]
+        matrix[:, link.columns, link.columns] = (block + np.swapaxes(block, 1, 2)) / 2
         if link.parent >= 0:
-            arm, moment = link.arm, moments[place]
-            shifted = _squared(arm, moment) + _squared(moment, arm) + masses[place] * _squared(arm, arm)
-            masses[link.parent] = masses[link.parent] + masses[place]
-            moments[link.parent] = moments[link.parent] + moment + masses[place] * arm
-            tensors[link.parent] = tensors[link.parent] + tensors[place] + shifted
-    return found + np.diag(armature)
+            arm, moment = link.arm, moments[index]
+            shifted = _squared(arm, moment) + _squared(moment, arm) + masses[index] * _squared(arm, arm)
+            masses[link.parent] = masses[link.parent] + masses[index]
+            moments[link.parent] = moments[link.parent] + moment + masses[index] * arm
+            tensors[link.parent] = tensors[link.parent] + tensors[index] + shifted
+    return matrix + np.diag(armature)
 
 
 def _momentum(link: PlacedLink, mass: np.longdouble, moment: Wide, tensor: Wide) -> tuple[Wide, Wide]:

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide, from_the_root
 
 #: The place of the link that carries another one, and the origin (3,) and the rotation (3, 3) of that in the carrier's frame.
 _Place = tuple[int, Wide, Wide]
@@ -36,13 +35,13 @@ def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
             places[joint.child] = _own(joint.child)
         else:
             places[joint.child] = _carried(places[joint.parent], joint)
-    staying = [place for place in range(len(model.links)) if places[place][0] == place]
-    parts: dict[int, list[RobotLink]] = {place: [] for place in staying}
-    for place, link in enumerate(model.links):
-        carrier, origin, rotation = places[place]
-        parts[carrier].append(link if carrier == place else in_frame(link, origin, rotation))
-    new = {old: place for place, old in enumerate(staying)}
-    links = tuple(replace(joined(parts[place]), name=model.links[place].name) for place in staying)
+    staying = [index for index in range(len(model.links)) if places[index][0] == index]
+    parts: dict[int, list[RobotLink]] = {index: [] for index in staying}
+    for index, link in enumerate(model.links):
+        carrier, origin, rotation = places[index]
+        parts[carrier].append(link if carrier == index else in_frame(link, origin, rotation))
+    new = {old: index for index, old in enumerate(staying)}
+    links = tuple(replace(joined(parts[index]), name=model.links[index].name) for index in staying)
     joints = tuple(_hung(joint, places[joint.parent], new) for joint in model.joints if joint.child in new)
     return replace(model, links=links, joints=joints)
 
@@ -69,8 +68,8 @@ def joined(parts: Sequence[RobotLink]) -> RobotLink:
     return RobotLink(first.name, mass, centre, tensor)
 
 
-def _own(place: int) -> _Place:
-    return place, np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)
+def _own(index: int) -> _Place:
+    return index, np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)
 
 
 def _carried(parent: _Place, joint: RobotJoint) -> _Place:

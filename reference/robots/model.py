@@ -5,8 +5,8 @@ tree whose root is the first link without a joint to a parent. The root is welde
 of the type "floating" between a root without mass and its base.
 """
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,10 +119,52 @@ class RobotModel:
     @property
     def joint_of(self) -> tuple[RobotJoint | None, ...]:
         """The joint whose child each link is; None for the root."""
-        found = {joint.child: joint for joint in self.joints}
-        return tuple(found.get(place) for place in range(len(self.links)))
+        by_child = {joint.child: joint for joint in self.joints}
+        return tuple(by_child.get(index) for index in range(len(self.links)))
 
     @property
     def root(self) -> int:
-        """The place of the first link that is the child of no joint."""
+        """The index of the first link that is the child of no joint."""
         return self.joint_of.index(None)
+
+
+def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
+    """The joints, each followed by all that hang on its child, and those of one parent in the order of the file.
+
+    Raises `ValueError` if the joints are no tree: if a link is the child of two joints, or if the root does not lead to it.
+    """
+    carried: dict[int, list[RobotJoint]] = {}
+    for joint in model.joints:
+        carried.setdefault(joint.parent, []).append(joint)
+    if len({joint.child for joint in model.joints}) < len(model.joints):
+        raise ValueError("a link is the child of two joints")
+    ordered: list[RobotJoint] = []
+    waiting = carried.get(model.root, [])[::-1]
+    while waiting:
+        ordered.append(joint := waiting.pop())
+        waiting += carried.get(joint.child, [])[::-1]
+    if len(ordered) + 1 < len(model.links):
+        raise ValueError("the root does not lead to all links")
+    return tuple(ordered)
+
+
+def with_link(model: RobotModel, name: str, **changes: Any) -> RobotModel:
+    """The model with other attributes of the link of a name. Raises `KeyError` if there is none."""
+    index = _index([link.name for link in model.links], name)
+    links = list(model.links)
+    links[index] = replace(links[index], **changes)
+    return replace(model, links=tuple(links))
+
+
+def with_joint(model: RobotModel, name: str, **changes: Any) -> RobotModel:
+    """The model with other attributes of the joint of a name. Raises `KeyError` if there is none."""
+    index = _index([joint.name for joint in model.joints], name)
+    joints = list(model.joints)
+    joints[index] = replace(joints[index], **changes)
+    return replace(model, joints=tuple(joints))
+
+
+def _index(names: list[str], name: str) -> int:
+    if name not in names:
+        raise KeyError(name)
+    return names.index(name)

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.kinematics import about, cross, multiply, normalise
-from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide, from_the_root
 from bodycheck.reference.robots.rotations import matrices, plane_axes, quaternion
 from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
 
@@ -20,8 +19,8 @@ class PlacedLink:
 
     Attributes
     ----------
-    place
-        The place of the link in the model.
+    index
+        The index of the link in the model.
     parent
         The place of its parent among the placed links; -1 for the root.
     columns
@@ -37,7 +36,7 @@ class PlacedLink:
         The mass (kg), the vectors (n, 3) from its origin to its centre of mass (m), and the inertia (n, 3, 3) about that.
     """
 
-    place: int
+    index: int
     parent: int
     columns: slice
     turn: Wide
@@ -52,17 +51,17 @@ class PlacedLink:
 
 def columns(model: RobotModel) -> dict[str, slice]:
     """The places of the velocities of each joint among all velocities, which are in the order of the file."""
-    found: dict[str, slice] = {}
+    slices: dict[str, slice] = {}
     first = 0
     for joint in model.joints:
         after = first + VELOCITIES[joint.type]
-        found[joint.name] = slice(first, after)
+        slices[joint.name] = slice(first, after)
         first = after
-    return found
+    return slices
 
 
 def placed(model: RobotModel, states: Sequence[RobotState]) -> tuple[PlacedLink, ...]:
-    """The links of a model at n states, the root first and each link after its parent. Raises `ValueError` as `order` does."""
+    """The links of a model at n states, the root first, each after its parent. Raises `ValueError` as `from_the_root` does."""
     return tuple(_placed(model, states))
 
 
@@ -73,7 +72,7 @@ def _placed(model: RobotModel, states: Sequence[RobotState]) -> Iterator[PlacedL
     root = _link(model, model.root, still, axes)
     yield PlacedLink(model.root, -1, slice(0, 0), still, origin, origin, nothing, nothing, *root)
     frames, places = {model.root: (still, origin, axes)}, {model.root: 0}
-    for place, joint in enumerate(from_the_root(model), start=1):
+    for index, joint in enumerate(from_the_root(model), start=1):
         turn, origin, axes = frames[joint.parent]
         shift, turned = displaced(joint, rows(states, joint, lambda state: state.positions))
         socket, slides, spins = axes @ joint.rotation, *directions(joint)
@@ -81,7 +80,7 @@ def _placed(model: RobotModel, states: Sequence[RobotState]) -> Iterator[PlacedL
         before = multiply(turn, np.tile(quaternion(joint.rotation), (count, 1)))
         turn = normalise(multiply(before, turned))
         axes = matrices(turn)
-        frames[joint.child], places[joint.child] = (turn, origin + arm, axes), place
+        frames[joint.child], places[joint.child] = (turn, origin + arm, axes), index
         yield PlacedLink(
             joint.child,
             places[joint.parent],
@@ -95,9 +94,9 @@ def _placed(model: RobotModel, states: Sequence[RobotState]) -> Iterator[PlacedL
         )
 
 
-def _link(model: RobotModel, place: int, turn: Wide, axes: Wide) -> tuple[np.longdouble, Wide, Wide]:
+def _link(model: RobotModel, index: int, turn: Wide, axes: Wide) -> tuple[np.longdouble, Wide, Wide]:
     """Mass, centre of mass and inertia of a link along the world's axes."""
-    link = model.links[place]
+    link = model.links[index]
     return np.longdouble(link.mass), axes @ link.center_of_mass, axes @ link.inertia @ np.swapaxes(axes, 1, 2)
 
 
@@ -154,27 +153,27 @@ def directions(joint: RobotJoint) -> tuple[Wide, Wide]:
 
 def poses(links: Sequence[PlacedLink], names: Sequence[str]) -> Mapping[str, Wide]:
     """Position (m) and unit quaternion w, x, y, z (n, 7) of the frame of each link, by its name. names: those of the model."""
-    return {names[link.place]: np.concatenate([link.origin, link.turn], axis=1) for link in links}
+    return {names[link.index]: np.concatenate([link.origin, link.turn], axis=1) for link in links}
 
 
 def velocity_maps(links: Sequence[PlacedLink], count: int) -> list[tuple[Wide, Wide]]:
     """For each link the velocities of its origin and its angular velocities, both (n, count, 3), for `count` velocities."""
-    found: list[tuple[Wide, Wide]] = []
+    maps: list[tuple[Wide, Wide]] = []
     for link in links:
         if link.parent < 0:
             linear = angular = np.zeros((len(link.turn), count, 3), np.longdouble)
         else:
-            linear, angular = found[link.parent]
+            linear, angular = maps[link.parent]
             linear, angular = linear + cross(angular, link.arm[:, None]), angular.copy()
             linear[:, link.columns], angular[:, link.columns] = link.slides, link.spins
-        found.append((linear, angular))
-    return found
+        maps.append((linear, angular))
+    return maps
 
 
 def jacobians(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]], names: Sequence[str]) -> Mapping[str, Wide]:
     """Jacobians (n, 6, k) of the origin of each link's frame, linear rows first, by its name. maps: of `velocity_maps`."""
     return {
-        names[link.place]: np.concatenate([np.swapaxes(linear, 1, 2), np.swapaxes(angular, 1, 2)], axis=1)
+        names[link.index]: np.concatenate([np.swapaxes(linear, 1, 2), np.swapaxes(angular, 1, 2)], axis=1)
         for link, (linear, angular) in zip(links, maps, strict=True)
     }
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel
-from bodycheck.reference.robots.order import from_the_root
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, from_the_root
 
 #: How far moments may be beyond what is possible, relative to the largest: some thousand roundings of the double precision of
 #: decimals in a file and of their principal moments. Moments of a link with a radius of gyration below this (m) are zero.
@@ -43,9 +42,9 @@ def unphysical(model: RobotModel) -> tuple[Unphysical, ...]:
 
     Raises `ValueError` if the joints are no tree.
     """
-    found = [fault for link in model.links for fault in _of_link(link)]
-    found += [fault for joint in model.joints for fault in _of_joint(joint)]
-    return (*found, *_of_subtrees(model))
+    faults = [fault for link in model.links for fault in _of_link(link)]
+    faults += [fault for joint in model.joints for fault in _of_joint(joint)]
+    return (*faults, *_of_subtrees(model))
 
 
 def _of_link(link: RobotLink) -> Iterator[Unphysical]:
@@ -64,14 +63,14 @@ def _of_link(link: RobotLink) -> Iterator[Unphysical]:
     # The numbers of a file may be so large that their sums are no doubles.
     scale = np.abs(link.inertia).max() or np.longdouble(1)
     a, b, c = scale * np.linalg.eigvalsh((link.inertia / scale).astype(float))
-    told = f"the principal moments are {a:.6g}, {b:.6g} and {c:.6g} kg m^2"
+    moments = f"the principal moments are {a:.6g}, {b:.6g} and {c:.6g} kg m^2"
     margin = MARGIN * max(abs(a), abs(c), np.longdouble(MARGIN) * abs(link.mass))
     if a < -margin:
-        yield fault("inertia", f"{told}; no moment is negative")
+        yield fault("inertia", f"{moments}; no moment is negative")
     elif a + b < c - margin:
-        yield fault("inertia", f"{told}; the largest exceeds the sum of the others by {c - a - b:.3g}")
+        yield fault("inertia", f"{moments}; the largest exceeds the sum of the others by {c - a - b:.3g}")
     if link.mass == 0 and c > 0:
-        yield fault("inertia", f"{told}, but the mass is zero")
+        yield fault("inertia", f"{moments}, but the mass is zero")
 
 
 def _of_joint(joint: RobotJoint) -> Iterator[Unphysical]:
@@ -83,7 +82,7 @@ def _of_joint(joint: RobotJoint) -> Iterator[Unphysical]:
 
 def _of_subtrees(model: RobotModel) -> Iterator[Unphysical]:
     joints = from_the_root(model)
-    heavy = {place for place, link in enumerate(model.links) if link.mass != 0 or link.inertia.any()}
+    heavy = {index for index, link in enumerate(model.links) if link.mass != 0 or link.inertia.any()}
     for joint in reversed(joints):
         if joint.child in heavy:
             heavy.add(joint.parent)

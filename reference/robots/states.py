@@ -43,8 +43,8 @@ def _state(model: RobotModel, random: Random) -> RobotState:
         positions[joint.name] = _position(joint, random)
         for part in (velocities, accelerations, efforts):
             part[joint.name] = tuple(random.uniform(-1, 1) for _ in range(VELOCITIES[joint.type]))
-    own = {joint.name: joint for joint in moving}
-    followed = {name: found for name in own if (found := _followed(own, name)) is not None}
+    by_name = {joint.name: joint for joint in moving}
+    followed = {name: rule for name in by_name if (rule := _followed(by_name, name)) is not None}
     for name, (leader, multiplier, offset) in followed.items():
         positions[name] = (multiplier * positions[leader][0] + offset,)
         for part in (velocities, accelerations):

@@ -113,12 +113,12 @@ ON_WORLD, ON_ANGLES = " of quaternion and world rates", " of angles and world ra
 
 def _of_order_one() -> dict[str, Entry]:
     """Schemes of order 1 that are no Runge-Kutta schemes, and those without a gyroscopic torque."""
-    found = {"explicit Euler": Entry(explicit_euler, EXPONENTIAL, 1)}
+    entries = {"explicit Euler": Entry(explicit_euler, EXPONENTIAL, 1)}
     for name, scheme in EULER.items():
-        found[name] = Entry(scheme, APART if scheme is momentum_euler else EXPONENTIAL, 1)
-        found[name + LINEAR] = Entry(scheme, QUATERNION, 1)
+        entries[name] = Entry(scheme, APART if scheme is momentum_euler else EXPONENTIAL, 1)
+        entries[name + LINEAR] = Entry(scheme, QUATERNION, 1)
     turned = "semi-implicit Euler with linear quaternions and rates "
-    return found | {
+    return entries | {
         "semi-implicit Euler" + ON_ANGLES: Entry(semi_implicit_euler, ANGLES, 1),
         "explicit Euler" + ON_WORLD: Entry(explicit_euler, QUATERNION_AND_WORLD_RATES, 1),
         "explicit Euler" + ON_BODY: Entry(explicit_euler, QUATERNION, 1),
@@ -133,36 +133,36 @@ def _of_order_one() -> dict[str, Entry]:
 
 
 def _runge_kutta() -> dict[str, Entry]:
-    found: dict[str, Entry] = {}
+    entries: dict[str, Entry] = {}
     for name, tableau in EXPLICIT.items():
         scheme = explicit(tableau)
-        found[MUNTHE_KAAS if tableau is KUTTA_4 else f"Munthe-Kaas with {name}"] = Entry(scheme, EXPONENTIAL, tableau.order)
-        found[name + ON_WORLD] = Entry(scheme, QUATERNION_AND_WORLD_RATES, tableau.order)
-        found[name + ON_BODY] = Entry(scheme, QUATERNION, tableau.order)
-        found[name + ON_ANGLES] = Entry(scheme, ANGLES, tableau.order)
+        entries[MUNTHE_KAAS if tableau is KUTTA_4 else f"Munthe-Kaas with {name}"] = Entry(scheme, EXPONENTIAL, tableau.order)
+        entries[name + ON_WORLD] = Entry(scheme, QUATERNION_AND_WORLD_RATES, tableau.order)
+        entries[name + ON_BODY] = Entry(scheme, QUATERNION, tableau.order)
+        entries[name + ON_ANGLES] = Entry(scheme, ANGLES, tableau.order)
         if tableau in (MIDPOINT_2, HEUN_2, KUTTA_4):
-            found[f"averaged {name}"] = Entry(scheme, AVERAGED, 2)
+            entries[f"averaged {name}"] = Entry(scheme, AVERAGED, 2)
     for name, tableau in IMPLICIT.items():
-        found[name] = Entry(implicit(tableau), EXPONENTIAL, tableau.order)
-        found[name + ON_WORLD] = Entry(implicit(tableau), QUATERNION_AND_WORLD_RATES, tableau.order)
-    return found | {
+        entries[name] = Entry(implicit(tableau), EXPONENTIAL, tableau.order)
+        entries[name + ON_WORLD] = Entry(implicit(tableau), QUATERNION_AND_WORLD_RATES, tableau.order)
+    return entries | {
         "implicit midpoint": Entry(implicit_midpoint, EXPONENTIAL, 2),
         "averaged trapezoidal rule": Entry(implicit(TRAPEZOIDAL), AVERAGED, 2),
         "velocity Verlet" + ON_WORLD: Entry(velocity_verlet, QUATERNION_AND_WORLD_RATES, 2),
     }
 
 
-def _with_substeps(known: Mapping[str, Entry]) -> dict[str, Entry]:
+def _with_substeps(schemes: Mapping[str, Entry]) -> dict[str, Entry]:
     """Several steps of a scheme in each step: of those of order 1 that engines divide their steps with."""
     divided = [name + how for name in EULER for how in ("", LINEAR)]
-    found = {
-        f"{count} substeps of {name}": replace(known[name], scheme=substeps(count, known[name].scheme))
+    entries = {
+        f"{count} substeps of {name}": replace(schemes[name], scheme=substeps(count, schemes[name].scheme))
         for name in divided
         for count in SUBSTEPS
     }
     for name in ("semi-implicit Euler" + ON_ANGLES, "implicit Euler" + ON_WORLD):
-        found[f"2 substeps of {name}"] = replace(known[name], scheme=substeps(2, known[name].scheme))
-    return found
+        entries[f"2 substeps of {name}"] = replace(schemes[name], scheme=substeps(2, schemes[name].scheme))
+    return entries
 
 
 _SINGLE = _of_order_one() | _runge_kutta()

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference.exact.numbers import FloatType
 from bodycheck.reference.mechanisms import articulated, poses
 from bodycheck.reference.mechanisms.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.rounding import FloatType
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.schemes.catalogue import EXPLICIT, MUNTHE_KAAS
 from bodycheck.reference.schemes.increments import inverse_dexp_so3_r3, turn
@@ -44,36 +44,36 @@ class Equations:
         q = v = 0
         for (kind, parent), constants in zip(self.form.links, self.form.constants, strict=True):
             held, moving = SIZES[kind]
-            own = coordinates[q : q + held], rates[v : v + moving]
-            links.append(articulated.Link(kind, parent, constants, *own))
+            states = coordinates[q : q + held], rates[v : v + moving]
+            links.append(articulated.Link(kind, parent, constants, *states))
             q, v = q + held, v + moving
-        found = articulated.accelerations(links, self.form.gravity, np)
-        return [value for own in found.rates for value in own]
+        solution = articulated.accelerations(links, self.form.gravity, np)
+        return [value for states in solution.rates for value in states]
 
     def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
         """The coordinates after an increment, which is a rotation vector in the axes of the link for a ball."""
-        found, q, v = list[float](), 0, 0
+        moved, q, v = list[float](), 0, 0
         for kind, _ in self.form.links:
             if kind == "ball":
                 w, i, j, k = coordinates[q : q + 4]
                 x, y, z = increment[v : v + 3]
-                found += turn((w, i, j, k), (x, y, z))
+                moved += turn((w, i, j, k), (x, y, z))
             else:
-                found.append(coordinates[q] + increment[v])
+                moved.append(coordinates[q] + increment[v])
             q, v = q + SIZES[kind][0], v + SIZES[kind][1]
-        return found
+        return moved
 
     def slopes(self, increment: Sequence[float], rates: Sequence[float]) -> list[float]:
         """The rates of change of an increment, at the rates of the displaced coordinates."""
-        found, v = list[float](), 0
+        changes, v = list[float](), 0
         for kind, _ in self.form.links:
             if kind == "ball":
                 (x, y, z), (a, b, c) = increment[v : v + 3], rates[v : v + 3]
-                found += inverse_dexp_so3_r3(((0.0, 0.0, 0.0), (x, y, z)), ((0.0, 0.0, 0.0), (a, b, c)))[1]
+                changes += inverse_dexp_so3_r3(((0.0, 0.0, 0.0), (x, y, z)), ((0.0, 0.0, 0.0), (a, b, c)))[1]
             else:
-                found.append(rates[v])
+                changes.append(rates[v])
             v += SIZES[kind][1]
-        return found
+        return changes
 
 
 #: A scheme: the state after a step of some length (s).
@@ -109,8 +109,8 @@ def linearly_implicit_euler(equations: Equations, state: State, h: float) -> Sta
     """
     coordinates, rates = state
     columns = []
-    for place in range(len(rates)):
-        ahead, behind = ([rate + sign * (k == place) for k, rate in enumerate(rates)] for sign in (1.0, -1.0))
+    for index in range(len(rates)):
+        ahead, behind = ([rate + sign * (k == index) for k, rate in enumerate(rates)] for sign in (1.0, -1.0))
         after, before = equations.accelerations((coordinates, ahead)), equations.accelerations((coordinates, behind))
         columns.append((np.array(after) - np.array(before)) / 2)
     matrix = np.eye(len(rates)) - h * np.array(columns).T
@@ -127,8 +127,8 @@ def explicit(tableau: Tableau, averaged: bool = False) -> Step:
         slopes = list[tuple[list[float], list[float]]]()
         for row in tableau.stages:
             u, v = _weighted(row, slopes, h, rates)
-            own = v if averaged else equations.slopes(u, v)
-            slopes.append((own, equations.accelerations((equations.displaced(coordinates, u), v))))
+            slope = v if averaged else equations.slopes(u, v)
+            slopes.append((slope, equations.accelerations((equations.displaced(coordinates, u), v))))
         u, end = _weighted(tableau.weights, slopes, h, rates)
         return equations.displaced(coordinates, u), end
 
@@ -146,9 +146,9 @@ def _weighted(
 
 
 def _runge_kutta() -> dict[str, Entry]:
-    found = {MUNTHE_KAAS if own is KUTTA_4 else name: Entry(explicit(own)) for name, own in EXPLICIT.items()}
-    averaged = {name: own for name, own in EXPLICIT.items() if own in (MIDPOINT_2, HEUN_2, KUTTA_4)}
-    return found | {f"averaged {name}": Entry(explicit(own, averaged=True)) for name, own in averaged.items()}
+    entries = {MUNTHE_KAAS if tableau is KUTTA_4 else name: Entry(explicit(tableau)) for name, tableau in EXPLICIT.items()}
+    averaged = {name: tableau for name, tableau in EXPLICIT.items() if tableau in (MIDPOINT_2, HEUN_2, KUTTA_4)}
+    return entries | {f"averaged {name}": Entry(explicit(tableau, averaged=True)) for name, tableau in averaged.items()}
 
 
 #: All schemes in the coordinates of joints by the names that results show; of those that agree on a mechanism the first counts.
@@ -177,7 +177,7 @@ def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64]
     """
     equations = Equations(_doubles(tree, timestep if entry.damping else 0.0, timestep if entry.springs else 0.0))
     begin = [float(value) for value in start(tree)]
-    state = _apart(tree, [x + (-1) ** place * nudge * max(1.0, abs(x)) for place, x in enumerate(begin)])
+    state = _apart(tree, [x + (-1) ** index * nudge * max(1.0, abs(x)) for index, x in enumerate(begin)])
     rows = np.full((len(strides), len(begin)), np.nan)
     try:
         for row, stride in zip(rows, strides.tolist(), strict=True):
@@ -191,25 +191,27 @@ def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64]
 
 def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Trajectory:
     """The states of the bodies (b, n, ...) from those of the trees (n, k) at instants t (n,)."""
-    found, count = forest(mechanism), len(t)
+    whole, count = forest(mechanism), len(t)
     links = [
-        poses.link_frames(tree, split(tree, own, t, DOUBLES), count, DOUBLES)
-        for tree, own in zip(found.trees, rows, strict=True)
+        poses.link_frames(tree, split(tree, row, t, DOUBLES), count, DOUBLES)
+        for tree, row in zip(whole.trees, rows, strict=True)
     ]
-    return poses.bodies(mechanism, poses.body_frames(found, links, count, DOUBLES), t, DOUBLES)
+    return poses.bodies(mechanism, poses.body_frames(whole, links, count, DOUBLES), t, DOUBLES)
 
 
 def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
     """A tree in doubles, with the damping and the springs of the joints taken at the ends of steps (s); 0 for the start."""
-    found = in_doubles(tree)
-    return replace(found, constants=[_at_end(own, damping_step, spring_step) for own in found.constants])
+    form = in_doubles(tree)
+    return replace(form, constants=[_at_end(each, damping_step, spring_step) for each in form.constants])
 
 
-def _at_end(given: Constants, damping_step: float, spring_step: float) -> Constants:
-    added = damping_step * given.damping + spring_step**2 * given.stiffness
+def _at_end(constants: Constants, damping_step: float, spring_step: float) -> Constants:
+    added = damping_step * constants.damping + spring_step**2 * constants.stiffness
     if not added:
-        return given
-    return replace(given, armature=given.armature + added, damping=given.damping + spring_step * given.stiffness)
+        return constants
+    return replace(
+        constants, armature=constants.armature + added, damping=constants.damping + spring_step * constants.stiffness
+    )
 
 
 def _apart(tree: Tree, row: Sequence[float]) -> State:
@@ -225,12 +227,12 @@ def _apart(tree: Tree, row: Sequence[float]) -> State:
 
 def _together(tree: Tree, state: State) -> list[float]:
     """The inverse of `_apart`."""
-    (coordinates, rates), found, q, v = state, list[float](), 0, 0
+    (coordinates, rates), values, q, v = state, list[float](), 0, 0
     for link in tree.links:
         held, moving = SIZES[link.kind]
-        found += [*coordinates[q : q + held], *rates[v : v + moving]]
+        values += [*coordinates[q : q + held], *rates[v : v + moving]]
         q, v = q + held, v + moving
-    return found
+    return values
 
 
 def _times(h: float, values: Sequence[float]) -> list[float]:

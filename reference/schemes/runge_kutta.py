@@ -124,11 +124,11 @@ def implicit(tableau: Tableau) -> Scheme:
         for _ in range(MOST_ITERATIONS):
             before = slopes
             slopes = [_slope(formulation, pose, *_after(formulation, v, h, row, before)) for row in tableau.stages]
-            change = max(abs(a - b) for own, old in zip(slopes, before, strict=True) for a, b in zip(own, old, strict=True))
+            change = max(abs(a - b) for stage, old in zip(slopes, before, strict=True) for a, b in zip(stage, old, strict=True))
             if not change < least:
                 break
             least = change
-        size = max(abs(a) for own in slopes for a in own)
+        size = max(abs(a) for stage in slopes for a in stage)
         if not least <= SOLVED * max(size, 1.0):
             raise ArithmeticError("the fixed-point iteration of an implicit Runge-Kutta scheme does not converge")
         u, end = _after(formulation, v, h, tableau.weights, slopes)

@@ -58,10 +58,10 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
         The bounds; those of position and yaw never decrease.
     """
     times, rows, start = trajectory.t, motion.rows, motion.panels.rows[0]
-    found = deviation(scene, motion.panels)
-    k = found.gyration
+    estimate = deviation(scene, motion.panels)
+    k = estimate.gyration
     panel = np.searchsorted(motion.panels.times[1:], times, side="left")
-    largest = SAFETY * largest_deviation(found)
+    largest = SAFETY * largest_deviation(estimate)
     (x, y, turn), (vx, vy, spin) = np.maximum.accumulate(largest[:, :3])[panel].T, largest[panel, 3:].T
     speed = math.hypot(start[3], start[4], k * start[5])
     velocity, spin = np.hypot(vx, vy) + RELATIVE_ROUNDING * speed, spin + RELATIVE_ROUNDING * speed / k
@@ -70,8 +70,8 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     differing = np.abs(_wrapped(direction_of_first_axis(trajectory.quaternion) - rows[:, 2]))
     position, yaw = np.hypot(x, y), turn + np.maximum(differing, stored)
     # From where the error of the speed matters to the speed itself, all that is known is that both motions slow down.
-    left, first = _nearly_at_rest(motion, found)
-    late, lasting = panel >= first, left / found.braking if left else 0.0
+    left, first = _nearly_at_rest(motion, estimate)
+    late, lasting = panel >= first, left / estimate.braking if left else 0.0
     velocity, spin = np.maximum(velocity, late * left), np.maximum(spin, late * left / k)
     # A way that no double can hold is infinite, but only where there is any.
     position, yaw = position + np.where(late, left * lasting, 0.0), yaw + np.where(late, left / k * lasting, 0.0)
@@ -80,7 +80,7 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
         stop = float(motion.stop[0])
         elapsed, rate = np.minimum(times, stop), np.hypot(velocity, k * spin)
         # Without friction nothing is braked, and only a body that has no speed at all rests.
-        braked = rate / found.braking if found.braking else np.where(rate > 0, np.inf, 0.0)
+        braked = rate / estimate.braking if estimate.braking else np.where(rate > 0, np.inf, 0.0)
         resting = times > stop + braked + RELATIVE_ROUNDING * stop
         velocity, spin = np.where(resting, 0.0, velocity), np.where(resting, 0.0, spin)
     position = position + RELATIVE_ROUNDING * (np.abs(start[:2]).sum() + way + speed * elapsed)
@@ -88,21 +88,21 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     return PlanarBounds(np.maximum.accumulate(position), np.maximum.accumulate(yaw), velocity, spin)
 
 
-def largest_deviation(found: Deviation) -> Array:
+def largest_deviation(estimate: Deviation) -> Array:
     """The largest estimated errors (n + 1, 6) in each of n panels and after them, without signs."""
-    ends = np.abs(found.ends)
-    return np.concatenate([np.maximum(ends[:-1], ends[1:]) + found.within, ends[-1:]])
+    ends = np.abs(estimate.ends)
+    return np.concatenate([np.maximum(ends[:-1], ends[1:]) + estimate.within, ends[-1:]])
 
 
-def _nearly_at_rest(motion: Motion, found: Deviation) -> tuple[float, int]:
+def _nearly_at_rest(motion: Motion, estimate: Deviation) -> tuple[float, int]:
     """A bound of the error of the speed |u| (m/s) from some panel on, and the number of that panel.
 
     It is the first panel at whose beginning the estimated error exceeds `LINEAR` of the speed, or the stop, after all panels.
     Both motions are then no faster than the speed at its beginning and the error. The bound is zero without such a panel.
     """
-    metric = np.array([1.0, 1.0, found.gyration])
+    metric = np.array([1.0, 1.0, estimate.gyration])
     speeds = np.linalg.norm(motion.panels.rows[:, 3:] * metric, axis=1)
-    errors = SAFETY * np.hypot.reduce(found.ends[:, 3:] * metric, axis=1)  # squares of large errors would overflow
+    errors = SAFETY * np.hypot.reduce(estimate.ends[:, 3:] * metric, axis=1)  # squares of large errors would overflow
     late = np.flatnonzero(errors > LINEAR * speeds)
     if len(late):
         first = int(late[0])

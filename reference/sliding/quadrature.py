@@ -184,10 +184,10 @@ def _means(body: Flat, v: Array, w: Array) -> tuple[Array, Array]:
     directions, arms = np.zeros((len(v), count), dtype=complex), np.zeros((len(v), count))
     fixed = np.full(len(v), body.plane.law == "corners") | (np.abs(v) > FAR * _radius(body.shape) * np.abs(w))
     if fixed.any():
-        place = body.nodes[:, 0] + 1j * body.nodes[:, 1]
-        slip = v[fixed, None] + 1j * w[fixed, None] * place
+        positions = body.nodes[:, 0] + 1j * body.nodes[:, 1]
+        slip = v[fixed, None] + 1j * w[fixed, None] * positions
         size = np.abs(slip)
-        directions[fixed], arms[fixed] = _sums(place[None], slip / np.where(size > NOTHING, size, 1.0), body.shares, count)
+        directions[fixed], arms[fixed] = _sums(positions[None], slip / np.where(size > NOTHING, size, 1.0), body.shares, count)
     near = ~fixed & (w != 0)
     if near.any():
         # A point r slides with v + i w r = i w (r - c).
@@ -195,17 +195,17 @@ def _means(body: Flat, v: Array, w: Array) -> tuple[Array, Array]:
         reached, unit, shares = _fan(body.shape, centre)
         sliding = 1j * np.sign(w[near])[:, None] * unit
         for t, weight in RAY_OF_TORQUE if count == 1 else RAY_OF_PRESSURE:
-            place = centre[:, None] + t * (reached - centre[:, None])
-            ray = _sums(place, sliding, weight * shares, count)
+            positions = centre[:, None] + t * (reached - centre[:, None])
+            ray = _sums(positions, sliding, weight * shares, count)
             directions[near], arms[near] = directions[near] + ray[0], arms[near] + ray[1]
     return directions, arms
 
 
-def _sums(place: Array, sliding: Array, shares: Array, count: int) -> tuple[Array, Array]:
+def _sums(positions: Array, sliding: Array, shares: Array, count: int) -> tuple[Array, Array]:
     """Sums over the last axis of shares times the first `count` of 1, x, y, times e, and times r x e."""
-    moment = (place.real * sliding.imag - place.imag * sliding.real) * shares
+    moment = (positions.real * sliding.imag - positions.imag * sliding.real) * shares
     weighted = sliding * shares
-    functions = (1.0, place.real, place.imag)[:count]
+    functions = (1.0, positions.real, positions.imag)[:count]
     return (
         np.stack([(weighted * value).sum(axis=1) for value in functions], axis=1),
         np.stack([(moment * value).sum(axis=1) for value in functions], axis=1),
@@ -273,9 +273,9 @@ def _face(shape: Brick | Cylinder) -> tuple[Array, Array]:
         return np.column_stack([x.ravel(), y.ravel()]), np.outer(weights, weights).ravel() / 4
     radii, weights = _gauss(RADIAL, 0.0, shape.radius)
     angles = 2 * np.pi * (np.arange(AROUND) + 0.5) / AROUND
-    place = np.multiply.outer(radii, np.exp(1j * angles)).ravel()
+    positions = np.multiply.outer(radii, np.exp(1j * angles)).ravel()
     shares = np.repeat(2 * radii * weights / (shape.radius**2 * AROUND), AROUND)
-    return np.column_stack([place.real, place.imag]), shares
+    return np.column_stack([positions.real, positions.imag]), shares
 
 
 def _radius(shape: Brick | Cylinder) -> float:

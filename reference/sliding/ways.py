@@ -49,12 +49,14 @@ def ways(scene: Scene, times: Array) -> tuple[Witness, ...]:
 
 def _balance(scene: Scene, motion: Motion, times: Array) -> Witness:
     """A motion less the errors that the balance of momentum finds in it, and the bound of what these leave."""
-    found = deviation(scene, motion.panels)
+    estimate = deviation(scene, motion.panels)
     panel = np.searchsorted(motion.panels.times[1:], times, side="left")
     # A panel's error is that at its end: what differs within it is part of the bound.
-    errors = found.ends[np.minimum(panel + 1, len(found.ends) - 1)]
+    errors = estimate.ends[np.minimum(panel + 1, len(estimate.ends) - 1)]
     within = (
-        largest_deviation(found)[panel] - np.abs(errors) + np.abs(np.diff(found.ends, axis=0, append=found.ends[-1:]))[panel]
+        largest_deviation(estimate)[panel]
+        - np.abs(errors)
+        + np.abs(np.diff(estimate.ends, axis=0, append=estimate.ends[-1:]))[panel]
     )
     corrected = replace(motion, rows=motion.rows - errors)
     return _witness(BALANCE_WITNESS, scene, corrected, within + LINEARITY * np.abs(errors), times)

@@ -12,8 +12,7 @@ from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.mechanisms.requirements import turns
-from bodycheck.reference.requirements import needs
+from bodycheck.reference.requirements import needs, turns
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.commands import curve_anchor

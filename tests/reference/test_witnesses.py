@@ -29,7 +29,7 @@ def test_no_witness_contradicts_the_truth_of_a_flying_case(flying_case: Case, ho
     assert found.witnesses
     for name in ("error", "angular_velocity_error", "position_error", "velocity_error"):
         if not flying_case.scene.drag:
-            np.testing.assert_array_equal(getattr(found.truth.bounds, name), getattr(found.own, name))
+            np.testing.assert_array_equal(getattr(found.truth.bounds, name), getattr(found.own_bounds, name))
 
 
 @pytest.mark.parametrize("solver", [backend(), dop853()], ids=lambda solver: solver.name)

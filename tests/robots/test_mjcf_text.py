@@ -6,8 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from bodycheck.reference.robots.changed import with_joint, with_link
-from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.model import Mimic, with_joint, with_link
 from bodycheck.robots.from_mechanism import robot_model
 from bodycheck.robots.mjcf_text import mjcf
 from tests.support.jointed import cart_pole

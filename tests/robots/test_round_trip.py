@@ -6,8 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from bodycheck.reference.robots.changed import with_joint
-from bodycheck.reference.robots.model import Mimic, RobotModel
+from bodycheck.reference.robots.model import Mimic, RobotModel, with_joint
 from bodycheck.robots import urdf as reader
 from bodycheck.robots.urdf_text import urdf
 from bodycheck.robots.written import UNLIMITED

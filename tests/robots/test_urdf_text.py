@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from bodycheck.errors import BadInput
-from bodycheck.reference.robots.changed import with_joint
-from bodycheck.reference.robots.model import Mimic, Wide
+from bodycheck.reference.robots.model import Mimic, Wide, with_joint
 from bodycheck.robots.urdf_text import roll_pitch_yaw, urdf
 from tests.support.robot_texts import rotation
 from tests.support.robot_trees import random_rotation, random_tree, urdf_with_turned_inertias

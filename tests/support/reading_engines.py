@@ -7,7 +7,7 @@ READS = f"""
 import sys
 sys.path.append({str(ROOT)!r})
 from pathlib import Path
-from bodycheck.reference.robots.changed import with_joint
+from bodycheck.reference.robots.model import with_joint
 from bodycheck.robots import urdf
 from tests.support.engine_readings import reading
 def model_of(file):

@@ -10,8 +10,7 @@ from random import Random
 
 import numpy as np
 
-from bodycheck.reference.robots.changed import with_joint, with_link
-from bodycheck.reference.robots.model import Mimic, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.model import Mimic, RobotLink, RobotModel, Wide, with_joint, with_link
 from tests.support.robot_trees import random_joint, random_link, random_rotation
 
 Change = Callable[[RobotModel], RobotModel]

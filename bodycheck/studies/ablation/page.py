@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 
 from bodycheck.casefile.content import Case
-from bodycheck.reference.mechanisms.requirements import MechanismRequirements
-from bodycheck.reference.requirements import Requirements, needs
+from bodycheck.reference.requirements import MechanismRequirements, Requirements, needs
 from bodycheck.reports.charts import INK, Spec, framed
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign

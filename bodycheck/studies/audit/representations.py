@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.adapters.links import Link, carried, link_of, state_in
-from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.inertia import IDENTITY, inertia_tensor
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Body, Quaternion, Scene, Vector, vector_of
 from bodycheck.reference.trajectory import Array
 

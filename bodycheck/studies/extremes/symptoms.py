@@ -16,7 +16,7 @@ from bodycheck.figures.touching import energy_from_plane, gained
 from bodycheck.reference.bodies import motions, of_bodies
 from bodycheck.reference.contact.observables import depth
 from bodycheck.reference.contact.touching import touching
-from bodycheck.reference.contact_observables import penetration
+from bodycheck.reference.contact_observables import penetration, reach
 from bodycheck.reference.flight.closed_form import flip_period
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, normalise, rotate
 from bodycheck.reference.mechanisms import kinematics
@@ -25,7 +25,6 @@ from bodycheck.reference.mechanisms.observables import observe as observe_mechan
 from bodycheck.reference.observables import observe
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Body, Scene
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth, distance
 

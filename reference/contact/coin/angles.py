@@ -70,7 +70,7 @@ def equations(coin: Coin) -> Derivatives:
     """The derivatives (n, 8) of states (n, 8)."""
 
     def derivatives(states: WideArray) -> WideArray:
-        found = accelerated(coin, states)
+        spin_rates = accelerated(coin, states)
         theta, p, q, s, phi = (states[:, part] for part in (THETA, P, Q, S, PHI))
         cosine, sine, dphi = np.cos(theta), np.sin(theta), q / np.sin(theta)
         along, outward = q * coin.half_length - s * coin.radius, p * (coin.half_length * cosine + coin.radius * sine)
@@ -78,9 +78,9 @@ def equations(coin: Coin) -> Derivatives:
         return np.stack(
             [
                 p,
-                found.p,
-                found.q,
-                found.s,
+                spin_rates.p,
+                spin_rates.q,
+                spin_rates.s,
                 dphi,
                 s - dphi * cosine,
                 along * to_x + outward * to_y,

@@ -88,5 +88,5 @@ def _solved(moments: WideArray, rho: WideArray, right: WideArray) -> WideArray:
     diagonal = moments + (rho * rho).sum(axis=1, keepdims=True)
     one, other = right / diagonal, rho / diagonal
     share = (rho * one).sum(axis=1, keepdims=True) / (1 - (rho * other).sum(axis=1, keepdims=True))
-    found: WideArray = one + share * other
-    return found
+    solution: WideArray = one + share * other
+    return solution

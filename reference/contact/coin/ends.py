@@ -128,7 +128,7 @@ def followed(coin: Coin, friction: float, times: Array) -> Followed:
 
 def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", "impact"], _Slack], ...]) -> End | None:
     """The first end within a step. places: ascending instants of it, the first and the last included."""
-    found = []
+    ends = []
     states = step.at(places)
     for kind, slack in conditions:
         if (bracket := _bracket(step, slack, places, slack(states))) is None:
@@ -142,8 +142,8 @@ def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", 
         early = Wide(float(until - (until - step.start) / _EARLIER))
         early_state, state = step.at(np.array([early, until]))
         rate = float((slack(early_state[None]) - slack(state[None]))[0] / max(until - early, Wide(_INSTANT)))
-        found.append(End(kind, until, state, rate, early, early_state))
-    return min(found, key=lambda end: float(end.time), default=None)
+        ends.append(End(kind, until, state, rate, early, early_state))
+    return min(ends, key=lambda end: float(end.time), default=None)
 
 
 def _bracket(step: Step, slack: _Slack, places: WideArray, values: WideArray) -> tuple[np.longdouble, np.longdouble] | None:
@@ -159,21 +159,21 @@ def _bracket(step: Step, slack: _Slack, places: WideArray, values: WideArray) ->
     begin, until = places[lowest - 1], places[lowest + 1]
     for _ in range(_SEARCHES):
         grid = np.linspace(begin, until, _PLACES, dtype=Wide)
-        found = slack(step.at(grid))
-        if (found <= 0).any():
-            return begin, grid[int(np.argmax(found <= 0))]
-        lowest = int(np.clip(np.argmin(found), 1, _PLACES - 2))
+        slacks = slack(step.at(grid))
+        if (slacks <= 0).any():
+            return begin, grid[int(np.argmax(slacks <= 0))]
+        lowest = int(np.clip(np.argmin(slacks), 1, _PLACES - 2))
         begin, until = grid[lowest - 1], grid[lowest + 1]
     return None
 
 
 def _largest(coin: Coin, step: Step, places: WideArray) -> float:
     """The largest friction at instants of a step and between them."""
-    found = ratio(coin, step.at(places))
-    most = float(found.max())
-    highest = int(np.argmax(found))
+    ratios = ratio(coin, step.at(places))
+    most = float(ratios.max())
+    highest = int(np.argmax(ratios))
     for _ in itertools.repeat(None, _REFINEMENTS if 0 < highest < len(places) - 1 else 0):
         places = np.linspace(places[highest - 1], places[highest + 1], _PLACES, dtype=Wide)
-        found = ratio(coin, step.at(places))
-        most, highest = max(most, float(found.max())), int(np.clip(np.argmax(found), 1, _PLACES - 2))
+        ratios = ratio(coin, step.at(places))
+        most, highest = max(most, float(ratios.max())), int(np.clip(np.argmax(ratios), 1, _PLACES - 2))
     return most

@@ -27,9 +27,9 @@ def states(coin: Coin, times: Array) -> WideArray:
     half = turning * t / 2
     # The chord of the arc is a sine; it is the whole way where the line of nodes does not turn.
     chord = (q * coin.half_length - s * coin.radius) * t * np.where(half, np.sin(half) / np.where(half, half, 1), 1)
-    found = np.tile(start, (len(t), 1))
-    found[:, angles.P] = 0
-    found[:, angles.PHI], found[:, angles.PSI] = phi + turning * t, psi + (s - turning * np.cos(theta)) * t
-    found[:, angles.X] = found[:, angles.X] + chord * np.cos(phi + half)
-    found[:, angles.Y] = found[:, angles.Y] + chord * np.sin(phi + half)
-    return found
+    rows = np.tile(start, (len(t), 1))
+    rows[:, angles.P] = 0
+    rows[:, angles.PHI], rows[:, angles.PSI] = phi + turning * t, psi + (s - turning * np.cos(theta)) * t
+    rows[:, angles.X] = rows[:, angles.X] + chord * np.cos(phi + half)
+    rows[:, angles.Y] = rows[:, angles.Y] + chord * np.sin(phi + half)
+    return rows

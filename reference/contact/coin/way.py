@@ -75,48 +75,48 @@ def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
     It ends where the friction does not hold, and where the coin meets the plane with its face or its side. Raises `NotModelled`
     for a coin that slips at its start, and `OutOfReach` for one that comes too close to lying flat.
     """
-    given = coin(problem)
-    if given is None:
+    wheel = coin(problem)
+    if wheel is None:
         return None
     friction, _ = problem.pair(0)
-    _check_start(given, friction)
-    t = times / float(given.time)
+    _check_start(wheel, friction)
+    t = times / float(wheel.time)
     # Steps that are too large can leave the range of numbers, and are then made smaller.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        motion = followed(given, friction, t)
-        known = int((~np.isnan(motion.states[:, 0])).sum())
-        vouched = _vouched(given, motion, t[:known])
-    position, velocity, quaternion, spin = (_spread(values, len(t)) for values in _in_units(given, vouched.poses))
+        motion = followed(wheel, friction, t)
+        count = int((~np.isnan(motion.states[:, 0])).sum())
+        vouched = _vouched(wheel, motion, t[:count])
+    position, velocity, quaternion, spin = (_spread(values, len(t)) for values in _in_units(wheel, vouched.poses))
     end = motion.end
     return ContactMotion(
         position[None],
         velocity[None],
         quaternion[None],
         spin[None],
-        {name: _spread(values, len(t)) for name, values in _bounds(given, vouched).items()},
-        (_event(given, end, vouched.slack_error),) if end is not None and end.kind == "slip" else (),
+        {name: _spread(values, len(t)) for name, values in _bounds(wheel, vouched).items()},
+        (_event(wheel, end, vouched.slack_error),) if end is not None and end.kind == "slip" else (),
         vouched.model,
-        _reason(given, end),
+        _reason(wheel, end),
         friction=motion.friction if end is None or math.isinf(friction) else 0.0,
         witness=vouched.witness,
     )
 
 
-def _check_start(given: Coin, friction: float) -> None:
+def _check_start(coin: Coin, friction: float) -> None:
     """Raise `NotModelled` for a coin that the friction does not hold at its start."""
-    _, held = slacks(given, friction)[0]
-    if held(angles.initial(given)[None])[0] >= 0:
+    _, held = slacks(coin, friction)[0]
+    if held(angles.initial(coin)[None])[0] >= 0:
         return
-    tangential, normal = (float(force[0]) for force in angles.forces(given, angles.initial(given)[None]))
+    tangential, normal = (float(force[0]) for force in angles.forces(coin, angles.initial(coin)[None]))
     needs = f"it needs the friction {tangential / normal:.6g}" if normal > 0 else "its rim is lifted from the plane"
     raise NotModelled(f"a coin that slips at its start: {needs}")
 
 
-def _vouched(given: Coin, motion: Followed, t: Array) -> _Vouched:
+def _vouched(coin: Coin, motion: Followed, t: Array) -> _Vouched:
     """A motion with its witness. t: the instants (k,) before its end."""
-    poses = angles.poses(given, motion.states[: len(t)])
-    if motion.end is None and steady.is_steady(given):
-        closed = angles.poses(given, steady.states(given, t))
+    poses = angles.poses(coin, motion.states[: len(t)])
+    if motion.end is None and steady.is_steady(coin):
+        closed = angles.poses(coin, steady.states(coin, t))
         apart = _apart(closed, poses)
         if all((each <= _STEADY).all() for each in apart):
             return _Vouched(closed, apart, STEADY, APPELL)
@@ -124,12 +124,12 @@ def _vouched(given: Coin, motion: Followed, t: Array) -> _Vouched:
     early = len(t) if end is None else int(np.searchsorted(t, float(end.before)))
     grid = t if end is None else np.insert(t, early, float(end.before))
     other = integrate(
-        bodily.equations(given), bodily.initial(given), grid, stages=_STAGES, first=FIRST, most=MOST, memory=1
+        bodily.equations(coin), bodily.initial(coin), grid, stages=_STAGES, first=FIRST, most=MOST, memory=1
     ).states
     if end is None:
-        return _Vouched(poses, _apart(poses, bodily.poses(given, other)), APPELL, NEWTON)
-    apart = _apart(poses, bodily.poses(given, np.delete(other, early, axis=0)))
-    return _Vouched(poses, apart, APPELL, NEWTON, _slack_error(given, end, other[early : early + 1]))
+        return _Vouched(poses, _apart(poses, bodily.poses(coin, other)), APPELL, NEWTON)
+    apart = _apart(poses, bodily.poses(coin, np.delete(other, early, axis=0)))
+    return _Vouched(poses, apart, APPELL, NEWTON, _slack_error(coin, end, other[early : early + 1]))
 
 
 def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
@@ -139,49 +139,49 @@ def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
     return tuple(np.maximum.accumulate(distance) for distance in distances)
 
 
-def _slack_error(given: Coin, end: End, other: WideArray) -> float:
+def _slack_error(coin: Coin, end: End, other: WideArray) -> float:
     """By how much two solutions disagree in the forces shortly before an end. other: the second solution there (1, 10)."""
-    forces = zip(angles.forces(given, end.state_before[None]), bodily.forces(given, other), strict=True)
+    forces = zip(angles.forces(coin, end.state_before[None]), bodily.forces(coin, other), strict=True)
     return sum(abs(float((a - b)[0])) for a, b in forces)
 
 
-def _bounds(given: Coin, vouched: _Vouched) -> dict[str, Array]:
+def _bounds(coin: Coin, vouched: _Vouched) -> dict[str, Array]:
     """The bounds (k,) of the errors of a motion, in SI units. Where they allow less than the energy drifts, they grow."""
     rounding = _ROUNDINGS * float(np.finfo(Wide).eps)
     sizes = [1.0 + np.sqrt((pose * pose).sum(axis=1)).astype(float) for pose in vouched.poses]
-    found = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
-    grown = _drift(given, vouched.poses, found)
-    position, velocity, error, spin = (grown * each for each in found)
-    length, time = float(given.length), float(given.time)
+    bounds = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
+    grown = _drift(coin, vouched.poses, bounds)
+    position, velocity, error, spin = (grown * each for each in bounds)
+    length, time = float(coin.length), float(coin.time)
     return {
         "error": error,
-        "position_error": position * length + given.missed_position,
-        "velocity_error": velocity * (length / time) + given.missed_velocity,
+        "position_error": position * length + coin.missed_position,
+        "velocity_error": velocity * (length / time) + coin.missed_velocity,
         "angular_velocity_error": spin / time,
     }
 
 
-def _drift(given: Coin, poses: _Poses, errors: list[Array]) -> Array:
+def _drift(coin: Coin, poses: _Poses, errors: list[Array]) -> Array:
     """The largest drift of the energy so far (k,), by what errors (k,) of poses can make of it; at least 1."""
     position, velocity, _, spin = poses
-    momentum = spin * np.array([given.across, given.across, given.along])
-    energy = ((velocity * velocity).sum(axis=1) + (momentum * spin).sum(axis=1)) / 2 + given.gravity * position[:, 2]
+    momentum = spin * np.array([coin.across, coin.across, coin.along])
+    energy = ((velocity * velocity).sum(axis=1) + (momentum * spin).sum(axis=1)) / 2 + coin.gravity * position[:, 2]
     lengths = [np.sqrt((each * each).sum(axis=1)).astype(float) for each in (velocity, momentum)]
-    allowed = lengths[0] * errors[1] + lengths[1] * errors[3] + float(given.gravity) * errors[0]
+    allowed = lengths[0] * errors[1] + lengths[1] * errors[3] + float(coin.gravity) * errors[0]
     drift = np.abs(energy - energy[0]).astype(float)
     return np.maximum(1.0, np.maximum.accumulate(drift / allowed))
 
 
-def _event(given: Coin, end: End, slack_error: float) -> Event:
+def _event(coin: Coin, end: End, slack_error: float) -> Event:
     """The begin of slipping."""
-    position, velocity, quaternion, spin = _in_units(given, angles.poses(given, end.state[None]))
-    time = float(end.time * given.time)
-    error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(given.time) + EPS * time
+    position, velocity, quaternion, spin = _in_units(coin, angles.poses(coin, end.state[None]))
+    time = float(end.time * coin.time)
+    error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(coin.time) + EPS * time
     along = rotate(quaternion, spin)[0]
     return Event("slip", time, error, 0, vector_of(position[0]), vector_of(velocity[0]), vector_of(along))
 
 
-def _reason(given: Coin, end: End | None) -> str:
+def _reason(coin: Coin, end: End | None) -> str:
     """Why the equations are exact, and until when.
 
     That the coin meets the plane with more than a point is no event: its rim touches the plane before, and no law says how fast
@@ -189,17 +189,17 @@ def _reason(given: Coin, end: End | None) -> str:
     """
     if end is None or end.kind == "slip":
         return REASON
-    return f"{REASON}, until its face or its side meets the plane at t = {float(end.time * given.time):.12g} s"
+    return f"{REASON}, until its face or its side meets the plane at t = {float(end.time * coin.time):.12g} s"
 
 
-def _in_units(given: Coin, poses: _Poses) -> _Poses:
+def _in_units(coin: Coin, poses: _Poses) -> _Poses:
     """Poses in units of a coin as those of the body of the scene, in SI units."""
     position, velocity, quaternion, spin = poses
-    return position * given.length, velocity * (given.length / given.time), *given.as_given(quaternion, spin)
+    return position * coin.length, velocity * (coin.length / coin.time), *coin.as_given(quaternion, spin)
 
 
 def _spread(values: WideArray, count: int) -> WideArray:
     """Values (k, ...) at the instants before the end as values (count, ...) that are NaN after it."""
-    found = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
-    found[: len(values)] = values
-    return found
+    spread = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
+    spread[: len(values)] = values
+    return spread

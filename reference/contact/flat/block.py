@@ -42,23 +42,23 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
             return None
         raise NotModelled("a block that spins on an inclined plane, under a push, or beside other bodies")
     position, velocity = (_exact(vector) for vector in (body.position, body.velocity))
-    made, turns = legs(problem, face, position, velocity)
+    path, turns = legs(problem, face, position, velocity)
     tip = next((float(turn.time) for turn in turns if turn.kind == "tip"), math.inf)
-    where, speeds = _states(body, made, times)
+    where, speeds = _states(body, path, times)
     count, last = len(times), float(times[-1]) if len(times) else 0.0
-    found = ContactMotion(
+    whole = ContactMotion(
         where[None],
         speeds[None],
         np.tile(body.quaternion, (count, 1))[None],
         np.zeros((1, count, 3), dtype=Wide),
-        _errors(problem, made, times, abs(z)),
-        tuple(_event(problem, made, turn, body) for turn in turns if turn.time <= last),
-        _model(made, last),
+        _errors(problem, path, times, abs(z)),
+        tuple(_event(problem, path, turn, body) for turn in turns if turn.time <= last),
+        _model(path, last),
         "a block that lies flat moves along the plane as a point does, as long as its face bears the load",
-        _smallest_friction(problem, made, min(last, tip)),
-        _interfaces(made, last, tip),
+        _smallest_friction(problem, path, min(last, tip)),
+        _interfaces(path, last, tip),
     )
-    return known_at(found, times <= tip)
+    return known_at(whole, times <= tip)
 
 
 def _spins_about_normal(body: ContactBody) -> bool:
@@ -71,11 +71,11 @@ def _exact(vector: WideArray) -> Vector2:
     return real(vector[0]), real(vector[1])
 
 
-def _states(body: ContactBody, made: list[Leg], times: Array) -> tuple[WideArray, WideArray]:
+def _states(body: ContactBody, path: list[Leg], times: Array) -> tuple[WideArray, WideArray]:
     """Positions (n, 3) and velocities (n, 3) until the onset of tipping."""
     where, speeds = np.tile(body.position, (len(times), 1)), np.zeros((len(times), 3), dtype=Wide)
     speeds[:, :2] = body.velocity[:2]  # at an onset at t = 0 there is no leg
-    for leg in made:
+    for leg in path:
         within = (times >= float(leg.start)) & (times <= float(leg.end))
         passed = np.clip(times[within].astype(Wide) - wide(leg.start), 0, None)
         if leg.end < MP.inf:
@@ -85,14 +85,14 @@ def _states(body: ContactBody, made: list[Leg], times: Array) -> tuple[WideArray
         )
         if leg.oblique is None:
             way = passed[:, None] * (velocity + acceleration * passed[:, None] / 2)
-            there = velocity + acceleration * passed[:, None]
+            speed = velocity + acceleration * passed[:, None]
         else:
-            way, there = states(leg.oblique, passed)
-        where[within, :2], speeds[within, :2] = start + way, there
+            way, speed = states(leg.oblique, passed)
+        where[within, :2], speeds[within, :2] = start + way, speed
     return where, speeds
 
 
-def _errors(problem: Problem, made: list[Leg], times: Array, rising: float) -> dict[str, Array]:
+def _errors(problem: Problem, path: list[Leg], times: Array, rising: float) -> dict[str, Array]:
     """The bounds of errors of states.
 
     Two motions from one start under drives that differ by d part by at most d t^2 / 2, since friction brings them together.
@@ -101,9 +101,9 @@ def _errors(problem: Problem, made: list[Leg], times: Array, rising: float) -> d
     """
     body = problem.bodies[0]
     size, speed = float(np.linalg.norm(body.position)), float(np.linalg.norm(body.velocity))
-    drive = max((_accelerations(problem, leg) for leg in made), default=0.0)
+    drive = max((_accelerations(problem, leg) for leg in path), default=0.0)
     doubt = np.zeros(len(times))
-    for leg in made:
+    for leg in path:
         doubt = np.maximum(doubt, np.where(times >= float(leg.start), _doubt(problem, leg), 0.0))
     return {
         "error": np.full(len(times), _ROUNDINGS),
@@ -136,10 +136,10 @@ def _doubt(problem: Problem, leg: Leg) -> float:
     return rounded + edge if abs(drive - hold) <= edge * mass else rounded
 
 
-def _event(problem: Problem, made: list[Leg], turn: Turn, body: ContactBody) -> Event:
+def _event(problem: Problem, path: list[Leg], turn: Turn, body: ContactBody) -> Event:
     (x, y), (u, v) = (map(float, vector) for vector in (turn.position, turn.velocity))
     error = 2 * EPS * float(turn.time)
-    before = next((leg for leg in made if leg.end == turn.time and not leg.rests), None)
+    before = next((leg for leg in path if leg.end == turn.time and not leg.rests), None)
     if before is not None and turn.kind != "tip":
         error += float(_doubt(problem, before) * turn.time / _braking(problem, before))
     return Event(turn.kind, float(turn.time), error, 0, (x, y, float(body.position[2])), (u, v, 0.0), (0.0, 0.0, 0.0))
@@ -152,23 +152,23 @@ def _braking(problem: Problem, leg: Leg) -> Real:
     return (problem.pair(0)[0] * leg.load.press - MP.hypot(*leg.load.drive)) / real(problem.bodies[0].mass)
 
 
-def _model(made: list[Leg], last: float) -> str:
-    within = [leg for leg in made if leg.start <= last]
+def _model(path: list[Leg], last: float) -> str:
+    within = [leg for leg in path if leg.start <= last]
     if any(leg.oblique is not None for leg in within):
         return "closed form: oblique slide of a block"
     return "closed form: " + ("rest of a block" if all(leg.rests for leg in within) else "straight slide of a block")
 
 
-def _smallest_friction(problem: Problem, made: list[Leg], last: float) -> float:
+def _smallest_friction(problem: Problem, path: list[Leg], last: float) -> float:
     """The smallest coefficient with which a block that rests does so, the load under which it begins to tip included."""
-    if not all(leg.rests for leg in made if leg.start <= last):
+    if not all(leg.rests for leg in path if leg.start <= last):
         return 0.0
     return max(float(MP.hypot(*load.drive) / load.press) for load in loads(problem) if load.start <= last)
 
 
-def _interfaces(made: list[Leg], last: float, tip: float) -> tuple[Interface, ...]:
+def _interfaces(path: list[Leg], last: float, tip: float) -> tuple[Interface, ...]:
     """The load of a block that rests all the time under a load that does not change."""
-    within = [leg for leg in made if leg.start <= last]
+    within = [leg for leg in path if leg.start <= last]
     pressed = {float(leg.load.press) for leg in within}
     if tip <= last or not all(leg.rests for leg in within) or len(pressed) != 1:
         return ()

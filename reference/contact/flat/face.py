@@ -49,15 +49,15 @@ class Face:
             The directions (rad, from x) between which the point turns, within it at the first.
         """
         sense = 1 if end > begin else -1
-        found = []
+        angles_ahead = []
         for (a, b), half in self.edges:
             if reach > half * (1 + _ROUNDING):
                 border, at = MP.acos(half / reach), MP.atan2(b, a)
                 for way in (at - border, at + border, at + MP.pi - border, at + MP.pi + border):
                     ahead = (sense * (way - begin)) % (2 * MP.pi)
                     if ahead <= abs(end - begin):
-                        found.append(ahead)
-        return begin + sense * min(found) if found else None
+                        angles_ahead.append(ahead)
+        return begin + sense * min(angles_ahead) if angles_ahead else None
 
 
 def face_of(body: ContactBody) -> Face | None:
@@ -73,17 +73,17 @@ def face_of(body: ContactBody) -> Face | None:
             places = (2,)
         case _:
             return None
-    up = next((place for place in places if MP.hypot(columns[place][0], columns[place][1]) <= NONE), None)
+    up = next((axis for axis in places if MP.hypot(columns[axis][0], columns[axis][1]) <= NONE), None)
     if up is None or abs(real(body.position[2]) - halves[up]) > NONE * halves[up]:
         return None
     if isinstance(body.shape, Cylinder):
         return Face(halves[2], radius=halves[0])
-    return Face(halves[up], tuple((columns[place][:2], halves[place]) for place in (0, 1, 2) if place != up))
+    return Face(halves[up], tuple((columns[axis][:2], halves[axis]) for axis in (0, 1, 2) if axis != up))
 
 
-def exact_quaternion(given: WideArray) -> Quaternion4:
+def exact_quaternion(quaternion: WideArray) -> Quaternion4:
     """A quaternion of the wide type in exact arithmetic."""
-    w, x, y, z = (real(part) for part in given)
+    w, x, y, z = (real(part) for part in quaternion)
     return w, x, y, z
 
 

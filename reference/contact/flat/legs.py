@@ -123,7 +123,7 @@ def legs(problem: Problem, face: Face, position: Vector2, velocity: Vector2) -> 
     Raises `NotModelled` where the block turns about the normal, lifts off, or moves where nothing slips.
     """
     friction, mass = problem.pair(0)[0], real(problem.bodies[0].mass)
-    made: list[Leg] = []
+    path: list[Leg] = []
     turns: list[Turn] = []
     for load in loads(problem):
         time = load.start
@@ -131,17 +131,17 @@ def legs(problem: Problem, face: Face, position: Vector2, velocity: Vector2) -> 
             leg = _leg(load, friction, mass, face, time, position, velocity)
             tips = _tips(leg, face, friction)
             if tips == leg.start:
-                return made, [*turns, Turn("tip", tips, position, velocity)]
-            if (kind := _begins(made, leg)) is not None:
+                return path, [*turns, Turn("tip", tips, position, velocity)]
+            if (kind := _begins(path, leg)) is not None:
                 turns.append(Turn(kind, time, position, velocity))
             if tips is not None:
-                return [*made, replace(leg, end=tips)], [*turns, Turn("tip", tips, *at(replace(leg, end=MP.inf), tips))]
-            made.append(leg)
+                return [*path, replace(leg, end=tips)], [*turns, Turn("tip", tips, *at(replace(leg, end=MP.inf), tips))]
+            path.append(leg)
             if leg.end == MP.inf:
-                return made, turns
+                return path, turns
             time = leg.end
             position, velocity = at(leg, time)
-    return made, turns
+    return path, turns
 
 
 def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
@@ -150,16 +150,16 @@ def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
     (x, y), (u, v), (a, b) = leg.position, leg.velocity, leg.acceleration
     stopped = time == leg.end and time < leg.load.end
     if leg.oblique is not None:
-        (dx, dy), there = state(leg.oblique, MP.inf if stopped else passed)
-        return (x + dx, y + dy), there
-    place = x + passed * (u + a * passed / 2), y + passed * (v + b * passed / 2)
-    return place, (MP.mpf(0), MP.mpf(0)) if stopped else (u + a * passed, v + b * passed)
+        (dx, dy), speed = state(leg.oblique, MP.inf if stopped else passed)
+        return (x + dx, y + dy), speed
+    position = x + passed * (u + a * passed / 2), y + passed * (v + b * passed / 2)
+    return position, (MP.mpf(0), MP.mpf(0)) if stopped else (u + a * passed, v + b * passed)
 
 
-def _begins(made: Sequence[Leg], leg: Leg) -> Literal["rest", "slip"] | None:
+def _begins(path: Sequence[Leg], leg: Leg) -> Literal["rest", "slip"] | None:
     """Return the kind of event with which a leg begins, or None for none."""
     if leg.rests:
-        return "rest" if made and not made[-1].rests else None
+        return "rest" if path and not path[-1].rests else None
     return None if any(leg.velocity) else "slip"
 
 

@@ -140,31 +140,46 @@ def _at_stop(slide: Oblique) -> Vector2:
     return size * along, size * slide.sine * (c / (2 * ratio - 1) + s / (2 * ratio + 1))
 
 
-def _grown(power: Real, turned: Any, of: Arithmetic) -> Any:
+def _grown(power: Real, turned: Any, arithmetic: Arithmetic) -> Any:
     """E(p)."""
-    return -of.expm1(-of.taken(power) * turned) / of.taken(power) if power else turned
+    return -arithmetic.expm1(-arithmetic.taken(power) * turned) / arithmetic.taken(power) if power else turned
 
 
-def _scaled_time(slide: Oblique, turned: Any, of: Arithmetic) -> Any:
+def _scaled_time(slide: Oblique, turned: Any, arithmetic: Arithmetic) -> Any:
     c, s = slide.parts
-    return of.taken(c) * _grown(slide.ratio - 1, turned, of) + of.taken(s) * _grown(slide.ratio + 1, turned, of)
+    return arithmetic.taken(c) * _grown(slide.ratio - 1, turned, arithmetic) + arithmetic.taken(s) * _grown(
+        slide.ratio + 1, turned, arithmetic
+    )
 
 
-def _scaled_speed(slide: Oblique, turned: Any, of: Arithmetic) -> Any:
+def _scaled_speed(slide: Oblique, turned: Any, arithmetic: Arithmetic) -> Any:
     c, s = slide.parts
-    return of.taken(c) * of.exp(-of.taken(slide.ratio - 1) * turned) + of.taken(s) * of.exp(-of.taken(slide.ratio + 1) * turned)
+    return arithmetic.taken(c) * arithmetic.exp(-arithmetic.taken(slide.ratio - 1) * turned) + arithmetic.taken(
+        s
+    ) * arithmetic.exp(-arithmetic.taken(slide.ratio + 1) * turned)
 
 
-def _along_and_across(slide: Oblique, turned: Any, of: Arithmetic) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+def _along_and_across(slide: Oblique, turned: Any, arithmetic: Arithmetic) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     """Ways (m) and velocities (m/s) along and across the force."""
     c, s = slide.parts
     ratio = slide.ratio
-    size, speed, sine = of.taken(slide.speed**2 / slide.drive), of.taken(slide.speed), of.taken(slide.sine)
-    along = of.taken(c * c) * _grown(2 * ratio - 2, turned, of) - of.taken(s * s) * _grown(2 * ratio + 2, turned, of)
-    across = of.taken(c) * _grown(2 * ratio - 1, turned, of) + of.taken(s) * _grown(2 * ratio + 1, turned, of)
-    fast = of.taken(c) * of.exp(-of.taken(ratio - 1) * turned)
-    faded = of.taken(s) * of.exp(-of.taken(ratio + 1) * turned)
-    return (size * along, size * sine * across), (speed * (fast - faded), speed * sine * of.exp(-of.taken(ratio) * turned))
+    size, speed, sine = (
+        arithmetic.taken(slide.speed**2 / slide.drive),
+        arithmetic.taken(slide.speed),
+        arithmetic.taken(slide.sine),
+    )
+    along = arithmetic.taken(c * c) * _grown(2 * ratio - 2, turned, arithmetic) - arithmetic.taken(s * s) * _grown(
+        2 * ratio + 2, turned, arithmetic
+    )
+    across = arithmetic.taken(c) * _grown(2 * ratio - 1, turned, arithmetic) + arithmetic.taken(s) * _grown(
+        2 * ratio + 1, turned, arithmetic
+    )
+    fast = arithmetic.taken(c) * arithmetic.exp(-arithmetic.taken(ratio - 1) * turned)
+    faded = arithmetic.taken(s) * arithmetic.exp(-arithmetic.taken(ratio + 1) * turned)
+    return (size * along, size * sine * across), (
+        speed * (fast - faded),
+        speed * sine * arithmetic.exp(-arithmetic.taken(ratio) * turned),
+    )
 
 
 def _turned(slide: Oblique, scaled: WideArray) -> WideArray:
@@ -177,15 +192,15 @@ def _turned(slide: Oblique, scaled: WideArray) -> WideArray:
         while _scaled_time(slide, end, WIDE) < largest:
             end *= 2
     low, high = np.zeros_like(scaled), np.full_like(scaled, end)
-    found = np.zeros_like(scaled)
+    turned = np.zeros_like(scaled)
     for _ in range(_STEPS):
-        ahead = scaled - _scaled_time(slide, found, WIDE)
-        low, high = np.where(ahead >= 0, found, low), np.where(ahead < 0, found, high)
-        step = ahead / _scaled_speed(slide, found, WIDE)
-        tried = found + step
+        ahead = scaled - _scaled_time(slide, turned, WIDE)
+        low, high = np.where(ahead >= 0, turned, low), np.where(ahead < 0, turned, high)
+        step = ahead / _scaled_speed(slide, turned, WIDE)
+        tried = turned + step
         tried = np.where((tried < low) | (tried > high), (low + high) / 2, tried)
-        done = np.abs(tried - found) <= np.finfo(tried.dtype).eps * (1 + np.abs(found))
-        found = tried
+        done = np.abs(tried - turned) <= np.finfo(tried.dtype).eps * (1 + np.abs(turned))
+        turned = tried
         if done.all():
             break
-    return found
+    return turned

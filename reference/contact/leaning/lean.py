@@ -79,10 +79,10 @@ def lean(problem: Problem) -> Lean | None:
     """Return the lean of the only body of a problem on a level plane; None if it does not lean, or is balanced."""
     body = problem.bodies[0]
     columns = tuple(zip(*matrix(exact_quaternion(body.quaternion)), strict=True))
-    found = _axes(body, columns)
-    if found is None or problem.plane.incline or not problem.gravity[2]:
+    axes = _axes(body, columns)
+    if axes is None or problem.plane.incline or not problem.gravity[2]:
         return None
-    up, halves, moment, tilted = found
+    up, halves, moment, tilted = axes
     standing = columns[up] if columns[up][2] > 0 else tuple(-part for part in columns[up])
     across = MP.hypot(standing[0], standing[1])
     if min(across, standing[2]) <= NONE:
@@ -110,11 +110,11 @@ def _axes(body: ContactBody, columns: tuple[tuple[Real, ...], ...]) -> tuple[int
     """An axis in the plane of the fall, half-lengths across and along it (m), the moment (kg m^2), and the tilt of the edge."""
     match body.shape:
         case Brick(semi_axes):
-            level = [place for place in range(3) if abs(columns[place][2]) <= NONE]
+            level = [axis for axis in range(3) if abs(columns[axis][2]) <= NONE]
             if len(level) != 1:
                 return None
             (edge,) = level
-            across, up = (place for place in range(3) if place != edge)
+            across, up = (axis for axis in range(3) if axis != edge)
             halves = MP.mpf(semi_axes[across]), MP.mpf(semi_axes[up])
             return up, halves, real(body.moments[edge]), float(abs(columns[edge][2]))
         case Cylinder(radius, half_length) if body.moments[0] == body.moments[1]:

@@ -43,9 +43,9 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     theta, rate = form.position[:, 0], form.velocity[:, 0]
     position, velocity, quaternion, spin = _states(falling, body, theta, rate)
     events = (_event(falling, body, kind, cosine, last),) if kind != "lift" and len(times) and last <= times[-1] else ()
-    whole = kind == "impact" or not len(times) or last > times[-1]
-    least = smallest_friction(falling, float(np.cos(theta[-1]))) if whole and len(times) else 0.0
-    found = ContactMotion(
+    stays_on_edge = kind == "impact" or not len(times) or last > times[-1]
+    least = smallest_friction(falling, float(np.cos(theta[-1]))) if stays_on_edge and len(times) else 0.0
+    whole = ContactMotion(
         position[None],
         velocity[None],
         quaternion[None],
@@ -56,7 +56,7 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
         "a body that leans is a pendulum about its contact with the plane, as long as friction holds it",
         least,
     )
-    return known_at(found, times <= float(last))
+    return known_at(whole, times <= float(last))
 
 
 def _refuse_jam(falling: Lean, friction: float, body: ContactBody) -> None:
@@ -100,7 +100,7 @@ def _errors(falling: Lean, angle: Array, rate: Array, times: Array) -> dict[str,
 def _event(falling: Lean, body: ContactBody, kind: str, cosine: Real, time: Real) -> Event:
     rate, theta = falling.speed(cosine), MP.acos(cosine)
     states = _states(falling, body, np.array([wide(theta)]), np.array([wide(rate)]))
-    (x, y, z), (u, v, w), (p, q, r) = (states[place][0].astype(float).tolist() for place in (0, 1, 3))
+    (x, y, z), (u, v, w), (p, q, r) = (states[part][0].astype(float).tolist() for part in (0, 1, 3))
     begun = (_ROUNDINGS + falling.apart) * float(MP.cosh(MP.sqrt(falling.square) * time))
     error = 2 * EPS * float(time) + (4 * begun / float(rate) if rate else 0.0)
     if kind == "slip":

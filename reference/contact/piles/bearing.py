@@ -12,7 +12,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: By how much of themselves faces are smaller where balance is asked for: more than the error of linear programming.
+#: The fraction by which faces are made smaller to check balance: more than the error of linear programming.
 SAFE = 1e-6
 
 #: Relative size of what a linear system leaves undetermined, up to which it is rounding.
@@ -39,8 +39,8 @@ def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing
     left out, unless each is the mirror image of another.
     """
     rows = [
-        [float(bearing.upper == place) - float(bearing.lower == place) for bearing in bearings]
-        for place in range(len(problem.bodies))
+        [float(bearing.upper == index) - float(bearing.lower == index) for bearing in bearings]
+        for index in range(len(problem.bodies))
     ]
     if len(bearings) > len(problem.bodies):
         rows += [row for images in _mirrors(problem, faces) for row in _equal(bearings, images)]
@@ -57,12 +57,12 @@ def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing
 
 def _equal(bearings: Sequence[Bearing], images: Mapping[int, int]) -> list[list[float]]:
     """The rows of equations that say that each bearing bears what its image does; none where one has no image."""
-    found = [Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]) for bearing in bearings]
-    if set(found) != set(bearings):
+    mirrored = [Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]) for bearing in bearings]
+    if set(mirrored) != set(bearings):
         return []
     return [
-        [float(own == bearing) - float(own == image) for own in bearings]
-        for bearing, image in zip(bearings, found, strict=True)
+        [float(other == bearing) - float(other == image) for other in bearings]
+        for bearing, image in zip(bearings, mirrored, strict=True)
     ]
 
 
@@ -76,28 +76,28 @@ def _mirrors(problem: Problem, faces: Sequence[Upright]) -> list[dict[int, int]]
     """Return the image of each body, by index, in each mirror along the normal and an axis that changes nothing."""
     centre = centre_of(problem.bodies)
     axes = (1,) if problem.plane.incline else (0, 1)
-    found = (_images(problem, faces, axis, centre[axis]) for axis in axes)
-    return [images for images in found if images is not None]
+    candidates = (_images(problem, faces, axis, centre[axis]) for axis in axes)
+    return [images for images in candidates if images is not None]
 
 
 def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide) -> dict[int, int] | None:
     """The images of all bodies in the mirror through a centre (m) across an axis; None where one has none."""
-    found = {}
-    for place, face in enumerate(faces):
+    images = {}
+    for index, face in enumerate(faces):
         mirrored = _marks(face)
         mirrored[:, axis] = 2 * centre - mirrored[:, axis]
         image = next(
             (
                 other
-                for other, known in enumerate(faces)
-                if problem.bodies[other].mass == problem.bodies[place].mass and _alike(face, mirrored, known)
+                for other, candidate in enumerate(faces)
+                if problem.bodies[other].mass == problem.bodies[index].mass and _alike(face, mirrored, candidate)
             ),
             None,
         )
         if image is None:
             return None
-        found[place] = image
-    return found
+        images[index] = image
+    return images
 
 
 def _marks(face: Upright) -> WideArray:
@@ -126,18 +126,18 @@ def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bear
     from scipy.optimize import linprog  # takes longer to import than all ways of contact
 
     points = [_seen(problem, faces, bearing, slope) for bearing in bearings]
-    columns = np.repeat(np.arange(len(bearings)), [len(own) for own in points])
+    columns = np.repeat(np.arange(len(bearings)), [len(each) for each in points])
     places = np.concatenate(points)
     matrix, sides = [], []
-    for place, body in enumerate(problem.bodies):
-        signs = np.array([float(own.upper == place) - float(own.lower == place) for own in bearings])[columns]
+    for index, body in enumerate(problem.bodies):
+        signs = np.array([float(each.upper == index) - float(each.lower == index) for each in bearings])[columns]
         seen = (body.position[:2] + np.array([body.position[2] * slope, Wide(0)])).astype(float)
-        arms = (places - seen) / faces[place].size
+        arms = (places - seen) / faces[index].size
         matrix += [signs, signs * arms[:, 0], signs * arms[:, 1]]
         sides += [float(body.mass), 0.0, 0.0]
     scale = np.repeat([float(body.mass) for body in problem.bodies], 3)
-    found = linprog(np.zeros(len(places)), A_eq=np.array(matrix) / scale[:, None], b_eq=np.array(sides) / scale)
-    return bool(found.status == 0)
+    solution = linprog(np.zeros(len(places)), A_eq=np.array(matrix) / scale[:, None], b_eq=np.array(sides) / scale)
+    return bool(solution.status == 0)
 
 
 def _seen(problem: Problem, faces: Sequence[Upright], bearing: Bearing, slope: float) -> Array:

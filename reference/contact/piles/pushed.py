@@ -74,22 +74,22 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     scene = _recognised(problem)
     if scene is None:
         return None
-    found = accelerations(scene)
-    _check_straight(scene, found)
-    until, kind, place = _end(scene, found)
-    made = _states(scene, found, times, until)
+    solution = accelerations(scene)
+    _check_straight(scene, solution)
+    until, kind, index = _end(scene, solution)
+    states = _states(scene, solution, times, until)
     if kind is None or until > times[-1]:
-        return made
-    there = _states(scene, found, np.array([until]), math.inf)
-    position, velocity = (vector_of(rows[place, 0]) for rows in (there.position, there.velocity))
-    spin = vector_of(rotate(there.quaternion, there.spin)[place, 0])
-    return replace(made, events=(Event(kind, until, 4 * EPS * until, place, position, velocity, spin),))
+        return states
+    at_end = _states(scene, solution, np.array([until]), math.inf)
+    position, velocity = (vector_of(rows[index, 0]) for rows in (at_end.position, at_end.velocity))
+    spin = vector_of(rotate(at_end.quaternion, at_end.spin)[index, 0])
+    return replace(states, events=(Event(kind, until, 4 * EPS * until, index, position, velocity, spin),))
 
 
 def _recognised(problem: Problem) -> Pushed | None:
     """The box and its spheres; None where the problem is another one."""
-    bricks = [place for place, body in enumerate(problem.bodies) if isinstance(body.shape, Brick)]
-    balls = tuple(place for place, body in enumerate(problem.bodies) if isinstance(body.shape, Sphere))
+    bricks = [index for index, body in enumerate(problem.bodies) if isinstance(body.shape, Brick)]
+    balls = tuple(index for index, body in enumerate(problem.bodies) if isinstance(body.shape, Sphere))
     faces = tuple(face for body in problem.bodies if (face := upright(body)) is not None)
     if len(bricks) != 1 or not balls or len(balls) + 1 < len(problem.bodies) or len(faces) < len(problem.bodies):
         return None
@@ -101,7 +101,7 @@ def _recognised(problem: Problem) -> Pushed | None:
     x, y, z = push.force
     if push.body != bricks[0] or push.start or z or any(push.point) or not (x or y):
         return None
-    if not all(_isotropic(problem.bodies[place]) for place in balls) or not _on_top(faces, bricks[0], balls):
+    if not all(_isotropic(problem.bodies[index]) for index in balls) or not _on_top(faces, bricks[0], balls):
         return None
     force = MP.hypot(MP.mpf(x), MP.mpf(y))
     direction = np.array([wide(MP.mpf(x) / force), wide(MP.mpf(y) / force)], dtype=Wide)
@@ -121,7 +121,7 @@ def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> boo
         return False
     if any(abs(faces[ball].bottom - under.top) > near or margin(under, faces[ball].centre) <= near for ball in balls):
         return False
-    pairs = ((faces[one], faces[other]) for place, one in enumerate(balls) for other in balls[place + 1 :])
+    pairs = ((faces[one], faces[other]) for index, one in enumerate(balls) for other in balls[index + 1 :])
     return all(np.sum((one.centre - other.centre) ** 2) > _touching(one, other) for one, other in pairs)
 
 
@@ -160,13 +160,13 @@ def accelerations(scene: Pushed) -> Accelerations:
         left -= masses[ball] * limits[ball]
     fast = left / inertia()
     along = [
-        fast if place == box else shares[place] * fast if place in rolling else limits[place] for place in range(len(masses))
+        fast if index == box else shares[index] * fast if index in rolling else limits[index] for index in range(len(masses))
     ]
     needed = max((along[ball] / gravity for ball in rolling), default=MP.mpf(0))
     return Accelerations(np.array([wide(value) for value in along], dtype=Wide), float(needed))
 
 
-def _check_straight(scene: Pushed, found: Accelerations) -> None:
+def _check_straight(scene: Pushed, solution: Accelerations) -> None:
     """Raise `NotModelled` where the frictions of the plane and of the spheres turn the box about the normal.
 
     That of the plane acts at the centre of the load, so that each sphere turns the box by (a + mu g) m times its distance from
@@ -175,21 +175,21 @@ def _check_straight(scene: Pushed, found: Accelerations) -> None:
     problem = scene.problem
     mass = float(sum(body.mass for body in problem.bodies))
     held = min(problem.pair(scene.box)[0] * -float(problem.gravity[2]), float(scene.force) / mass)
-    moments = [(found.along[ball] + held) * problem.bodies[ball].mass for ball in scene.balls]
+    moments = [(solution.along[ball] + held) * problem.bodies[ball].mass for ball in scene.balls]
     turning = sum(moment * scene.across(ball) for moment, ball in zip(moments, scene.balls, strict=True))
     if abs(turning) > NONE * sum(moments) * scene.faces[scene.box].size:
         raise NotModelled("a pushed box with loads beside the line of the push, which turns")
 
 
-def _end(scene: Pushed, found: Accelerations) -> tuple[float, EventKind | None, int]:
+def _end(scene: Pushed, solution: Accelerations) -> tuple[float, EventKind | None, int]:
     """The instant (s) from which on the motion is another one, what happens there, and to which body."""
-    relative = found.along - found.along[scene.box]
+    relative = solution.along - solution.along[scene.box]
     under = scene.faces[scene.box]
-    ends: list[tuple[Wide, EventKind | None, int]] = [(_tipping(scene, found, relative), "tip", scene.box)]
-    for place, ball in enumerate(scene.balls):
+    ends: list[tuple[Wide, EventKind | None, int]] = [(_tipping(scene, solution, relative), "tip", scene.box)]
+    for index, ball in enumerate(scene.balls):
         gone = _leaving(under, scene.faces[ball].centre, relative[ball] * scene.direction)
         ends.append((gone, None, ball))
-        ends += [(_meeting(scene, ball, other, relative), "impact", ball) for other in scene.balls[:place]]
+        ends += [(_meeting(scene, ball, other, relative), "impact", ball) for other in scene.balls[:index]]
     half_square, kind, body = min(ends, key=lambda end: end[0])
     instant = float(np.sqrt(2 * half_square))
     pushed_until = scene.problem.pushes[0].end
@@ -199,12 +199,12 @@ def _end(scene: Pushed, found: Accelerations) -> tuple[float, EventKind | None, 
 def _leaving(face: Upright, point: WideArray, rate: WideArray) -> Wide:
     """Half the square of the time (s^2) at which a point with some acceleration (2,) leaves a face; infinite where never."""
     places, rates = face.sides @ (point - face.centre), face.sides @ rate
-    found = [
-        (half - np.sign(speed) * place) / abs(speed)
-        for half, place, speed in zip(face.half, places, rates, strict=True)
+    leaving = [
+        (half - np.sign(speed) * coordinate) / abs(speed)
+        for half, coordinate, speed in zip(face.half, places, rates, strict=True)
         if speed
     ]
-    return min(found, default=Wide(np.inf))
+    return min(leaving, default=Wide(np.inf))
 
 
 def _meeting(scene: Pushed, one: int, other: int, relative: WideArray) -> Wide:
@@ -219,7 +219,7 @@ def _meeting(scene: Pushed, one: int, other: int, relative: WideArray) -> Wide:
     return Wide(beyond / (closing + np.sqrt(square)))
 
 
-def _tipping(scene: Pushed, found: Accelerations, relative: WideArray) -> Wide:
+def _tipping(scene: Pushed, solution: Accelerations, relative: WideArray) -> Wide:
     """Half the square of the time (s^2) at which the centre of the load leaves the base of the box; infinite where never.
 
     The moments about the centre of mass balance: those of the spheres' weights and of the frictions above and below it.
@@ -227,7 +227,7 @@ def _tipping(scene: Pushed, found: Accelerations, relative: WideArray) -> Wide:
     """
     problem, face = scene.problem, scene.faces[scene.box]
     masses = np.array([body.mass for body in problem.bodies])
-    taken = masses * found.along
+    taken = masses * solution.along
     pushed = wide(scene.force) - sum(taken)
     upper = sum(taken) - taken[scene.box]
     shift = (face.top - face.bottom) / 2 * (pushed - upper) / -problem.gravity[2] * scene.direction
@@ -238,7 +238,7 @@ def _tipping(scene: Pushed, found: Accelerations, relative: WideArray) -> Wide:
     return _leaving(face, begin, (masses * relative).sum() / sum(masses) * scene.direction)
 
 
-def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> ContactMotion:
+def _states(scene: Pushed, solution: Accelerations, times: Array, until: float) -> ContactMotion:
     """The states at times (n,), NaN from an instant on."""
     problem, t = scene.problem, times.astype(Wide)
     t[times >= until] = np.nan
@@ -247,16 +247,16 @@ def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> 
     shape = (len(problem.bodies), len(times))
     position, velocity, spin = (np.zeros((*shape, 3), dtype=Wide) for _ in range(3))
     quaternion, angles = np.zeros((*shape, 4), dtype=Wide), np.zeros(shape, dtype=Wide)
-    for place, body in enumerate(problem.bodies):
-        acceleration = found.along[place]
-        position[place] = body.position + np.multiply.outer(acceleration * t * t / 2, along)
-        velocity[place] = np.multiply.outer(acceleration * t, along)
+    for index, body in enumerate(problem.bodies):
+        acceleration = solution.along[index]
+        position[index] = body.position + np.multiply.outer(acceleration * t * t / 2, along)
+        velocity[index] = np.multiply.outer(acceleration * t, along)
         # The friction acts below the centre, so that a sphere turns against the direction in which it would roll on the plane.
-        rate = Wide(0) if place == scene.box else -acceleration / (wide(_roundness(body)) * scene.faces[place].half[0])
-        angles[place] = rate * t * t / 2
-        turn = about(axis, angles[place])
-        quaternion[place] = multiply(turn, np.broadcast_to(body.quaternion, turn.shape))
-        spin[place] = rotate(conjugate(quaternion[place]), np.multiply.outer(rate * t, axis))
+        rate = Wide(0) if index == scene.box else -acceleration / (wide(_roundness(body)) * scene.faces[index].half[0])
+        angles[index] = rate * t * t / 2
+        turn = about(axis, angles[index])
+        quaternion[index] = multiply(turn, np.broadcast_to(body.quaternion, turn.shape))
+        spin[index] = rotate(conjugate(quaternion[index]), np.multiply.outer(rate * t, axis))
     speeds, rates = (np.abs(rows).max(axis=(0, 2)) for rows in (velocity, spin))
     gap = max(abs(float(scene.faces[ball].bottom - scene.faces[scene.box].top)) for ball in scene.balls)
     tilt = scene.faces[scene.box].tilt
@@ -277,5 +277,5 @@ def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> 
         (),
         "closed form: Newton and Euler",
         "all accelerations are constant while box and spheres slide or roll on",
-        friction=found.friction,
+        friction=solution.friction,
     )

@@ -46,20 +46,20 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
         _check_tree(problem, faces, bearings, slope)
     elif not balanced(problem, faces, bearings, float(slope)):
         raise NotModelled("bodies that bear each other and are not at rest by their weights alone")
-    found = {} if beside else loads(problem, faces, bearings)
-    interfaces = tuple(Interface(bearing.pair, load) for bearing, load in found.items())
+    forces = {} if beside else loads(problem, faces, bearings)
+    interfaces = tuple(Interface(bearing.pair, load) for bearing, load in forces.items())
     return _at_rest(problem, times, faces, bearings, float(slope), interfaces)
 
 
 def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
     """Return which bodies bear which, and whether any touch sideways. Raise `NotModelled` if bodies overlap."""
     near = NONE * max(face.size for face in faces)
-    found, beside = [], False
+    bearings, beside = [], False
     for upper, above in enumerate(faces):
         if above.bottom < -near:
             raise NotModelled("a body that reaches into the plane at the start")
         if abs(above.bottom) <= near:
-            found.append(Bearing(WORLD, upper))
+            bearings.append(Bearing(WORLD, upper))
         for lower, below in enumerate(faces):
             if lower == upper or above.bottom + above.top < below.bottom + below.top:
                 continue
@@ -70,7 +70,7 @@ def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
                 _check_spheres(above, below, near)
             elif above.ball and abs(gap) <= near:
                 if margin(below, above.centre) > near:
-                    found.append(Bearing(lower, upper))
+                    bearings.append(Bearing(lower, upper))
             elif not meet(above, below, larger=-SLIVER):
                 beside = True
             elif gap < -near:
@@ -78,8 +78,8 @@ def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
             elif below.ball:
                 raise NotModelled("a body that stands on a sphere")
             else:
-                found.append(Bearing(lower, upper))
-    return tuple(found), beside
+                bearings.append(Bearing(lower, upper))
+    return tuple(bearings), beside
 
 
 def _check_spheres(one: Upright, other: Upright, near: float) -> None:
@@ -115,19 +115,19 @@ def _check_tree(problem: Problem, faces: Sequence[Upright], bearings: Sequence[B
     """Raise `NotModelled` where the centre of what a face bears is not within it, along gravity."""
     below = {bearing.upper: bearing.lower for bearing in bearings}
     for upper, face in enumerate(faces):
-        borne = [place for place in below if _rests_on(place, upper, below)]
-        centre = centre_of([problem.bodies[place] for place in borne])
+        borne = [index for index in below if _rests_on(index, upper, below)]
+        centre = centre_of([problem.bodies[index] for index in borne])
         point = centre[:2] + np.array([(centre[2] - face.bottom) * slope, Wide(0)])
         rims = [other for other in (face, *([faces[below[upper]]] if below[upper] != WORLD else [])) if not other.ball]
         if any(margin(rim, point) <= NONE * rim.size for rim in rims):
             raise NotModelled("a stack that tips over")
 
 
-def _rests_on(place: int, lowest: int, below: dict[int, int]) -> bool:
+def _rests_on(index: int, lowest: int, below: dict[int, int]) -> bool:
     """Return whether a body is another one, or rests on it directly or through others."""
-    while place not in (lowest, WORLD):
-        place = below[place]
-    return place == lowest
+    while index not in (lowest, WORLD):
+        index = below[index]
+    return index == lowest
 
 
 def _at_rest(

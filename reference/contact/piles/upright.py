@@ -13,7 +13,7 @@ from bodycheck.reference.witness import WideArray
 #: Corners of the polygon that stands for a disk.
 CORNERS = 256
 
-#: By how much of itself an outline is made smaller, or larger, where it is asked whether two have an area in common.
+#: The fraction by which an outline is made smaller, or larger, to check whether two have an area in common.
 SLIVER = 1e-9
 
 
@@ -119,19 +119,19 @@ def common(one: WideArray, other: WideArray) -> WideArray:
     """The corners (k, 2) of what two convex polygons have in common, counter-clockwise; empty where it is nothing."""
     if len(other) > len(one):
         one, other = other, one
-    found = list(one)
+    corners = list(one)
     for begin, end in zip(other, np.roll(other, -1, axis=0), strict=True):
         along, kept = end - begin, []
-        inside = [along[0] * (corner[1] - begin[1]) - along[1] * (corner[0] - begin[0]) for corner in found]
-        for place, corner in enumerate(found):
-            before = place - 1
-            if (inside[place] >= 0) != (inside[before] >= 0):
-                part = inside[before] / (inside[before] - inside[place])
-                kept.append(found[before] + part * (corner - found[before]))
-            if inside[place] >= 0:
+        inside = [along[0] * (corner[1] - begin[1]) - along[1] * (corner[0] - begin[0]) for corner in corners]
+        for index, corner in enumerate(corners):
+            before = index - 1
+            if (inside[index] >= 0) != (inside[before] >= 0):
+                part = inside[before] / (inside[before] - inside[index])
+                kept.append(corners[before] + part * (corner - corners[before]))
+            if inside[index] >= 0:
                 kept.append(corner)
-        found = kept
-    return np.array(found).reshape(-1, 2)
+        corners = kept
+    return np.array(corners).reshape(-1, 2)
 
 
 def meet(one: Upright, other: Upright, *, larger: float) -> bool:

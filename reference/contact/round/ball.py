@@ -48,7 +48,7 @@ class Ball:
 
     @property
     def braking(self) -> Wide:
-        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never asked for then."""
+        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never used then."""
         return Wide(0) if np.isinf(self.friction) else self.friction * self.onto
 
     @property
@@ -94,50 +94,52 @@ def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ba
     )
 
 
-def slip(of: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
+def slip(ball: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
     """The velocity (3,) of the point that touches, along the plane (m/s); zero where it is what rounding leaves of a zero."""
-    r = of.radius
-    found = np.array([velocity[0] - r * spin[1], velocity[1] + r * spin[0], Wide(0)])
+    r = ball.radius
+    velocity_of_point = np.array([velocity[0] - r * spin[1], velocity[1] + r * spin[0], Wide(0)])
     terms = np.hypot(velocity[0], velocity[1]) + r * np.hypot(spin[0], spin[1])
-    return np.asarray(found * (np.hypot(found[0], found[1]) > SLIP_ROUNDINGS * np.finfo(Wide).eps * terms))
+    return np.asarray(
+        velocity_of_point * (np.hypot(velocity_of_point[0], velocity_of_point[1]) > SLIP_ROUNDINGS * np.finfo(Wide).eps * terms)
+    )
 
 
-def rolling_spin(of: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
+def rolling_spin(ball: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
     """The angular velocity (3,) of a body that rolls with a velocity (3,) and with the spin about the normal of another one."""
-    return np.array([-velocity[1] / of.radius, velocity[0] / of.radius, spin[2]])
+    return np.array([-velocity[1] / ball.radius, velocity[0] / ball.radius, spin[2]])
 
 
-def after_impact(of: Ball, before: Moment) -> Moment:
+def after_impact(ball: Ball, before: Moment) -> Moment:
     """A body just after it has hit the plane, by impulse and momentum.
 
     The impulse along the plane is the one that ends the slip where Coulomb's law allows it, and else mu times that along
     the normal, against the slip.
     """
     fall = -before.velocity[2]
-    back = of.restitution * fall
-    sliding = slip(of, before.velocity, before.spin)
-    velocity = before.velocity + gripping(of, sliding, (1 + of.restitution) * fall)
+    back = ball.restitution * fall
+    sliding = slip(ball, before.velocity, before.spin)
+    velocity = before.velocity + gripping(ball, sliding, (1 + ball.restitution) * fall)
     velocity[2] = back
     spin = before.spin.copy()
-    if stops(of, sliding, (1 + of.restitution) * fall):
-        spin = rolling_spin(of, velocity, spin)
+    if stops(ball, sliding, (1 + ball.restitution) * fall):
+        spin = rolling_spin(ball, velocity, spin)
     else:
-        change = (velocity - before.velocity) / (of.ratio * of.radius)
+        change = (velocity - before.velocity) / (ball.ratio * ball.radius)
         spin[0] += change[1]
         spin[1] -= change[0]
     return replace(before, velocity=velocity, spin=spin)
 
 
-def stops(of: Ball, sliding: WideArray, normal: Wide) -> bool:
+def stops(ball: Ball, sliding: WideArray, normal: Wide) -> bool:
     """Return whether an impulse along the normal, divided by the mass (m/s), ends a slip (3,)."""
-    if np.isinf(of.friction):
+    if np.isinf(ball.friction):
         return True
     size = np.hypot(sliding[0], sliding[1])
-    return bool(size * of.ratio <= of.friction * normal * (1 + of.ratio))
+    return bool(size * ball.ratio <= ball.friction * normal * (1 + ball.ratio))
 
 
-def gripping(of: Ball, sliding: WideArray, normal: Wide) -> WideArray:
+def gripping(ball: Ball, sliding: WideArray, normal: Wide) -> WideArray:
     """The change (3,) of the velocity by friction on a slip (3,), with an impulse along the normal, over the mass (m/s)."""
-    if stops(of, sliding, normal):
-        return np.asarray(sliding * (-of.ratio / (1 + of.ratio)))
-    return np.asarray(sliding * (-of.friction * normal / np.hypot(sliding[0], sliding[1])))
+    if stops(ball, sliding, normal):
+        return np.asarray(sliding * (-ball.ratio / (1 + ball.ratio)))
+    return np.asarray(sliding * (-ball.friction * normal / np.hypot(sliding[0], sliding[1])))

@@ -21,31 +21,32 @@ EDGE = 4.0
 
 
 def errors(
-    of: Ball,
-    found: Course,
+    ball: Ball,
+    course: Course,
     position_error: Wide,
     velocity_error: Wide,
     times: WideArray,
-    place: WideArray,
+    phase_index: WideArray,
     velocity: WideArray,
     spin: WideArray,
 ) -> dict[str, Array]:
     """The bounds (n,) of the states at times (n,), by the names of `bounds.STATES`.
 
-    position_error, velocity_error: of the start (m, m/s). place: (n,) the phases of the instants. velocity, spin: (n, 3) there.
+    position_error, velocity_error: of the start (m, m/s). phase_index: (n,) the phases of the instants. velocity, spin: (n, 3)
+    there.
     """
-    begins = [phase.start for phase in found.phases]
-    speeds = np.maximum.accumulate([_speed(of, begin.velocity, begin.spin) for begin in begins])
-    speed = np.maximum(speeds[place], np.array([_speed(of, v, w) for v, w in zip(velocity, spin, strict=True)]))
-    unit = ROUNDINGS * np.finfo(Wide).eps * (place + 1)
-    late = _late(of, found) * (place > 0)
+    begins = [phase.start for phase in course.phases]
+    speeds = np.maximum.accumulate([_speed(ball, begin.velocity, begin.spin) for begin in begins])
+    speed = np.maximum(speeds[phase_index], np.array([_speed(ball, v, w) for v, w in zip(velocity, spin, strict=True)]))
+    unit = ROUNDINGS * np.finfo(Wide).eps * (phase_index + 1)
+    late = _late(ball, course) * (phase_index > 0)
     size = np.sqrt(begins[0].position @ begins[0].position)
-    slope = _edge(of) * times
-    fast = unit * speed + velocity_error + (of.onto + of.downhill) * late + slope
+    slope = _edge(ball) * times
+    fast = unit * speed + velocity_error + (ball.onto + ball.downhill) * late + slope
     drift = unit * speed * times + speed * late + times * (velocity_error + slope)
-    far = unit * (size + of.radius) + position_error + drift
-    rolling = (1 + 1 / of.ratio) / of.radius
-    jumps = _jumps(of, found, times)
+    far = unit * (size + ball.radius) + position_error + drift
+    rolling = (1 + 1 / ball.ratio) / ball.radius
+    jumps = _jumps(ball, course, times)
     return {
         "error": (unit + rolling * drift).astype(float),
         "position_error": far.astype(float),
@@ -54,44 +55,44 @@ def errors(
     }
 
 
-def event_errors(of: Ball, found: Course) -> WideArray:
+def event_errors(ball: Ball, course: Course) -> WideArray:
     """The bounds of the times (m,) of the events of a motion (s)."""
-    if not found.changes:
+    if not course.changes:
         return np.zeros(0, Wide)
-    times = np.array([change.moment.time for change in found.changes])
-    speed = np.max([_speed(of, phase.start.velocity, phase.start.spin) for phase in found.phases])
-    least = of.slowing - of.downhill if of.slowing > of.downhill else of.slowing
-    stops = np.array([change.kind != "impact" for change in found.changes])
+    times = np.array([change.moment.time for change in course.changes])
+    speed = np.max([_speed(ball, phase.start.velocity, phase.start.spin) for phase in course.phases])
+    least = ball.slowing - ball.downhill if ball.slowing > ball.downhill else ball.slowing
+    stops = np.array([change.kind != "impact" for change in course.changes])
     ends = stops * (speed / least if least else Wide(0))
     unit = ROUNDINGS * np.finfo(Wide).eps * (np.arange(len(times)) + 1)
-    return np.asarray(np.where(times > 0, unit * (times + ends) + _late(of, found), 0))
+    return np.asarray(np.where(times > 0, unit * (times + ends) + _late(ball, course), 0))
 
 
-def _speed(of: Ball, velocity: WideArray, spin: WideArray) -> Wide:
-    return Wide(np.sqrt(velocity @ velocity) + of.radius * np.sqrt(spin @ spin))
+def _speed(ball: Ball, velocity: WideArray, spin: WideArray) -> Wide:
+    return Wide(np.sqrt(velocity @ velocity) + ball.radius * np.sqrt(spin @ spin))
 
 
-def _late(of: Ball, found: Course) -> Wide:
+def _late(ball: Ball, course: Course) -> Wide:
     """The bound of the error of the time of the first impact (s), from the roundings of the height."""
-    first = next((change for change in found.changes if change.kind == "impact"), None)
+    first = next((change for change in course.changes if change.kind == "impact"), None)
     if first is None:
         return Wide(0)
-    height = found.phases[0].start.position[2]
+    height = course.phases[0].start.position[2]
     return Wide(ROUNDINGS * np.finfo(Wide).eps * (height / first.normal_speed + first.moment.time)) * (first.moment.time > 0)
 
 
-def _edge(of: Ball) -> Wide:
+def _edge(ball: Ball) -> Wide:
     """By how much the accelerations of slip and roll may differ on the steepest slope on which the body rolls (m/s^2)."""
-    near = abs(of.downhill - of.slowing) <= EDGE * EPS * of.downhill
-    return Wide(EDGE * EPS * of.downhill * near)
+    near = abs(ball.downhill - ball.slowing) <= EDGE * EPS * ball.downhill
+    return Wide(EDGE * EPS * ball.downhill * near)
 
 
-def _jumps(of: Ball, found: Course, times: WideArray) -> tuple[WideArray, WideArray]:
+def _jumps(ball: Ball, course: Course, times: WideArray) -> tuple[WideArray, WideArray]:
     """Return possible errors of velocities (n,), m/s, and angular velocities (n,), rad/s, at instants close to an impact."""
-    changes = found.changes
+    changes = course.changes
     if not changes:
         return np.zeros_like(times), np.zeros_like(times)
-    instants, margins = np.array([change.moment.time for change in changes]), event_errors(of, found)
+    instants, margins = np.array([change.moment.time for change in changes]), event_errors(ball, course)
     jumps = np.array([change.jumps for change in changes])
     found_jumps = np.zeros((2, len(times)), Wide)
     after = np.searchsorted(instants, times)

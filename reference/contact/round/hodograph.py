@@ -64,44 +64,44 @@ def hodograph(downhill: Wide, slowing: Wide, sliding: WideArray) -> Hodograph:
     return Hodograph(downhill, slowing, along, against, y)
 
 
-def elapsed(of: Hodograph, q: WideArray) -> WideArray:
+def elapsed(hodograph: Hodograph, q: WideArray) -> WideArray:
     """The times (n,) at which the parameter is q (n,), s^2/m."""
-    less, more = of.rates
-    return np.asarray(of.along * grown(less, q) + of.against * grown(more, q))
+    less, more = hodograph.rates
+    return np.asarray(hodograph.along * grown(less, q) + hodograph.against * grown(more, q))
 
 
-def parameters(of: Hodograph, times: WideArray) -> WideArray:
+def parameters(hodograph: Hodograph, times: WideArray) -> WideArray:
     """The parameters q (n,) at times (n,) from the start of the slip, by Newton's method within an interval that shrinks."""
-    less, more = of.rates
+    less, more = hodograph.rates
     low = np.zeros_like(times)
-    high = np.minimum(_reached(less, times / of.along), _reached(more, times / of.against))
+    high = np.minimum(_reached(less, times / hodograph.along), _reached(more, times / hodograph.against))
     if less > 0:
         high = np.minimum(high, FARTHEST / less)
     q, last = low.copy(), high - low
     for _ in range(MAX_STEPS):
-        missing = elapsed(of, q) - times
+        missing = elapsed(hodograph, q) - times
         low, high = np.where(missing < 0, q, low), np.where(missing < 0, high, q)
-        pace = of.along * np.exp(-less * q) + of.against * np.exp(-more * q)
+        pace = hodograph.along * np.exp(-less * q) + hodograph.against * np.exp(-more * q)
         newton = q - missing / pace
         trusted = (newton >= low) & (newton <= high) & (np.abs(newton - q) <= last / 2)
-        found = np.where(trusted, newton, (low + high) / 2)
-        last = np.abs(found - q)
+        improved = np.where(trusted, newton, (low + high) / 2)
+        last = np.abs(improved - q)
         if np.all(last <= np.finfo(Wide).eps * np.abs(q)):
-            return found
-        q = found
+            return improved
+        q = improved
     return q
 
 
-def followed(of: Hodograph, q: WideArray) -> tuple[WideArray, WideArray]:
+def followed(hodograph: Hodograph, q: WideArray) -> tuple[WideArray, WideArray]:
     """The slip (n, 3), m/s, and its path (n, 3), m, at parameters (n,)."""
-    less, more = of.rates
-    a, b, c = of.along, of.against, of.slowing
+    less, more = hodograph.rates
+    a, b, c = hodograph.along, hodograph.against, hodograph.slowing
     velocity = np.zeros((len(q), 3), Wide)
     velocity[:, 0] = a * np.exp(-less * q) - b * np.exp(-more * q)
-    velocity[:, 1] = of.across * np.exp(-c * q)
+    velocity[:, 1] = hodograph.across * np.exp(-c * q)
     path = np.zeros((len(q), 3), Wide)
     path[:, 0] = a * a * grown(2 * less, q) - b * b * grown(2 * more, q)
-    path[:, 1] = of.across * (a * grown(c + less, q) + b * grown(c + more, q))
+    path[:, 1] = hodograph.across * (a * grown(c + less, q) + b * grown(c + more, q))
     return velocity, path
 
 

@@ -39,63 +39,63 @@ class Begin:
     velocity_error: Wide
 
 
-def begin(of: Ball, position: WideArray, velocity: WideArray, spin: WideArray) -> Begin:
+def begin(ball: Ball, position: WideArray, velocity: WideArray, spin: WideArray) -> Begin:
     """Return the start of a body from its position, velocity and angular velocity (3,) along the axes of the plane.
 
     Raises `NotModelled` for a body that begins within the plane, or that slips where nothing slips.
     """
-    height, speed = position[2] - of.radius, np.sqrt(dot(velocity, velocity))
-    if height < -NONE * of.radius:
+    height, speed = position[2] - ball.radius, np.sqrt(dot(velocity, velocity))
+    if height < -NONE * ball.radius:
         raise NotModelled("a body that begins within the plane")
     placed, moving, turning = position.copy(), velocity.copy(), spin.copy()
-    touching = height <= NONE * of.radius
+    touching = height <= NONE * ball.radius
     if touching:
-        placed[2] = of.radius
+        placed[2] = ball.radius
     airborne = not touching or bool(abs(velocity[2]) > NONE * speed)
     if not airborne:
         moving[2] = Wide(0)
-        sliding = slip(of, moving, turning)
-        size, scale = np.hypot(sliding[0], sliding[1]), speed + of.radius * np.sqrt(dot(spin, spin))
-        if 0 < size <= NONE * scale and of.friction > 0:
-            moving = moving - sliding * (of.ratio / (1 + of.ratio))
-            turning = rolling_spin(of, moving, turning)
-        elif size and np.isinf(of.friction):
+        sliding = slip(ball, moving, turning)
+        size, scale = np.hypot(sliding[0], sliding[1]), speed + ball.radius * np.sqrt(dot(spin, spin))
+        if 0 < size <= NONE * scale and ball.friction > 0:
+            moving = moving - sliding * (ball.ratio / (1 + ball.ratio))
+            turning = rolling_spin(ball, moving, turning)
+        elif size and np.isinf(ball.friction):
             raise NotModelled("a body that slips at the start on a plane on which nothing slips")
-    moved_by = np.abs(velocity - moving).sum() + of.radius * np.abs(turning - spin).sum()
+    moved_by = np.abs(velocity - moving).sum() + ball.radius * np.abs(turning - spin).sum()
     return Begin(Moment(Wide(0), placed, moving, turning), airborne, abs(height) * touching, moved_by)
 
 
-def moved(of: Ball, body: ContactBody, begun: Begin, times: Array, model: str, reason: str) -> ContactMotion:
+def moved(ball: Ball, body: ContactBody, begun: Begin, times: Array, model: str, reason: str) -> ContactMotion:
     """The motion at ascending times (n,) >= 0 (s). Raises `OutOfReach` for too many impacts."""
     wide_times = times.astype(Wide)
-    found = course(of, begun.moment, begun.airborne, wide_times.max(initial=Wide(0)))
-    starts = np.array([phase.start.time for phase in found.phases])
+    whole = course(ball, begun.moment, begun.airborne, wide_times.max(initial=Wide(0)))
+    starts = np.array([phase.start.time for phase in whole.phases])
     # At the instant of an impact the body is still as before it, and so at t = 0 as the file says.
-    place = np.maximum(np.searchsorted(starts, wide_times, side="left") - 1, 0)
+    phase_index = np.maximum(np.searchsorted(starts, wide_times, side="left") - 1, 0)
     position, velocity, spin = (np.zeros((len(times), 3), Wide) for _ in range(3))
     turn = np.zeros((len(times), 4), Wide)
-    before = turns_between(of, found, starts)
-    for index in np.unique(place):
-        here, phase = place == index, found.phases[index]
+    before = turns_between(ball, whole, starts)
+    for index in np.unique(phase_index):
+        here, phase = phase_index == index, whole.phases[index]
         lasting = wide_times[here] - starts[index]
-        position[here], velocity[here], spin[here] = states(of, phase, lasting)
-        turn[here] = multiply(turned(of, phase, lasting), before[index])
+        position[here], velocity[here], spin[here] = states(ball, phase, lasting)
+        turn[here] = multiply(turned(ball, phase, lasting), before[index])
     quaternion = normalise(multiply(turn, body.quaternion))
     return ContactMotion(
         position[None],
         velocity[None],
         quaternion[None],
         rotate(conjugate(quaternion), spin)[None],
-        errors(of, found, begun.position_error, begun.velocity_error, wide_times, place, velocity, spin),
-        _events(of, found),
+        errors(ball, whole, begun.position_error, begun.velocity_error, wide_times, phase_index, velocity, spin),
+        _events(ball, whole),
         model,
         reason,
-        _friction(of, found),
-        _interfaces(of, found),
+        _friction(ball, whole),
+        _interfaces(ball, whole),
     )
 
 
-def _events(of: Ball, found: Course) -> tuple[Event, ...]:
+def _events(ball: Ball, course: Course) -> tuple[Event, ...]:
     return tuple(
         Event(
             change.kind,
@@ -107,22 +107,22 @@ def _events(of: Ball, found: Course) -> tuple[Event, ...]:
             vector_of(change.moment.spin),
             float(change.normal_speed),
         )
-        for change, error in zip(found.changes, event_errors(of, found), strict=True)
+        for change, error in zip(course.changes, event_errors(ball, course), strict=True)
     )
 
 
-def _friction(of: Ball, found: Course) -> float:
+def _friction(ball: Ball, course: Course) -> float:
     """The smallest coefficient with which nothing slips; 0 where something slips."""
-    rolls = any(not phase.airborne for phase in found.phases)
-    needed = of.downhill / of.onto * of.ratio / (1 + of.ratio) if rolls and of.onto else Wide(0)
-    needed = max([needed, *(change.grip for change in found.changes)])
-    if any(phase.slips for phase in found.phases) or needed > of.friction:
+    rolls = any(not phase.airborne for phase in course.phases)
+    needed = ball.downhill / ball.onto * ball.ratio / (1 + ball.ratio) if rolls and ball.onto else Wide(0)
+    needed = max([needed, *(change.grip for change in course.changes)])
+    if any(phase.slips for phase in course.phases) or needed > ball.friction:
         return 0.0
     return float(needed)
 
 
-def _interfaces(of: Ball, found: Course) -> tuple[Interface, ...]:
+def _interfaces(ball: Ball, course: Course) -> tuple[Interface, ...]:
     """The load of the plane where the body rests from the start on."""
-    first = found.phases[0]
+    first = course.phases[0]
     rests = not (first.airborne or first.start.velocity.any() or first.start.spin.any() or first.acceleration.any())
-    return (Interface((WORLD, 0), float(of.mass * of.onto)),) if rests else ()
+    return (Interface((WORLD, 0), float(ball.mass * ball.onto)),) if rests else ()

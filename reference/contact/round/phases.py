@@ -82,7 +82,7 @@ class Course:
     changes: tuple[Change, ...]
 
 
-def states(of: Ball, phase: Phase, lasting: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+def states(ball: Ball, phase: Phase, lasting: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """Positions, velocities and angular velocities (n, 3) at times (n,) from the start of a phase."""
     begin, t = phase.start, lasting[:, None]
     if phase.hodograph is None:
@@ -92,127 +92,127 @@ def states(of: Ball, phase: Phase, lasting: WideArray) -> tuple[WideArray, WideA
             begin.spin + t * phase.spin_rate,
         )
     sliding, path = followed(phase.hodograph, parameters(phase.hodograph, lasting))
-    return along_hodograph(of, phase, lasting, sliding, path)
+    return along_hodograph(ball, phase, lasting, sliding, path)
 
 
 def along_hodograph(
-    of: Ball, phase: Phase, lasting: WideArray, sliding: WideArray, path: WideArray
+    ball: Ball, phase: Phase, lasting: WideArray, sliding: WideArray, path: WideArray
 ) -> tuple[WideArray, WideArray, WideArray]:
     """The same from the slip (n, 3) and its path (n, 3), as friction changes velocity and slip in the ratio k/(1 + k)."""
-    begin, t, k = phase.start, lasting[:, None], of.ratio
-    first = slip(of, begin.velocity, begin.spin)
-    downhill = np.array([of.downhill, ZERO, ZERO])
+    begin, t, k = phase.start, lasting[:, None], ball.ratio
+    first = slip(ball, begin.velocity, begin.spin)
+    downhill = np.array([ball.downhill, ZERO, ZERO])
     part = k / (1 + k)
     velocity = begin.velocity + t * downhill / (1 + k) + part * (sliding - first)
     position = begin.position + t * (begin.velocity - part * first + t / 2 * downhill / (1 + k)) + part * path
-    change = (t * downhill - (sliding - first)) / (of.radius * (1 + k))
+    change = (t * downhill - (sliding - first)) / (ball.radius * (1 + k))
     return position, velocity, begin.spin + np.stack([-change[:, 1], change[:, 0], change[:, 2]], axis=1)
 
 
-def at(of: Ball, phase: Phase, lasting: Wide) -> Moment:
+def at(ball: Ball, phase: Phase, lasting: Wide) -> Moment:
     """The body at a time from the start of a phase."""
-    position, velocity, spin = states(of, phase, np.array([lasting]))
+    position, velocity, spin = states(ball, phase, np.array([lasting]))
     return Moment(phase.start.time + lasting, position[0], velocity[0], spin[0])
 
 
-def course(of: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
+def course(ball: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
     """The phases until a time (s), of a body in flight or on the plane. Raises `OutOfReach` for too many impacts."""
     phases: list[Phase] = []
     changes: list[Change] = []
     on_plane: Moment | None = start
     if airborne:
-        on_plane = _bounced(of, start, end, phases, changes)
+        on_plane = _bounced(ball, start, end, phases, changes)
     if on_plane is not None and on_plane.time <= end:
-        scale = float(np.linalg.norm(start.velocity) + of.radius * np.linalg.norm(start.spin))
-        _on_plane(of, on_plane, scale, phases, changes)
+        scale = float(np.linalg.norm(start.velocity) + ball.radius * np.linalg.norm(start.spin))
+        _on_plane(ball, on_plane, scale, phases, changes)
     begun = (phase for phase in phases if phase.start.time <= end)
     return Course(tuple(begun), tuple(change for change in changes if change.moment.time <= end))
 
 
-def _bounced(of: Ball, start: Moment, end: Wide, phases: list[Phase], changes: list[Change]) -> Moment | None:
+def _bounced(ball: Ball, start: Moment, end: Wide, phases: list[Phase], changes: list[Change]) -> Moment | None:
     """The moment from which the body stays on the plane, after flights and impacts; None where it is in flight at the end."""
     none = np.zeros(3, Wide)
-    gravity = np.array([of.downhill, ZERO, -of.onto])
+    gravity = np.array([ball.downhill, ZERO, -ball.onto])
     first, body = ZERO, start
     for _ in range(MAX_IMPACTS):
         flight = Phase(body, gravity, none, airborne=True)
         phases.append(flight)
-        lasting, speed = _fall(of, body)
+        lasting, speed = _fall(ball, body)
         if not body.time + lasting <= end:
             return None
         first = first or speed
-        hit = at(of, flight, lasting)
-        hit.position[2], hit.velocity[2] = of.radius, -speed
-        body = after_impact(of, hit)
-        changes.append(_impact(of, hit, body))
+        hit = at(ball, flight, lasting)
+        hit.position[2], hit.velocity[2] = ball.radius, -speed
+        body = after_impact(ball, hit)
+        changes.append(_impact(ball, hit, body))
         if not body.velocity[2] > first * LAST_IMPACT:
-            return _settled(of, body)
+            return _settled(ball, body)
     raise OutOfReach(f"a body that bounces more than {MAX_IMPACTS} times")
 
 
-def _impact(of: Ball, before: Moment, after: Moment) -> Change:
-    fall, sliding = -before.velocity[2], slip(of, before.velocity, before.spin)
+def _impact(ball: Ball, before: Moment, after: Moment) -> Change:
+    fall, sliding = -before.velocity[2], slip(ball, before.velocity, before.spin)
     velocity, spin = after.velocity - before.velocity, after.spin - before.spin
     jumps = np.sqrt(velocity @ velocity), np.sqrt(spin @ spin)
-    grip = np.hypot(sliding[0], sliding[1]) * of.ratio / ((1 + of.ratio) * (1 + of.restitution) * fall)
+    grip = np.hypot(sliding[0], sliding[1]) * ball.ratio / ((1 + ball.ratio) * (1 + ball.restitution) * fall)
     return Change("impact", after, fall, jumps, grip)
 
 
-def _fall(of: Ball, body: Moment) -> tuple[Wide, Wide]:
+def _fall(ball: Ball, body: Moment) -> tuple[Wide, Wide]:
     """Return how long a body flies (s), and its final speed towards the plane (m/s); infinity and 0 if it never lands."""
-    height, rise = body.position[2] - of.radius, body.velocity[2]
-    speed = np.sqrt(rise * rise + 2 * of.onto * height)
+    height, rise = body.position[2] - ball.radius, body.velocity[2]
+    speed = np.sqrt(rise * rise + 2 * ball.onto * height)
     if rise < 0:
         return 2 * height / (speed - rise), speed
-    return ((rise + speed) / of.onto, speed) if of.onto > 0 else (Wide(np.inf), ZERO)
+    return ((rise + speed) / ball.onto, speed) if ball.onto > 0 else (Wide(np.inf), ZERO)
 
 
-def _settled(of: Ball, body: Moment) -> Moment:
+def _settled(ball: Ball, body: Moment) -> Moment:
     """A body after all impacts that are left, which take a geometric series of times and add up to its weight."""
     speed = body.velocity[2]
-    lasting = 2 * speed / (of.onto * (1 - of.restitution)) if speed > 0 else ZERO
+    lasting = 2 * speed / (ball.onto * (1 - ball.restitution)) if speed > 0 else ZERO
     position, velocity = body.position + lasting * body.velocity, body.velocity.copy()
-    position[2], velocity[2] = of.radius, ZERO
+    position[2], velocity[2] = ball.radius, ZERO
     return Moment(body.time + lasting, position, velocity, body.spin)
 
 
-def _on_plane(of: Ball, body: Moment, scale: float, phases: list[Phase], changes: list[Change]) -> None:
+def _on_plane(ball: Ball, body: Moment, scale: float, phases: list[Phase], changes: list[Change]) -> None:
     """The phases of a body that stays on the plane. scale: of speeds at the start (m/s)."""
     begins = bool(phases)  # otherwise what the body does at the start is no event
     while True:
-        sliding = slip(of, body.velocity, body.spin)
-        if not np.any(sliding) and of.grips:
-            phases.append(_rolling(of, body))
+        sliding = slip(ball, body.velocity, body.spin)
+        if not np.any(sliding) and ball.grips:
+            phases.append(_rolling(ball, body))
             if begins:
-                changes.append(Change("rest" if _rests(of, body, scale) else "roll", body))
+                changes.append(Change("rest" if _rests(ball, body, scale) else "roll", body))
             return
         if begins:
             changes.append(Change("slip", body))
-        phase, lasting = _slipping(of, body, sliding)
+        phase, lasting = _slipping(ball, body, sliding)
         phases.append(phase)
         if not np.isfinite(lasting):
             return
-        ended = at(of, phase, lasting)
-        body, begins = replace(ended, spin=rolling_spin(of, ended.velocity, ended.spin)), True
+        ended = at(ball, phase, lasting)
+        body, begins = replace(ended, spin=rolling_spin(ball, ended.velocity, ended.spin)), True
 
 
-def _rests(of: Ball, body: Moment, scale: float) -> bool:
-    speed = float(np.linalg.norm(body.velocity) + of.radius * abs(body.spin[2]))
-    return not of.downhill and speed <= AT_REST * scale
+def _rests(ball: Ball, body: Moment, scale: float) -> bool:
+    speed = float(np.linalg.norm(body.velocity) + ball.radius * abs(body.spin[2]))
+    return not ball.downhill and speed <= AT_REST * scale
 
 
-def _rolling(of: Ball, body: Moment) -> Phase:
-    downhill = of.downhill / (1 + of.ratio)
-    return Phase(body, np.array([downhill, ZERO, ZERO]), np.array([ZERO, downhill / of.radius, ZERO]))
+def _rolling(ball: Ball, body: Moment) -> Phase:
+    downhill = ball.downhill / (1 + ball.ratio)
+    return Phase(body, np.array([downhill, ZERO, ZERO]), np.array([ZERO, downhill / ball.radius, ZERO]))
 
 
-def _slipping(of: Ball, body: Moment, sliding: WideArray) -> tuple[Phase, Wide]:
+def _slipping(ball: Ball, body: Moment, sliding: WideArray) -> tuple[Phase, Wide]:
     """The slip that begins with a velocity (3,) of the point that touches, and how long it lasts (s)."""
-    downhill, braking, slowing = of.downhill, of.braking, of.slowing
+    downhill, braking, slowing = ball.downhill, ball.braking, ball.slowing
     size = np.hypot(sliding[0], sliding[1])
     direction = sliding / size if size else np.array([Wide(1), ZERO, ZERO])
     acceleration = np.array([downhill, ZERO, ZERO]) - braking * direction
-    turning = braking / (of.ratio * of.radius)
+    turning = braking / (ball.ratio * ball.radius)
     phase = Phase(body, acceleration, np.array([-turning * direction[1], turning * direction[0], ZERO]), slips=True)
     if not slowing:
         return phase, Wide(np.inf)

@@ -1,44 +1,152 @@
-"""The rotation of a round body in its phases."""
+"""The rotation of a round body in its phases, from its angular velocity along axes that do not turn.
+
+With the angular velocity w along fixed axes the quaternion obeys dQ/dt = w Q / 2. A power series of w in a parameter gives one
+of Q; all steps are made at once, as the equation is linear, and multiplied one after another.
+"""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from bodycheck.reference.contact.round.ball import Ball, slip
 from bodycheck.reference.contact.round.hodograph import Hodograph, elapsed, parameters
 from bodycheck.reference.contact.round.phases import Course, Phase
-from bodycheck.reference.contact.round.turning import MAX_STEPS, STEP, TERMS, about_axis, accelerated, chained, stepped
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
-from bodycheck.reference.kinematics import dot
+from bodycheck.reference.kinematics import about, cross, dot, multiply, normalise
 from bodycheck.reference.witness import WideArray
+
+#: Gives the coefficients (k, j, 3) of the series of the angular velocity about parameters (k,).
+Coefficients = Callable[[WideArray], WideArray]
+
+#: Angle (rad) of a step, which counts a growth of the angular velocity within it.
+STEP = 4.0
+
+#: Terms of the series. With a of the angle of a step at its begin and the rest added within it, the series of
+#: exp(a x/2 + (STEP - a) x^2/4) bounds that of Q; the terms that are left out are below 1e-21.
+TERMS = 46
+
+#: The most steps, which take some seconds.
+MAX_STEPS = 100_000
+
+#: How many steps are made at once, which limits the memory.
+CHUNK = 8192
 
 #: The size of a coefficient beside the first one below which it does not count.
 LEAST_TERM = Wide(1e-24)
 
 
-def turns_between(of: Ball, found: Course, starts: WideArray) -> WideArray:
+def about_axis(spin: WideArray, angle: WideArray) -> WideArray:
+    """The quaternions (n, 4) of rotations by angles (n,), rad, about the direction of vectors (n, 3) or (3,)."""
+    size = np.sqrt(dot(spin, spin))
+    axis = spin / np.where(size > 0, size, 1)[..., None]
+    return about(axis, angle)
+
+
+def series(rates: WideArray, lengths: WideArray) -> WideArray:
+    """The rotations (n, 4) by steps.
+
+    Parameters
+    ----------
+    rates
+        (n, j, 3) the first j coefficients of the power series of the angular velocity in the parameter, times the rate of time.
+    lengths
+        (n,) lengths of the steps in the parameter.
+    """
+    count = len(lengths)
+    count_of_rates = min(rates.shape[1], TERMS)
+    scaled = np.zeros((count, count_of_rates, 4), Wide)
+    power = lengths.copy()
+    for order in range(count_of_rates):
+        scaled[:, order, 1:] = rates[:, order] * power[:, None] / 2
+        power = power * lengths
+    terms = np.zeros((TERMS, count, 4), Wide)
+    terms[0, :, 0] = 1
+    for order in range(TERMS - 1):
+        for back in range(min(order + 1, count_of_rates)):
+            terms[order + 1] += multiply(scaled[:, back], terms[order - back])
+        terms[order + 1] /= order + 1
+    return normalise(terms[::-1].sum(axis=0))
+
+
+def chained(turns: WideArray) -> WideArray:
+    """The rotations (n + 1, 4) before, between and after n rotations (n, 4) that follow each other along fixed axes."""
+    chain = np.concatenate([np.array([[1, 0, 0, 0]], Wide), turns])
+    reach = 1
+    while reach < len(chain):
+        chain[reach:] = multiply(chain[reach:], chain[:-reach])
+        reach *= 2
+    return normalise(chain)
+
+
+def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray:
+    """The rotations (n, 4) by times (n,) >= 0 (s), with the angular velocity spin + rate t, vectors (3,).
+
+    Raises `OutOfReach` where the axis turns and there are too many steps.
+    """
+    if not np.any(cross(spin, rate)):
+        axis = spin if np.any(spin) else rate
+        size = np.sqrt(dot(axis, axis))
+        if not size:
+            return about_axis(axis, np.zeros_like(times))
+        along = axis / size
+        return about_axis(along, times * (dot(spin, along) + times / 2 * dot(rate, along)))
+    end = times.max(initial=Wide(0))
+    growth = np.sqrt(dot(rate, rate))
+    fastest = np.sqrt(dot(spin, spin)) + growth * end
+    begins = grid(end, fastest / Wide(STEP))
+
+    def coefficients(begun: WideArray) -> WideArray:
+        return np.stack([spin + rate * begun[:, None], np.broadcast_to(rate, (len(begun), 3))], axis=1)
+
+    return stepped(begins, times, coefficients)
+
+
+def grid(end: Wide, density: Wide) -> WideArray:
+    """Equal steps (m + 1,) from 0 to an end with at least so many of them per unit. Raises `OutOfReach` for too many."""
+    count = np.ceil(end * density)
+    if count > MAX_STEPS:
+        raise OutOfReach(f"the attitude of a body whose axis of rotation turns takes {float(count):.3g} steps")
+    return np.linspace(Wide(0), end, int(count) + 1, dtype=Wide)
+
+
+def stepped(begins: WideArray, places: WideArray, coefficients: Coefficients) -> WideArray:
+    """The rotations (n, 4) from 0 to places (n,) of the parameter, by steps between the ascending (m + 1,) from 0 on.
+
+    coefficients: those of `series`, about parameters (k,).
+    """
+    lengths = np.diff(begins)
+    parts = range(0, len(lengths), CHUNK)
+    steps = [series(coefficients(begins[:-1][k : k + CHUNK]), lengths[k : k + CHUNK]) for k in parts]
+    whole = chained(np.concatenate([np.zeros((0, 4), Wide), *steps]))
+    at = np.clip(np.searchsorted(begins, places, side="right") - 1, 0, max(len(begins) - 2, 0))
+    return multiply(series(coefficients(begins[at]), places - begins[at]), whole[at])
+
+
+def turns_between(ball: Ball, course: Course, starts: WideArray) -> WideArray:
     """The rotations (m, 4) until the begin of each of the m phases, along the axes of the plane. starts: (m,) their times."""
-    phases = found.phases[:-1]
+    phases = course.phases[:-1]
     lasting = np.diff(starts)
     spins = np.array([phase.start.spin for phase in phases]).reshape(-1, 3)
     turns = about_axis(spins, lasting * np.sqrt(dot(spins, spins)))
-    for place, phase in enumerate(phases):
+    for index, phase in enumerate(phases):
         if phase.slips:
-            turns[place] = turned(of, phase, lasting[place : place + 1])[0]
+            turns[index] = turned(ball, phase, lasting[index : index + 1])[0]
     return chained(turns)
 
 
-def turned(of: Ball, phase: Phase, lasting: WideArray) -> WideArray:
+def turned(ball: Ball, phase: Phase, lasting: WideArray) -> WideArray:
     """The rotations (n, 4) by times (n,) from the start of a phase. Raises `OutOfReach` for too many steps."""
     if phase.hodograph is None:
         return accelerated(phase.start.spin, phase.spin_rate, lasting)
     places = parameters(phase.hodograph, lasting)
     end = places.max(initial=Wide(0))
-    begins = _grid(of, phase, phase.hodograph, end)
+    begins = _grid(ball, phase, phase.hodograph, end)
     orders = _orders(2 * phase.hodograph.rates[1] * np.diff(begins).max(initial=Wide(0)))  # of a product of two
-    return stepped(begins, places, lambda begun: _coefficients(of, phase, begun, orders))
+    return stepped(begins, places, lambda begun: _coefficients(ball, phase, begun, orders))
 
 
-def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
+def _grid(ball: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
     """Steps (m + 1,) from 0 to the end in the parameter of a hodograph: halves until each is short enough for the series."""
     less, more = slipping.rates
 
@@ -47,7 +155,7 @@ def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
 
     ends = np.array([Wide(0), end])
     lasting = elapsed(slipping, ends)[1]
-    gained = (slipping.downhill * lasting + pace(ends).sum()) / (of.radius * (1 + of.ratio))
+    gained = (slipping.downhill * lasting + pace(ends).sum()) / (ball.radius * (1 + ball.ratio))
     fastest = np.sqrt(dot(phase.start.spin, phase.start.spin)) + gained
     while True:
         lengths = np.diff(ends)
@@ -68,10 +176,10 @@ def _orders(exponent: Wide) -> int:
     return orders
 
 
-def _coefficients(of: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
+def _coefficients(ball: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
     """The first coefficients (n, orders, 3) of the angular velocity times the rate of time about parameters (n,)."""
     slipping = phase.hodograph
-    assert slipping is not None  # the caller has asked
+    assert slipping is not None  # the caller has checked this
     less, more = slipping.rates
     shape = len(begun), orders
     along, against, across = np.zeros(shape, Wide), np.zeros(shape, Wide), np.zeros(shape, Wide)
@@ -85,14 +193,14 @@ def _coefficients(of: Ball, phase: Phase, begun: WideArray, orders: int) -> Wide
     time = np.zeros(shape, Wide)
     time[:, 0] = elapsed(slipping, begun)
     time[:, 1:] = pace[:, :-1] / np.arange(1, orders)
-    first = slip(of, phase.start.velocity, phase.start.spin)
+    first = slip(ball, phase.start.velocity, phase.start.spin)
     change = np.zeros((*shape, 3), Wide)
-    scale = of.radius * (1 + of.ratio)
+    scale = ball.radius * (1 + ball.ratio)
     change[..., 0] = across / scale
     change[..., 1] = (slipping.downhill * time - (along - against)) / scale
     change[:, 0] += phase.start.spin + np.array([-first[1], first[0], Wide(0)]) / scale
-    found = np.zeros_like(change)
+    coefficients = np.zeros_like(change)
     for n in range(orders):
         for back in range(n + 1):
-            found[:, n] += pace[:, back, None] * change[:, n - back]
-    return found
+            coefficients[:, n] += pace[:, back, None] * change[:, n - back]
+    return coefficients

@@ -111,13 +111,13 @@ def panels(edges: WideArray, values: WideArray) -> Panels:
     return Panels(edges, sums, terms)
 
 
-def integrals(found: Panels, panel: Indices, r: WideArray) -> WideArray:
+def integrals(antiderivatives: Panels, panel: Indices, r: WideArray) -> WideArray:
     """Integrals (f, n) of the functions from the first edge to places r (n,), in [0, 1], of panels with indices (n,)."""
-    inside = np.einsum("fnk,kn->fn", found.terms[:, panel], mean_terms(r))
-    return np.asarray(found.sums[:, panel] + np.diff(found.edges)[panel] * r * inside)
+    inside = np.einsum("fnk,kn->fn", antiderivatives.terms[:, panel], mean_terms(r))
+    return np.asarray(antiderivatives.sums[:, panel] + np.diff(antiderivatives.edges)[panel] * r * inside)
 
 
-def invert(found: Panels, targets: WideArray) -> tuple[Indices, WideArray]:
+def invert(antiderivatives: Panels, targets: WideArray) -> tuple[Indices, WideArray]:
     """Return the arguments at which the integral of the first function, which is positive, has given values.
 
     Parameters
@@ -132,9 +132,9 @@ def invert(found: Panels, targets: WideArray) -> tuple[Indices, WideArray]:
     tuple
         (n,) indices of panels and (n,) places r in [0, 1] within them.
     """
-    sums, lengths = found.sums[0], np.diff(found.edges)
+    sums, lengths = antiderivatives.sums[0], np.diff(antiderivatives.edges)
     panel = np.clip(np.searchsorted(sums, targets, side="right") - 1, 0, len(lengths) - 1)
-    wanted, terms, length = targets - sums[panel], found.terms[0][panel], lengths[panel]
+    wanted, terms, length = targets - sums[panel], antiderivatives.terms[0][panel], lengths[panel]
     shares, scaled = (part.astype(float) for part in (wanted / length, terms))
     r = np.clip(shares / ((sums[panel + 1] - sums[panel]) / length).astype(float), 0, 1)
     for _ in range(INVERSION_STEPS):

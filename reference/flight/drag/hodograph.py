@@ -71,17 +71,17 @@ def curved(along: Wide, climb: Wide, times: WideArray) -> WideArray:
     edges = _edges(start, turn)
     y = places(edges)
     u, climbing, w, _, stretch = _state(start, turn, y)
-    found = panels(edges, w * stretch * np.stack([np.ones_like(u), u, climbing]))
+    antiderivatives = panels(edges, w * stretch * np.stack([np.ones_like(u), u, climbing]))
 
-    end_time = found.sums[0, -1]
+    end_time = antiderivatives.sums[0, -1]
     u, _, _, path, _ = _state(start, turn, edges[-1:])
-    end = np.stack([found.sums[1, -1:], found.sums[2, -1:], path, u, -np.ones_like(u)])
+    end = np.stack([antiderivatives.sums[1, -1:], antiderivatives.sums[2, -1:], path, u, -np.ones_like(u)])
     relaxed = _relaxed(u, np.maximum(times - end_time, 0))
     course = continued(relaxed, end, relaxed, times > end_time)
 
     bending = times <= end_time
-    panel, r = invert(found, times[bending])
-    _, distance, height = integrals(found, panel, r)
+    panel, r = invert(antiderivatives, times[bending])
+    _, distance, height = integrals(antiderivatives, panel, r)
     u, climbing, _, path, _ = _state(start, turn, edges[panel] + np.diff(edges)[panel] * r)
     course[:, bending] = np.stack([distance, height, path, u, climbing])
     return course

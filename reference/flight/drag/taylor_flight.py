@@ -52,8 +52,8 @@ def solve(resistance: Wide, gravity: Wide, start: WideArray, times: WideArray) -
             step = min(step, _safe_step(resistance, gravity, np.sqrt((state[3:] ** 2).sum() + smallest**2)))
         ahead = int(np.searchsorted(times, now + step, side="right")) if rises else len(times)
         # The equations are autonomous, so that every step begins at time zero.
-        found = heyoka_solver.solve(solver, state, parameters, np.append(times[done:ahead] - now, step))
-        rows[done:ahead], state, now, done = found[:-1], found[-1], now + step, ahead
+        states = heyoka_solver.solve(solver, state, parameters, np.append(times[done:ahead] - now, step))
+        rows[done:ahead], state, now, done = states[:-1], states[-1], now + step, ahead
         if done == len(times):
             return rows
     raise OutOfReach(f"no apex after {MAX_HOPS} steps")

@@ -42,18 +42,18 @@ def translation(scene: Scene, times: Array) -> Translation:
     The bounds are those of the motion itself, with the rounding to double precision, plus the largest disagreement so far with
     the witness, of which the witness's own error is subtracted: it is no error of the motion.
     """
-    found = motion(scene, times)
-    position, velocity = found.position.astype(float), found.velocity.astype(float)
-    position_error = found.position_error + _rounding(position)
-    velocity_error = found.velocity_error + _rounding(velocity)
+    flight = motion(scene, times)
+    position, velocity = flight.position.astype(float), flight.velocity.astype(float)
+    position_error = flight.position_error + _rounding(position)
+    velocity_error = flight.velocity_error + _rounding(velocity)
     other = witness(scene, times) if scene.drag else None
     if other is not None:
         # An instant that is not compared has the disagreement of the next one that is.
         following = np.searchsorted(other.instants, np.arange(len(times)))
         seen = other.motion
-        apart = _excess(found.position[other.instants], seen.position, seen.position_error)
+        apart = _excess(flight.position[other.instants], seen.position, seen.position_error)
         position_error = position_error + apart[following]
-        apart = _excess(found.velocity[other.instants], seen.velocity, seen.velocity_error)
+        apart = _excess(flight.velocity[other.instants], seen.velocity, seen.velocity_error)
         velocity_error = velocity_error + apart[following]
     return Translation(
         position,

@@ -8,7 +8,7 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Vector3, Wide, doubles, vector, wide
-from bodycheck.reference.exact.rotations import conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.exact.rotations import conjugate, dot, matrix, multiply, turned, unit
 from bodycheck.reference.exact.start import Start
 from bodycheck.reference.flight import torque_free
 from bodycheck.reference.flight.closed_form import ERROR_PER_RADIAN, ROUNDINGS, STORED_ERROR_RAD
@@ -16,7 +16,7 @@ from bodycheck.reference.kinematics import multiply as product
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import turn
 from bodycheck.reference.mechanisms.forms import top
-from bodycheck.reference.mechanisms.forms.ground import Carried, dot
+from bodycheck.reference.mechanisms.forms.ground import Carried
 from bodycheck.reference.mechanisms.forms.motion import JointForm
 from bodycheck.reference.trajectory import Array
 
@@ -33,8 +33,8 @@ def form_of_ball(held: Carried) -> Found | None:
         lagrange = _top(held, about)
         if lagrange is None:
             return None
-        given, axis = lagrange
-        return "Lagrange top", "a symmetric body on a ball joint", lambda times: _turning(held, given, axis, times)
+        spinner, axis = lagrange
+        return "Lagrange top", "a symmetric body on a ball joint", lambda times: _turning(held, spinner, axis, times)
     moments, axes = principal_axes(about)
     if min(moments) <= NEGLIGIBLE * max(moments):
         return None
@@ -79,15 +79,15 @@ def _start(held: Carried) -> Quaternion4:
     return turn((w, x, y, z))
 
 
-def _turning(held: Carried, given: top.Top, axis: Quaternion4, times: Array) -> JointForm:
+def _turning(held: Carried, spinner: top.Top, axis: Quaternion4, times: Array) -> JointForm:
     """The coordinates of the joint from the motion of the top."""
-    found = top.follow(given, times)
+    motion = top.follow(spinner, times)
     before, after = _row(conjugate(held.attitude)), _row(conjugate(axis))
     count = len(times)
-    attitude = product(np.tile(before, (count, 1)), product(found.attitude, np.tile(after, (count, 1))))
+    attitude = product(np.tile(before, (count, 1)), product(motion.attitude, np.tile(after, (count, 1))))
     rows = np.array([[wide(part) for part in row] for row in matrix(axis)], dtype=Wide)
-    rates = np.stack([(found.rates * row).sum(axis=1) for row in rows], axis=1)
-    return JointForm(attitude, rates, found.error, found.rates_error)
+    rates = np.stack([(motion.rates * row).sum(axis=1) for row in rows], axis=1)
+    return JointForm(attitude, rates, motion.error, motion.rates_error)
 
 
 def _row(q: Quaternion4) -> np.ndarray:

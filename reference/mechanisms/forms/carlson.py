@@ -36,8 +36,8 @@ def _elementary(a: WideArray, b: WideArray) -> WideArray:
     root = np.sqrt(np.abs(apart))
     safe = np.where(root > 0, root, Wide(1))
     arc = np.where(apart > 0, np.arctan(safe / a), np.log1p((a - b + safe) / b))
-    found: WideArray = np.where(root > 0.01 * a, arc / safe, _near(apart / (a * a)) / a)
-    return found
+    value: WideArray = np.where(root > 0.01 * a, arc / safe, _near(apart / (a * a)) / a)
+    return value
 
 
 def _near(e: WideArray) -> WideArray:
@@ -57,5 +57,5 @@ def _series(x: WideArray, y: WideArray, z: WideArray, p: WideArray) -> WideArray
     terms = -3 * e2 / 14 + e3 / 6 + 9 * e2 * e2 / 88 - 3 * e4 / 22 - 9 * e2 * e3 / 52 + 3 * e5 / 26
     terms = terms - e2**3 / 16 + 3 * e3 * e3 / 40 + 3 * e2 * e4 / 20
     terms = terms + 45 * e2 * e2 * e3 / 272 - 9 * (e3 * e4 + e2 * e5) / 68
-    found: WideArray = (1 + terms) / (mean * np.sqrt(mean))
-    return found
+    value: WideArray = (1 + terms) / (mean * np.sqrt(mean))
+    return value

@@ -1,11 +1,12 @@
-"""Which closed form a mechanism has."""
+"""The choice of the closed form of a mechanism."""
 
 from collections.abc import Callable
 
 from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.exact.rotations import dot
 from bodycheck.reference.mechanisms.forms import oscillator, pendulum
 from bodycheck.reference.mechanisms.forms.ball import form_of_ball
-from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, dot, moment_about
+from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, moment_about
 from bodycheck.reference.mechanisms.forms.motion import Form, FormMotion, JointForm, gathered
 from bodycheck.reference.mechanisms.forms.parallelogram import form_of_parallelograms
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -28,15 +29,15 @@ def form_of(mechanism: Mechanism) -> Form | None:
     groups = carried(mechanism)
     if not groups:
         return None
-    found = {held.place: _form_of_joint(held) for held in groups}
-    known = {place: each for place, each in found.items() if each is not None}
-    if len(known) < len(found):
+    forms = {held.index: _form_of_joint(held) for held in groups}
+    complete = {index: each for index, each in forms.items() if each is not None}
+    if len(complete) < len(forms):
         return None
-    names = list(dict.fromkeys(name for name, _, _ in known.values()))
-    reasons = list(dict.fromkeys(reason for _, reason, _ in known.values()))
+    names = list(dict.fromkeys(name for name, _, _ in complete.values()))
+    reasons = list(dict.fromkeys(reason for _, reason, _ in complete.values()))
 
     def follow(times: Array) -> FormMotion:
-        return gathered(mechanism, {place: own(times) for place, (_, _, own) in known.items()}, len(times))
+        return gathered(mechanism, {index: motion_at(times) for index, (_, _, motion_at) in complete.items()}, len(times))
 
     return Form(", ".join(names), ", ".join(reasons), follow)
 

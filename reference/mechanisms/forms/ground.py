@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, dot, matrix, multiply, plus, turned
 from bodycheck.reference.mechanisms.exact import inertia, turn, unit_axis
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
-
-_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +18,8 @@ class Carried:
 
     Attributes
     ----------
-    place, joint
-        The joint, and its place in the mechanism.
+    index, joint
+        The joint, and its index in the mechanism.
     attitude, origin
         The rotation from the joint's axes to the world, and the joint's origin in the world (m).
     mass, centre, tensor
@@ -30,7 +28,7 @@ class Carried:
         The gravitational acceleration along the joint's axes (m/s^2).
     """
 
-    place: int
+    index: int
     joint: Joint
     attitude: Quaternion4
     origin: Vector3
@@ -41,7 +39,7 @@ class Carried:
 
 
 def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
-    """What each moving joint carries; None where a joint that moves stands on another, a body is free, or loops are closed."""
+    """Return what each moving joint carries; None if a moving joint stands on another, a body is free, or loops are closed."""
     above = mechanism.joint_of
     if mechanism.loops or any(joint is None for joint in above):
         return None
@@ -49,39 +47,34 @@ def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
     for body in range(len(mechanism.bodies)):
         root, attitude, origin = _in_root(mechanism, body)
         groups.setdefault(root, []).append((body, attitude, origin))
-    found = []
-    for place, joint in enumerate(mechanism.joints):
+    parts = []
+    for index, joint in enumerate(mechanism.joints):
         if joint.type == "fixed":
             continue
         root, attitude, origin = _in_root(mechanism, joint.parent)
         if root != WORLD:
             return None
-        own = turn(joint.attitude)
-        origin = _sum(origin, turned(matrix(attitude), vector(joint.position)))
-        attitude = multiply(attitude, own)
+        joint_turn = turn(joint.attitude)
+        origin = plus(origin, turned(matrix(attitude), vector(joint.position)))
+        attitude = multiply(attitude, joint_turn)
         whole = joined([_placed(mechanism, *member) for member in groups[joint.child]])
         down = turned(matrix(conjugate(attitude)), (MP.mpf(0), MP.mpf(0), -MP.mpf(mechanism.gravity)))
-        found.append(Carried(place, joint, attitude, origin, whole.mass, whole.centre, whole.tensor, _clean(down)))
-    return tuple(found)
+        parts.append(Carried(index, joint, attitude, origin, whole.mass, whole.centre, whole.tensor, _clean(down)))
+    return tuple(parts)
 
 
 def moment_about(held: Carried, axis: Vector3) -> Real:
     """The moment of inertia (kg m^2) of what a joint carries about an axis of unit length through the joint's origin."""
     x, y, z = axis
     xx, yy, zz, xy, xz, yz = held.tensor
-    own = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+    about_centre = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
     arm = cross(axis, held.centre)
-    return own + held.mass * dot(arm, arm)
+    return about_centre + held.mass * dot(arm, arm)
 
 
 def axis_of(held: Carried) -> Vector3:
     """The axis of unit length of a revolute or prismatic joint, in its own frame."""
     return unit_axis(held.joint)
-
-
-def dot(one: Vector3, other: Vector3) -> Real:
-    """The scalar product of two vectors."""
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 
 
 def cross(one: Vector3, other: Vector3) -> Vector3:
@@ -102,35 +95,31 @@ def _clean(v: Vector3) -> Vector3:
     return x, y, z
 
 
-def _sum(one: Vector3, other: Vector3) -> Vector3:
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
-
-
 def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3]:
     """The body (or the world) at which the fixed joints below a body end, and the body's attitude and origin in its frame."""
-    attitude, origin = IDENTITY, _ZERO
+    attitude, origin = IDENTITY, ORIGIN
     above = mechanism.joint_of
     while body != WORLD:
         joint = above[body]
         if joint is None or joint.type != "fixed":
             break
-        own = turn(joint.attitude)
-        origin = _sum(vector(joint.position), turned(matrix(own), origin))
-        attitude, body = multiply(own, attitude), joint.parent
+        joint_turn = turn(joint.attitude)
+        origin = plus(vector(joint.position), turned(matrix(joint_turn), origin))
+        attitude, body = multiply(joint_turn, attitude), joint.parent
     return body, attitude, origin
 
 
 def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vector3) -> MassProperties:
     """The mass properties of a body in the frame in which it has an attitude and an origin."""
-    own = inertia(mechanism.bodies[body])
+    body_inertia = inertia(mechanism.bodies[body])
     if attitude == IDENTITY:
-        return MassProperties(own.mass, _sum(origin, own.centre), own.tensor)
+        return MassProperties(body_inertia.mass, plus(origin, body_inertia.centre), body_inertia.tensor)
     rows = matrix(attitude)
-    xx, yy, zz, xy, xz, yz = own.tensor
+    xx, yy, zz, xy, xz, yz = body_inertia.tensor
     whole = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
     def component(i: int, j: int) -> Real:
         return sum(rows[i][k] * whole[k][m] * rows[j][m] for k in range(3) for m in range(3))
 
     tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
-    return MassProperties(own.mass, _sum(origin, turned(rows, own.centre)), tensor)
+    return MassProperties(body_inertia.mass, plus(origin, turned(rows, body_inertia.centre)), tensor)

@@ -1,4 +1,4 @@
-"""What is exact of a chain that floats freely: the motion of its centre of mass, and its momenta.
+"""Exact properties of a chain that floats freely: the motion of its centre of mass, and its momenta.
 
 Forces in joints act on both bodies, so that they do not change the momenta of a tree that nothing holds. Its centre of mass
 falls on a parabola, and its angular momentum about the centre of mass is constant, whatever its joints do.
@@ -26,7 +26,7 @@ class Floating:
     mass
         Its mass (kg).
     centre, velocity
-        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the instants that were asked.
+        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the given instants.
     angular_momentum
         (3,) its angular momentum about the centre of mass in the world (kg m^2/s).
     """
@@ -43,23 +43,23 @@ def floating(mechanism: Mechanism, times: Array) -> tuple[Floating, ...]:
 
     Loops connect trees; a tree with a loop to the world is held.
     """
-    trees = _trees(mechanism)
+    roots = _trees(mechanism)
     frames = start.frames(mechanism)
-    found = []
-    for tree in sorted(set(trees.values()) - {WORLD}):
-        bodies = tuple(body for body in range(len(mechanism.bodies)) if trees[body] == tree)
-        found.append(_tree(mechanism, frames, bodies, times))
-    return tuple(found)
+    trees = []
+    for tree in sorted(set(roots.values()) - {WORLD}):
+        bodies = tuple(body for body in range(len(mechanism.bodies)) if roots[body] == tree)
+        trees.append(_tree(mechanism, frames, bodies, times))
+    return tuple(trees)
 
 
 def _trees(mechanism: Mechanism) -> dict[int, int]:
     """The first body of the tree of each body, or the world where the world holds it."""
-    found = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
+    roots = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
     ties = [(joint.parent, joint.child) for joint in mechanism.joints if joint.type != "free" or joint.parent != WORLD]
     for one, other in (*ties, *(loop.bodies for loop in mechanism.loops)):
-        first, second = sorted((found[one], found[other]))
-        found = {body: first if tree == second else tree for body, tree in found.items()}
-    return found
+        first, second = sorted((roots[one], roots[other]))
+        roots = {body: first if tree == second else tree for body, tree in roots.items()}
+    return roots
 
 
 def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[int, ...], times: Array) -> Floating:
@@ -73,10 +73,10 @@ def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[in
         np.sum([mass * part for mass, part in zip(masses, parts, strict=True)], axis=0) / total for parts in (places, speeds)
     )
     momentum = np.zeros(3, dtype=Wide)
-    for body, mass, place, speed in zip(bodies, masses, places, speeds, strict=True):
+    for body, mass, position, speed in zip(bodies, masses, places, speeds, strict=True):
         frame = frames[body]
         spin = frame.turn @ start.tensor(mechanism.bodies[body]) @ frame.turn.T @ frame.spin
-        momentum = momentum + mass * np.cross(place - centre, speed - velocity) + spin
+        momentum = momentum + mass * np.cross(position - centre, speed - velocity) + spin
     t = times.astype(Wide)[:, None]
     down = np.array([0, 0, -1], dtype=Wide) * Wide(mechanism.gravity)
     return Floating(bodies, total, centre + t * (velocity + t * down / 2), velocity + t * down, momentum)

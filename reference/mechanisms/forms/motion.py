@@ -1,4 +1,4 @@
-"""What a closed form of a mechanism gives: the coordinates and velocities of its joints in the wide type, with their bounds."""
+"""The result of a closed form of a mechanism: coordinates and velocities of its joints in the wide type, with their bounds."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -79,8 +79,8 @@ def gathered(mechanism: Mechanism, parts: dict[int, JointForm], count: int) -> F
     position = np.zeros((count, last[0].stop), dtype=Wide)
     velocity = np.zeros((count, last[1].stop), dtype=Wide)
     error, velocity_error = (np.zeros((count, len(mechanism.joints))) for _ in range(2))
-    for place, part in parts.items():
-        held, moving = slices[place]
+    for index, part in parts.items():
+        held, moving = slices[index]
         position[:, held], velocity[:, moving] = part.position, part.velocity
-        error[:, place], velocity_error[:, place] = part.error, part.velocity_error
+        error[:, index], velocity_error[:, index] = part.error, part.velocity_error
     return FormMotion(position, velocity, error, velocity_error)

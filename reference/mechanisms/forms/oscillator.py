@@ -132,20 +132,20 @@ def _least(value: WideArray, rate: Real) -> WideArray:
 
 def phases(system: Oscillator, rates: Rates, until: float) -> list[Phase]:
     """The phases that begin before a time (s); in the last one the joint moves on, or rests."""
-    found: list[Phase] = []
+    listed: list[Phase] = []
     swing: tuple[Real, Real] | None = None
     time, q, v = MP.mpf(0), system.start, system.velocity
-    while len(found) < MOST_PHASES:
+    while len(listed) < MOST_PHASES:
         applied = system.force - system.stiffness * (q - system.rest)
         sense = MP.sign(v) if v else MP.sign(applied)
         if not v and abs(applied) <= system.friction:
-            found.append(Phase(time, q, v, MP.mpf(0)))
-            return found
+            listed.append(Phase(time, q, v, MP.mpf(0)))
+            return listed
         a = (applied - sense * system.friction) / system.inertia
-        found.append(Phase(time, q, v, a))
+        listed.append(Phase(time, q, v, a))
         lasting = _reversal(rates, v, a) if system.friction else None
         if lasting is None or time + lasting > until:
-            return found
+            return listed
         if v:
             b, c = _exactly(rates, lasting)
         elif swing is None:
@@ -214,8 +214,8 @@ def _slow_and_fast(
     second = -np.expm1(-fast * tau) / fast if fast else tau
     different = (first - second) / (2 * root) if root else np.zeros_like(tau)
     both = (1 - decay - slow * b) / (slow * fast) if slow else np.zeros_like(tau)
-    found: WideArray = np.where(near, both, different)
-    return found
+    value: WideArray = np.where(near, both, different)
+    return value
 
 
 def _series(gamma: Any, square: Any, tau: WideArray) -> WideArray:

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, Wide, vector
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, dot, matrix, multiply, plus, turned
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.forms import pendulum
-from bodycheck.reference.mechanisms.forms.ground import cross, dot
+from bodycheck.reference.mechanisms.forms.ground import cross
 from bodycheck.reference.mechanisms.forms.motion import WIDE_EPS, Form, FormMotion, JointForm, gathered
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -25,8 +25,6 @@ from bodycheck.reference.trajectory import Array
 #: Size of a difference, in units of the largest length, up to which it is what the file has rounded: loops are closed to this,
 #: and axes are parallel.
 _ROUNDED = MP.mpf(10) ** -12
-
-_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,16 +64,16 @@ def form_of_parallelograms(mechanism: Mechanism) -> Form | None:
 def _rates(mechanism: Mechanism, first: float) -> list[int] | None:
     """The rate of each joint as a multiple of the first one (rad/s), from the initial velocities; None if it is no such."""
     speeds = [joint.start_velocity[0] if joint.type == "revolute" else 0.0 for joint in mechanism.joints]
-    found = [1 if speed == first else -1 if speed == -first else 0 for speed in speeds]
-    return found if all(each * first == speed for each, speed in zip(found, speeds, strict=True)) else None
+    multiples = [1 if speed == first else -1 if speed == -first else 0 for speed in speeds]
+    return multiples if all(each * first == speed for each, speed in zip(multiples, speeds, strict=True)) else None
 
 
 def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, _Frame] | None:
     """The frames of the bodies at the start; None where the bodies move otherwise. axis: that of theta in the world."""
     multiples = {id(joint): rate for joint, rate in zip(mechanism.joints, rates, strict=True)}
-    frames = {WORLD: _Frame(IDENTITY, _ZERO, 0, _ZERO)}
+    frames = {WORLD: _Frame(IDENTITY, ORIGIN, 0, ORIGIN)}
     for joint in from_the_root(mechanism):
-        parent, own = frames[joint.parent], multiples[id(joint)]
+        parent, multiple = frames[joint.parent], multiples[id(joint)]
         attitude = multiply(parent.attitude, exact.turn(joint.attitude))
         arm = turned(matrix(parent.attitude), vector(joint.position))
         if joint.type == "revolute":
@@ -84,29 +82,29 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
             if dot(across, across) > _ROUNDED**2:
                 return None
             # The axis of a joint may point the other way than that of theta.
-            own *= 1 if dot(axis, direction) > 0 else -1
+            multiple *= 1 if dot(axis, direction) > 0 else -1
             cosine, sine = MP.cos_sin(MP.mpf(joint.start[0]) / 2)
             x, y, z = exact.unit_axis(joint)
             attitude = multiply(attitude, (cosine, sine * x, sine * y, sine * z))
-        turns = parent.turns + own
+        turns = parent.turns + multiple
         if turns not in (0, 1):
             return None
-        radius = _plus(parent.radius, arm) if parent.turns else parent.radius
-        frames[joint.child] = _Frame(attitude, _plus(parent.origin, arm), turns, radius)
+        radius = plus(parent.radius, arm) if parent.turns else parent.radius
+        frames[joint.child] = _Frame(attitude, plus(parent.origin, arm), turns, radius)
     return frames
 
 
-def _point(frame: _Frame, place: Vector3) -> tuple[Vector3, Vector3]:
+def _point(frame: _Frame, point: Vector3) -> tuple[Vector3, Vector3]:
     """The place in the world at the start of a point of a body, and its part b."""
-    arm = turned(matrix(frame.attitude), place)
-    return _plus(frame.origin, arm), _plus(frame.radius, arm) if frame.turns else frame.radius
+    arm = turned(matrix(frame.attitude), point)
+    return plus(frame.origin, arm), plus(frame.radius, arm) if frame.turns else frame.radius
 
 
 def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
-    """Whether the loops stay closed: both ends are at the same place, and have the same part b."""
+    """Return whether the loops stay closed: both ends are at the same place, and have the same part b."""
     for loop in mechanism.loops:
         ends = [_point(frames[body], vector(point)) for body, point in zip(loop.bodies, loop.points, strict=True)]
-        size = max(abs(value) for place, _ in ends for value in place)
+        size = max(abs(value) for position, _ in ends for value in position)
         for one, other in zip(*ends, strict=True):
             if max(abs(a - b) for a, b in zip(one, other, strict=True)) > _ROUNDED * size:
                 return False
@@ -119,16 +117,16 @@ def _pendulum(
     """The pendulum that theta is, counted from the start; None where nothing pulls on it."""
     inertia = sum(MP.mpf(joint.armature) * rate**2 for joint, rate in zip(mechanism.joints, rates, strict=True))
     level, slope = MP.mpf(0), MP.mpf(0)
-    for body, own in enumerate(mechanism.bodies):
-        given, frame = exact.inertia(own), frames[body]
-        _, radius = _point(frame, given.centre)
+    for body, jointed_body in enumerate(mechanism.bodies):
+        properties, frame = exact.inertia(jointed_body), frames[body]
+        _, radius = _point(frame, properties.centre)
         arm = cross(axis, radius)
-        inertia += given.mass * dot(arm, arm)
+        inertia += properties.mass * dot(arm, arm)
         if frame.turns:
-            inertia += _moment(given.tensor, turned(matrix(conjugate(frame.attitude)), axis))
+            inertia += _moment(properties.tensor, turned(matrix(conjugate(frame.attitude)), axis))
         # The height of R(theta) b is, besides a constant, (z . b across the axis) cos theta + (z . axis x b) sin theta.
-        level += given.mass * (radius[2] - dot(axis, radius) * axis[2])
-        slope += given.mass * arm[2]
+        level += properties.mass * (radius[2] - dot(axis, radius) * axis[2])
+        slope += properties.mass * arm[2]
     weight = MP.mpf(mechanism.gravity) * MP.hypot(level, slope)
     if not weight or not inertia:
         return None
@@ -147,18 +145,14 @@ def _motion(mechanism: Mechanism, system: pendulum.Pendulum, rates: list[int], t
     """The coordinates of all joints, which begin at their own places and turn with theta."""
     turning = pendulum.follow(system, times)
     parts = {
-        place: JointForm(
+        index: JointForm(
             Wide(joint.start[0]) + rate * turning.position,
             rate * turning.velocity,
             # Errors of the angles add up along a chain.
             len(rates) * (turning.error + WIDE_EPS * abs(joint.start[0])),
             turning.velocity_error * abs(rate),
         )
-        for place, (joint, rate) in enumerate(zip(mechanism.joints, rates, strict=True))
+        for index, (joint, rate) in enumerate(zip(mechanism.joints, rates, strict=True))
         if joint.type == "revolute"
     }
     return gathered(mechanism, parts, len(times))
-
-
-def _plus(one: Vector3, other: Vector3) -> Vector3:
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]

@@ -75,15 +75,15 @@ def follow(system: Pendulum, times: Array) -> JointForm:
     half = sense * (angle / 2 - MP.pi * turns)
     rotating = kc2 < -_ZERO
     if rotating:
-        of, rate = modulus(MP.sqrt(-kc2) / k), k * omega
-        begin = argument(of, MP.sin(half), abs(MP.cos(half)))
+        elliptic, rate = modulus(MP.sqrt(-kc2) / k), k * omega
+        begin = argument(elliptic, MP.sin(half), abs(MP.cos(half)))
     else:
-        of, rate = modulus(MP.sqrt(kc2) if kc2 > _ZERO else MP.zero), omega
-        cn = abs(system.velocity) / (2 * omega) if of.mean else abs(MP.cos(half))
-        begin = argument(of, MP.sin(half), cn)
+        elliptic, rate = modulus(MP.sqrt(kc2) if kc2 > _ZERO else MP.zero), omega
+        cn = abs(system.velocity) / (2 * omega) if elliptic.mean else abs(MP.cos(half))
+        begin = argument(elliptic, MP.sin(half), cn)
     u = wide(begin) + wide(rate) * times.astype(Wide)
-    reduced, count = _reduced(u, wide(2 * of.quarter) if of.mean else None)
-    sn, cn_, dn = functions(of, reduced)
+    reduced, count = _reduced(u, wide(2 * elliptic.quarter) if elliptic.mean else None)
+    sn, cn_, dn = functions(elliptic, reduced)
     if rotating:
         phi = 2 * (np.arctan2(sn, cn_) + count * wide(MP.pi))
         velocity = dn * wide(2 * rate)

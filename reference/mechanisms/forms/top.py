@@ -84,7 +84,7 @@ class _Nutation:
         u2 - u1, which is zero for a steady precession.
     rate, start
         lambda and tau0.
-    of, square
+    elliptic, square
         The modulus k, and k^2.
     """
 
@@ -93,13 +93,13 @@ class _Nutation:
     width: Real
     rate: Real
     start: Real
-    of: Modulus
+    elliptic: Modulus
     square: Real
 
 
 @dataclass(frozen=True, eq=False)
 class _Constants:
-    """What is conserved: momenta Lz + L3 and Lz - L3 divided by I1, L3 / I3, L3 (1/I3 - 1/I1), and initial cos theta."""
+    """Conserved quantities: momenta Lz + L3 and Lz - L3 divided by I1, L3 / I3, L3 (1/I3 - 1/I1), and initial cos theta."""
 
     sum: Real
     difference: Real
@@ -110,12 +110,12 @@ class _Constants:
 
 def follow(top: Top, times: Array) -> Turned:
     """The rotation at times (n,), s, in any order."""
-    known = _constants(top)
-    path = _nutation(top, known)
+    conserved = _constants(top)
+    path = _nutation(top, conserved)
     t = times.astype(Wide)
     if path.width:
         reduced, count, tau = _phase(path, t)
-        sn, cn, dn = functions(path.of, reduced)
+        sn, cn, dn = functions(path.elliptic, reduced)
         parity = 1 - 2 * (count % 2)
         sn, cn = parity * sn, parity * cn
     else:
@@ -125,39 +125,39 @@ def follow(top: Top, times: Array) -> Turned:
     root = np.sqrt(width / 2)
     cosine = np.sqrt((low + width * sn * sn) / 2) if path.low else root * sn
     sine = np.sqrt((high + width * cn * cn) / 2) if path.high else root * cn
-    first, second = _phases(top, known, path, t, reduced, count)
+    first, second = _phases(top, conserved, path, t, reduced, count)
     # Quotients cn / sine and sn / cosine, whose limits are finite.
     over_sine = cn / sine if path.high else np.full_like(t, 1 / root if path.width else Wide(0))
     over_cosine = sn / cosine if path.low else np.full_like(t, 1 / root if path.width else Wide(0))
     nodding = -width * wide(path.rate) * dn * over_sine * over_cosine
     swaying = np.zeros_like(t)
-    if known.sum:
-        swaying = swaying + wide(known.sum) * sine / cosine / 2
-    if known.difference:
-        swaying = swaying + wide(known.difference) * cosine / sine / 2
+    if conserved.sum:
+        swaying = swaying + wide(conserved.sum) * sine / cosine / 2
+    if conserved.difference:
+        swaying = swaying + wide(conserved.difference) * cosine / sine / 2
     psi = first - second
     rates = np.stack(
         [
             swaying * np.sin(psi) + nodding * np.cos(psi),
             swaying * np.cos(psi) - nodding * np.sin(psi),
-            np.full_like(t, wide(known.spin)),
+            np.full_like(t, wide(conserved.spin)),
         ],
         axis=1,
     )
     attitude = np.stack([cosine * np.cos(first), sine * np.cos(second), sine * np.sin(second), cosine * np.sin(first)], axis=1)
-    return _bounded(top, known, path, attitude, rates, np.abs(first) + np.abs(second), tau)
+    return _bounded(top, conserved, path, attitude, rates, np.abs(first) + np.abs(second), tau)
 
 
 def _bounded(
-    top: Top, known: _Constants, path: _Nutation, attitude: WideArray, rates: WideArray, turned: WideArray, tau: WideArray
+    top: Top, conserved: _Constants, path: _Nutation, attitude: WideArray, rates: WideArray, turned: WideArray, tau: WideArray
 ) -> Turned:
     """The rotation with its bounds: roundings of the phases, and the motion during an error of the time."""
     speed = np.sqrt((rates * rates).sum(axis=1))
     late = _PHASE * (np.abs(tau) + abs(wide(path.start)) + 1) / (wide(path.rate) if path.rate else Wide(1))
     error = ROUNDINGS * (1 + turned) + late * speed
     # The rates turn with psi, and gravity changes them.
-    pull = wide((top.weight + abs(known.spin) ** 2 * top.along) / top.across)
-    rates_error = speed * error + late * (pull + speed * abs(wide(known.spin)))
+    pull = wide((top.weight + abs(conserved.spin) ** 2 * top.along) / top.across)
+    rates_error = speed * error + late * (pull + speed * abs(wide(conserved.spin)))
     return Turned(attitude, rates, error.astype(float), rates_error.astype(float))
 
 
@@ -172,29 +172,29 @@ def _constants(top: Top) -> _Constants:
     return _Constants(both / top.across, difference / top.across, r, r - axial / top.across, upright[2])
 
 
-def _nutation(top: Top, known: _Constants) -> _Nutation:
+def _nutation(top: Top, conserved: _Constants) -> _Nutation:
     """The path of u, from the roots of the cubic."""
     p, q, _ = top.rates
     upright = matrix(top.attitude)[2]
-    u0, speed = known.cosine, upright[0] * q - upright[1] * p
+    u0, speed = conserved.cosine, upright[0] * q - upright[1] * p
     drop = 2 * top.weight / top.across
     energy = p * p + q * q + drop * u0
-    vertical, axial = (known.sum + known.difference) / 2, (known.sum - known.difference) / 2
+    vertical, axial = (conserved.sum + conserved.difference) / 2, (conserved.sum - conserved.difference) / 2
     # f(u) = drop u^3 - (energy + axial^2) u^2 + (2 vertical axial - drop) u + energy - vertical^2.
     b, c, d = -(energy + axial**2) / drop, 2 * vertical * axial / drop - 1, (energy - vertical**2) / drop
     steep = drop * (3 * u0 * u0 + 2 * b * u0 + c)
     if abs(speed) <= _ZERO * MP.sqrt(drop) and abs(steep) <= _ZERO * drop * (1 + abs(b)):
         return _Nutation(1 + u0, 1 - u0, MP.mpf(0), MP.mpf(0), MP.mpf(0), modulus(MP.one), MP.mpf(0))
     u1, u2, u3 = _roots(b, c, d)
-    low = 1 + u1 if known.sum else MP.mpf(0)
-    high = 1 - u2 if known.difference or 1 - u2 > _ZERO else MP.mpf(0)
+    low = 1 + u1 if conserved.sum else MP.mpf(0)
+    high = 1 - u2 if conserved.difference or 1 - u2 > _ZERO else MP.mpf(0)
     width = 2 - low - high
     above = u3 - 1 + high
-    of = modulus(MP.sqrt(above / (above + width)) if above > _ZERO * width else MP.zero)
+    elliptic = modulus(MP.sqrt(above / (above + width)) if above > _ZERO * width else MP.zero)
     rate = MP.sqrt(top.weight * (above + width) / (2 * top.across))
     sn, cn = (MP.sqrt(max(value, MP.mpf(0)) / width) for value in (1 + u0 - low, 1 - u0 - high))
-    start = argument(of, -sn if speed < 0 else sn, cn)
-    return _Nutation(low, high, width, rate, start, of, width / (above + width))
+    start = argument(elliptic, -sn if speed < 0 else sn, cn)
+    return _Nutation(low, high, width, rate, start, elliptic, width / (above + width))
 
 
 def _roots(b: Real, c: Real, d: Real) -> tuple[Real, Real, Real]:
@@ -210,30 +210,30 @@ def _roots(b: Real, c: Real, d: Real) -> tuple[Real, Real, Real]:
 def _phase(path: _Nutation, t: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """The argument reduced to [-K, K], the number of half periods 2 K, and the argument itself."""
     tau = wide(path.start) + wide(path.rate) * t
-    if not path.of.mean:
+    if not path.elliptic.mean:
         return tau, np.zeros_like(tau), tau
-    period = wide(2 * path.of.quarter)
+    period = wide(2 * path.elliptic.quarter)
     count = np.rint(tau / period)
     return tau - count * period, count, tau
 
 
 def _phases(
-    top: Top, known: _Constants, path: _Nutation, t: WideArray, reduced: WideArray, count: WideArray
+    top: Top, conserved: _Constants, path: _Nutation, t: WideArray, reduced: WideArray, count: WideArray
 ) -> tuple[WideArray, WideArray]:
     """The phases (phi + psi) / 2 and (phi - psi) / 2 of the Cayley-Klein parameters (rad)."""
     begin_first, begin_second = _first_phases(top, path)
-    first, second = wide(known.drift / 2) * t + wide(begin_first), wide(begin_second) - wide(known.drift / 2) * t
+    first, second = wide(conserved.drift / 2) * t + wide(begin_first), wide(begin_second) - wide(conserved.drift / 2) * t
     if not path.width:
-        first = first + (wide(known.sum / path.low / 2) if known.sum else 0) * t
-        second = second + (wide(known.difference / path.high / 2) if known.difference else 0) * t
+        first = first + (wide(conserved.sum / path.low / 2) if conserved.sum else 0) * t
+        second = second + (wide(conserved.difference / path.high / 2) if conserved.difference else 0) * t
         return first, second
-    for factor, smallest, rising in ((known.sum, path.low, True), (known.difference, 2 - path.low, False)):
+    for factor, smallest, rising in ((conserved.sum, path.low, True), (conserved.difference, 2 - path.low, False)):
         if not factor:
             continue
         begin = _one(_integral(path, np.array([wide(path.start)], dtype=Wide), smallest, rising=rising))
         turned = _integral(path, reduced, smallest, rising=rising)
-        if path.of.mean:
-            quarter = np.array([wide(path.of.quarter)], dtype=Wide)
+        if path.elliptic.mean:
+            quarter = np.array([wide(path.elliptic.quarter)], dtype=Wide)
             turned = turned + 2 * count * _one(_integral(path, quarter, smallest, rising=rising))
         grown = wide(factor / (2 * path.rate)) * (turned - begin)
         first, second = (first + grown, second) if rising else (first, second + grown)
@@ -246,7 +246,7 @@ def _one(values: WideArray) -> np.longdouble:
 
 def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -> WideArray:
     """The integral from 0 to tau in [-K, K] of 1 / (1 + u) if rising, of 1 / (1 - u) if not; at_zero: 1 + u1 or 1 - u1."""
-    sn, cn, dn = functions(path.of, tau)
+    sn, cn, dn = functions(path.elliptic, tau)
     x, y, one = cn * cn, dn * dn, np.ones_like(sn)
     begin, width, square = wide(at_zero), wide(path.width), sn * sn
     if not rising:
@@ -259,8 +259,8 @@ def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -
     small = wide(k2 / ratio)
     root = wide(MP.sqrt((1 + ratio) * (ratio + k2) / ratio))
     rest = small / 3 * sn * square * third_kind(x, y, one, 1 + small * square)
-    found: WideArray = (np.arctan2(sn * root, cn * dn) / root + rest) / begin
-    return found
+    value: WideArray = (np.arctan2(sn * root, cn * dn) / root + rest) / begin
+    return value
 
 
 def _first_phases(top: Top, path: _Nutation) -> tuple[Real, Real]:

@@ -12,7 +12,7 @@ This is code of its own from the mechanism on: it shares nothing with `exact` an
 """
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal
 
@@ -131,7 +131,7 @@ class Border:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where a body is: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
+    """The place of a body: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
 
     element: int | None
     axes: Matrix
@@ -148,16 +148,16 @@ def border(mechanism: Mechanism) -> Border:
     for body in _downwards(mechanism):
         joint = mechanism.joint_of[body]
         if joint is None:
-            place = _free_body(mechanism.bodies[body], elements, any(own.parent == body for own in mechanism.joints))
+            pose = _free_body(mechanism.bodies[body], elements, any(other.parent == body for other in mechanism.joints))
         else:
-            place = _jointed(joint, mechanism.joints.index(joint), places[joint.parent], elements)
-        places[body] = place
-        own = _carried(mechanism.bodies[body], body, place)
-        if place.element is None:
-            standing.append(own)
+            pose = _jointed(joint, mechanism.joints.index(joint), places[joint.parent], elements)
+        places[body] = pose
+        carried = _carried(mechanism.bodies[body], body, pose)
+        if pose.element is None:
+            standing.append(carried)
         else:
-            held = elements[place.element]
-            elements[place.element] = _replaced(held, carried=(*held.carried, own))
+            held = elements[pose.element]
+            elements[pose.element] = replace(held, carried=(*held.carried, carried))
     loops = []
     for loop in mechanism.loops:
         one, other = (_end(places[body], point) for body, point in zip(loop.bodies, loop.points, strict=True))
@@ -165,9 +165,9 @@ def border(mechanism: Mechanism) -> Border:
     return Border(tuple(elements), mechanism.gravity, tuple(standing), tuple(loops))
 
 
-def _end(place: _Place, point: tuple[float, float, float]) -> tuple[int | None, Triple]:
+def _end(pose: _Place, point: tuple[float, float, float]) -> tuple[int | None, Triple]:
     """A point of a body in the frame of the element that carries the body."""
-    return place.element, _sum(place.origin, times(place.axes, [MP.mpf(value) for value in point]))
+    return pose.element, _sum(pose.origin, times(pose.axes, [MP.mpf(value) for value in point]))
 
 
 def _downwards(mechanism: Mechanism) -> list[int]:
@@ -175,16 +175,12 @@ def _downwards(mechanism: Mechanism) -> list[int]:
     children: dict[int, list[int]] = {}
     for body, joint in enumerate(mechanism.joint_of):
         children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
-    found, waiting = [], list(reversed(children.get(WORLD, [])))
+    ordered, waiting = [], list(reversed(children.get(WORLD, [])))
     while waiting:
         body = waiting.pop()
-        found.append(body)
+        ordered.append(body)
         waiting += reversed(children.get(body, []))
-    return found
-
-
-def _replaced(element: Element, **changes: object) -> Element:
-    return Element(**{**vars(element), **changes})
+    return ordered
 
 
 def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Place:
@@ -250,18 +246,18 @@ def _steps(joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[N
             return [("free", None, q[:3] + _normed(q[3:]), u)]
 
 
-def _carried(body: JointedBody, number: int, place: _Place) -> Carried:
+def _carried(body: JointedBody, number: int, pose: _Place) -> Carried:
     mass, centre, tensor = _made_of(body)
-    axes = _cleaned(place.axes)
+    axes = _cleaned(pose.axes)
     turned = _product(_product(axes, tensor), _transposed(axes))
-    where = NONE if place.falls and body.start is not None else _sum(place.origin, times(axes, centre))
+    where = NONE if pose.falls and body.start is not None else _sum(pose.origin, times(axes, centre))
     return Carried(number, mass, [_clean(value) for value in where], turned, axes)
 
 
 def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
     """Mass, centre of mass and inertia tensor about it, in the frame of the body."""
     mass, tensor = mass_and_tensor(
-        Definition(body.inertia), lambda given: [[_fraction(v) for v in row] for row in attitude(given)]
+        Definition(body.inertia), lambda orientation: [[_fraction(v) for v in row] for row in attitude(orientation)]
     )
     match body.inertia:
         case Tensor():
@@ -270,7 +266,9 @@ def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
             centre = [Fraction(value) for value in alone.position]
         case parts:
             moments = [[Fraction(part.mass) * Fraction(part.position[axis]) for part in parts] for axis in range(3)]
-            centre = [sum(own, Fraction(0)) / sum((Fraction(part.mass) for part in parts), Fraction(0)) for own in moments]
+            centre = [
+                sum(moment, Fraction(0)) / sum((Fraction(part.mass) for part in parts), Fraction(0)) for moment in moments
+            ]
     return _number(mass), [_number(value) for value in centre], [[_number(value) for value in row] for row in tensor]
 
 

@@ -26,31 +26,31 @@ Ends = tuple[tuple[int | None, list[Node]], tuple[int | None, list[Node]]]
 
 
 def gap(tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], ends: Ends) -> list[Node]:
-    """Where the second end of a loop is from the first, along the axes of the element that carries the first."""
+    """Return the vector from the first end of a loop to the second, along the axes of the element that carries the first."""
     (one, first), (other, point) = ends
     down = list(_upwards(parents, one))
-    common = next((place for place in _upwards(parents, other) if place in down), None)
-    for place in _upwards(parents, other):
-        if place == common:
+    common = next((index for index in _upwards(parents, other) if index in down), None)
+    for index in _upwards(parents, other):
+        if index == common:
             break
-        frame = solids[place].frame
+        frame = solids[index].frame
         for rows, origin in ((frame.axes, frame.slid), (frame.turned, frame.origin)):
             columns = zip(*rows, strict=True)
             point = plus(tape, origin, [tape.dot(column, point) for column in columns])
     until = down.index(common) if common is not None else len(down)
-    for place in reversed(down[:until]):
-        frame = solids[place].frame
+    for index in reversed(down[:until]):
+        frame = solids[index].frame
         for rows, origin in ((frame.turned, frame.origin), (frame.axes, frame.slid)):
             from_origin = [tape.subtract(a, b) for a, b in zip(point, origin, strict=True)]
             point = [tape.dot(row, from_origin) for row in rows]
     return [tape.subtract(a, b) for a, b in zip(point, first, strict=True)]
 
 
-def _upwards(parents: Sequence[int | None], place: int | None) -> Iterator[int]:
+def _upwards(parents: Sequence[int | None], index: int | None) -> Iterator[int]:
     """An element and those on its way to the root."""
-    while place is not None:
-        yield place
-        place = parents[place]
+    while index is not None:
+        yield index
+        index = parents[index]
 
 
 def closed(
@@ -79,13 +79,13 @@ def closed(
     free = solve(list(force))
     responses = [solve(row) for row in rows]
     opening = along(tape, rates, [tape.dot(row, velocities) for row in rows])
-    needed = [tape.negate(tape.add(own, tape.dot(row, free))) for own, row in zip(opening, rows, strict=True)]
+    needed = [tape.negate(tape.add(rate, tape.dot(row, free))) for rate, row in zip(opening, rows, strict=True)]
     matrix = [[tape.dot(row, response) for response in responses] for row in rows]
     multipliers = _eliminated(tape, matrix, needed)
-    found = free
+    accelerations = free
     for multiplier, response in zip(multipliers, responses, strict=True):
-        found = plus(tape, found, [tape.multiply(multiplier, part) for part in response])
-    return found
+        accelerations = plus(tape, accelerations, [tape.multiply(multiplier, part) for part in response])
+    return accelerations
 
 
 def _eliminated(tape: Tape, matrix: list[list[Node]], right: list[Node]) -> list[Node]:

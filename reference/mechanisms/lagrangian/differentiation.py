@@ -81,7 +81,7 @@ class Tape:
         if b in (self.one, self.minus_one):
             return a if b == self.one else self.negate(a)
         signs = self._negated(a), self._negated(b)
-        first, second = (own if own is not None else given for own, given in zip(signs, (a, b), strict=True))
+        first, second = (sign if sign is not None else node for sign, node in zip(signs, (a, b), strict=True))
         product = self._place("*", min(first, second), max(first, second))
         return self.negate(product) if (signs[0] is None) != (signs[1] is None) else product
 
@@ -98,10 +98,10 @@ class Tape:
 
     def total(self, terms: Iterable[Node]) -> Node:
         """The sum of some nodes, in their order."""
-        found = self.zero
+        result = self.zero
         for term in terms:
-            found = self.add(found, term)
-        return found
+            result = self.add(result, term)
+        return result
 
     def dot(self, one: Sequence[Node], other: Sequence[Node]) -> Node:
         """The scalar product of two vectors."""
@@ -116,8 +116,8 @@ class Tape:
 
     def _place(self, kind: str, a: Any, b: Any = None) -> Node:
         operation = (kind, a, b)
-        if (known := self._places.get(operation)) is not None:
-            return known
+        if (existing := self._places.get(operation)) is not None:
+            return existing
         self.operations.append(operation)
         self._places[operation] = len(self.operations) - 1
         return len(self.operations) - 1
@@ -126,14 +126,14 @@ class Tape:
 def along(tape: Tape, direction: Mapping[Node, Node], outputs: Sequence[Node]) -> list[Node]:
     """The derivatives of outputs in a direction, which gives the derivative of each variable that is not zero."""
     tangents: dict[Node, Node] = dict(direction)
-    for place in sorted(needed(tape, outputs)):
-        if place not in tangents and (found := _tangent(tape, place, tangents)) != tape.zero:
-            tangents[place] = found
-    return [tangents.get(place, tape.zero) for place in outputs]
+    for node in sorted(needed(tape, outputs)):
+        if node not in tangents and (tangent := _tangent(tape, node, tangents)) != tape.zero:
+            tangents[node] = tangent
+    return [tangents.get(node, tape.zero) for node in outputs]
 
 
-def _tangent(tape: Tape, place: Node, tangents: Mapping[Node, Node]) -> Node:
-    kind, a, b = tape.operations[place]
+def _tangent(tape: Tape, node: Node, tangents: Mapping[Node, Node]) -> Node:
+    kind, a, b = tape.operations[node]
     if kind in ("number", "parameter", "variable"):
         return tape.zero
     of_a = tangents.get(a, tape.zero)
@@ -159,30 +159,30 @@ def gradient(tape: Tape, output: Node, variables: Sequence[Node]) -> list[Node]:
     """The derivatives of an output by some variables, from the output backwards."""
     adjoints: dict[Node, Node] = {output: tape.one}
 
-    def carry(place: Node, amount: Node) -> None:
-        adjoints[place] = tape.add(adjoints.get(place, tape.zero), amount)
+    def carry(node: Node, amount: Node) -> None:
+        adjoints[node] = tape.add(adjoints.get(node, tape.zero), amount)
 
-    for place in sorted(needed(tape, [output]), reverse=True):
-        own = adjoints.get(place, tape.zero)
-        if own == tape.zero:
+    for node in sorted(needed(tape, [output]), reverse=True):
+        adjoint = adjoints.get(node, tape.zero)
+        if adjoint == tape.zero:
             continue
-        kind, a, b = tape.operations[place]
+        kind, a, b = tape.operations[node]
         match kind:
             case "sin":
-                carry(a, tape.multiply(own, tape.cosine(a)))
+                carry(a, tape.multiply(adjoint, tape.cosine(a)))
             case "cos":
-                carry(a, tape.negate(tape.multiply(own, tape.sine(a))))
+                carry(a, tape.negate(tape.multiply(adjoint, tape.sine(a))))
             case "negated":
-                carry(a, tape.negate(own))
+                carry(a, tape.negate(adjoint))
             case "+":
-                carry(a, own)
-                carry(b, own)
+                carry(a, adjoint)
+                carry(b, adjoint)
             case "-":
-                carry(a, own)
-                carry(b, tape.negate(own))
+                carry(a, adjoint)
+                carry(b, tape.negate(adjoint))
             case "*":
-                carry(a, tape.multiply(own, b))
-                carry(b, tape.multiply(own, a))
+                carry(a, tape.multiply(adjoint, b))
+                carry(b, tape.multiply(adjoint, a))
             case "/":
                 raise ValueError("a quotient is not differentiated")
     return [adjoints.get(variable, tape.zero) for variable in variables]
@@ -200,41 +200,41 @@ def made(
     leaf: makes a number, a parameter or a variable of its kind and its value or index. sine, cosine: the functions.
     """
     values: dict[Node, Value] = {}
-    for place in sorted(needed(tape, outputs)):
-        kind, a, b = tape.operations[place]
+    for node in sorted(needed(tape, outputs)):
+        kind, a, b = tape.operations[node]
         match kind:
             case "sin":
-                values[place] = sine(values[a])
+                values[node] = sine(values[a])
             case "cos":
-                values[place] = cosine(values[a])
+                values[node] = cosine(values[a])
             case "negated":
-                values[place] = -values[a]
+                values[node] = -values[a]
             case "+":
-                values[place] = values[a] + values[b]
+                values[node] = values[a] + values[b]
             case "-":
-                values[place] = values[a] - values[b]
+                values[node] = values[a] - values[b]
             case "*":
-                values[place] = values[a] * values[b]
+                values[node] = values[a] * values[b]
             case "/":
-                values[place] = values[a] / values[b]
+                values[node] = values[a] / values[b]
             case _:
-                values[place] = leaf(kind, a)
-    return [values[place] for place in outputs]
+                values[node] = leaf(kind, a)
+    return [values[node] for node in outputs]
 
 
 def needed(tape: Tape, outputs: Sequence[Node]) -> set[Node]:
     """The places of all operations that some outputs depend on."""
-    found: set[Node] = set()
+    nodes: set[Node] = set()
     waiting = list(outputs)
     while waiting:
-        place = waiting.pop()
-        if place in found:
+        node = waiting.pop()
+        if node in nodes:
             continue
-        found.add(place)
-        kind, a, b = tape.operations[place]
+        nodes.add(node)
+        kind, a, b = tape.operations[node]
         if kind not in ("number", "parameter", "variable"):
             waiting += [a] if b is None else [a, b]
-    return found
+    return nodes
 
 
 def plus(tape: Tape, one: list[Node], other: list[Node]) -> list[Node]:

@@ -55,7 +55,7 @@ class Derived:
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """How an element moves, along its own axes: angular velocity, velocity of its origin, the vertical; and its height."""
+    """The motion of an element, along its own axes: angular velocity, velocity of its origin, the vertical; and its height."""
 
     omega: list[Node]
     velocity: list[Node]
@@ -65,7 +65,7 @@ class _Moving:
 
 @dataclass(frozen=True, eq=False)
 class _Read:
-    """Where the numbers of a structure are on a tape, one after another."""
+    """The numbers of a structure on a tape, one after another."""
 
     tape: Tape
     nodes: Iterator[Node]
@@ -76,7 +76,7 @@ class _Read:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What the equations of a structure are made of, on a tape.
+    """The parts of the equations of a structure, on a tape.
 
     Attributes
     ----------
@@ -105,10 +105,10 @@ class Parts:
 
     def carried(self, tape: Tape, structure: Structure, slopes: list[Node]) -> list[Node]:
         """X of a function in the direction of each velocity, from its derivatives by the coordinates."""
-        q, found = self.coordinates, list[Node]()
+        q, rates = self.coordinates, list[Node]()
         for kind, (held, _) in zip(structure.kinds, structure.places, strict=True):
-            found += _carried(tape, kind, q[held], slopes[held])
-        return found
+            rates += _carried(tape, kind, q[held], slopes[held])
+        return rates
 
 
 def parts_of(tape: Tape, structure: Structure) -> Parts:
@@ -131,7 +131,7 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
 
 def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
     """J of `closing`: by which velocities those components of gaps change that hold loops together."""
-    slopes = (gradient(tape, parts.gaps[place], parts.coordinates) for place in structure.rows)
+    slopes = (gradient(tape, parts.gaps[row], parts.coordinates) for row in structure.rows)
     return [parts.carried(tape, structure, each) for each in slopes]
 
 
@@ -151,8 +151,8 @@ def derived(structure: Structure) -> Derived:
         for drive, change, force in zip(drives, changes, parts.forces, strict=True)
     ]
     matrix, above = mass_matrix(tape, structure.parents, places, parts.solids), order(structure.parents, places)
-    moves = [own for _, own in parts.dry]
-    driven = [tape.multiply(own, tape.add(force, dry)) for own, force, (dry, _) in zip(moves, right, parts.dry, strict=True)]
+    moves = [move for _, move in parts.dry]
+    driven = [tape.multiply(move, tape.add(force, dry)) for move, force, (dry, _) in zip(moves, right, parts.dry, strict=True)]
     freed = clamped(tape, matrix, moves)
     accelerations = closing.closed(
         tape,
@@ -162,12 +162,12 @@ def derived(structure: Structure) -> Derived:
         driven,
         lambda right: solved(tape, freed, right, above),
     )
-    found = *rates, *accelerations
-    used = sorted(tape.operations[place][1] for place in needed(tape, found) if tape.operations[place][0] == "parameter")
+    outputs = *rates, *accelerations
+    used = sorted(tape.operations[index][1] for index in needed(tape, outputs) if tape.operations[index][0] == "parameter")
     inertial = product(tape, matrix, accelerations)
-    slots = [moving.start for own, (_, moving) in zip(structure.dry, places, strict=True) if own]
-    strains = tuple((tape.subtract(inertial[place], right[place]), matrix[place, place]) for place in slots)
-    return Derived(tape, len(q) + len(u), found, tuple(used), strains)
+    slots = [moving.start for move, (_, moving) in zip(structure.dry, places, strict=True) if move]
+    strains = tuple((tape.subtract(inertial[index], right[index]), matrix[index, index]) for index in slots)
+    return Derived(tape, len(q) + len(u), outputs, tuple(used), strains)
 
 
 def _lagrangian(
@@ -184,16 +184,16 @@ def _lagrangian(
     ):
         turned, origin = read.some(9), read.some(3)
         own_q, own_u = q[held], u[moved]
-        own, frame = _moved(tape, kind, world if parent is None else moving[parent], turned, origin, own_q, own_u)
-        moving.append(own)
+        motion, frame = _moved(tape, kind, world if parent is None else moving[parent], turned, origin, own_q, own_u)
+        moving.append(motion)
         (mass,), centre, tensor = read.some(1), read.some(3), read.some(6)
-        velocity = plus(tape, own.velocity, cross(tape, own.omega, centre))
+        velocity = plus(tape, motion.velocity, cross(tape, motion.omega, centre))
         xx, yy, zz, xy, xz, yz = tensor
-        spun = [tape.dot(row, own.omega) for row in ([xx, xy, xz], [xy, yy, yz], [xz, yz, zz])]
-        doubled = tape.add(tape.multiply(mass, tape.dot(velocity, velocity)), tape.dot(own.omega, spun))
+        spun = [tape.dot(row, motion.omega) for row in ([xx, xy, xz], [xy, yy, yz], [xz, yz, zz])]
+        doubled = tape.add(tape.multiply(mass, tape.dot(velocity, velocity)), tape.dot(motion.omega, spun))
         terms.append(tape.multiply(half, doubled))
         if not falls:
-            height = tape.add(own.height, tape.dot(own.vertical, centre))
+            height = tape.add(motion.height, tape.dot(motion.vertical, centre))
             terms.append(tape.negate(tape.multiply(tape.multiply(mass, gravity), height)))
         armature, damping, stiffness, rest, effort = read.some(5)
         solids.append(Solid(kind, frame, mass, centre, tensor, armature))
@@ -212,7 +212,7 @@ def _lagrangian(
 def _moved(
     tape: Tape, kind: Kind, parent: _Moving, turned: list[Node], origin: list[Node], q: list[Node], u: list[Node]
 ) -> tuple[_Moving, Frame]:
-    """How an element moves, from how its parent moves, and where its frame is in that of the parent."""
+    """Return the motion of an element from that of its parent, and its frame in that of the parent."""
     rows = turned[:3], turned[3:6], turned[6:]
 
     def across(vector: list[Node]) -> list[Node]:
@@ -279,11 +279,11 @@ def _rates(tape: Tape, kind: Kind, q: list[Node], u: list[Node]) -> list[Node]:
 
 def _drives(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node], u: list[Node], momenta: list[Node]) -> list[Node]:
     """X L - omega x p of an element, from the derivatives of L by its coordinates and velocities."""
-    found = _carried(tape, kind, q, slopes)
+    drives = _carried(tape, kind, q, slopes)
     if kind in ("turn", "slide"):
-        return found
+        return drives
     gyroscopic = cross(tape, u[-3:], momenta[-3:])
-    return [*found[:-3], *(tape.subtract(own, turn) for own, turn in zip(found[-3:], gyroscopic, strict=True))]
+    return [*drives[:-3], *(tape.subtract(drive, turn) for drive, turn in zip(drives[-3:], gyroscopic, strict=True))]
 
 
 def _carried(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node]) -> list[Node]:

@@ -61,7 +61,7 @@ class Slipping:
     @property
     def dry(self) -> list[tuple[int, Element]]:
         """The places of the elements with dry friction, and these."""
-        return [(place, element) for place, element in enumerate(self.border.elements) if element.friction]
+        return [(index, element) for index, element in enumerate(self.border.elements) if element.friction]
 
     def friction(self, element: Element) -> float:
         """The friction of an element in the units of the equations."""
@@ -71,7 +71,7 @@ class Slipping:
 
 
 def in_phases(
-    given: Slipping, start: WideArray, parameters: WideArray, times: Array, phases: Sequence[Phase], solve: Solve
+    slipping: Slipping, start: WideArray, parameters: WideArray, times: Array, phases: Sequence[Phase], solve: Solve
 ) -> tuple[WideArray, list[Stray]]:
     """The states (n, k) at ascending times (n,), s, and what contradicts the phases."""
     dtype: Any = start.dtype.type
@@ -83,51 +83,51 @@ def in_phases(
         end = last if after is None else dtype(after.begin)
         begin = dtype(phase.begin)
         until = len(times) if after is None else int(np.searchsorted(times, float(end)))
-        state, own = _begun(given, state, parameters, phase)
+        state, phase_parameters = _begun(slipping, state, parameters, phase)
         checks = np.linspace(0, 1, CHECKS).astype(dtype) * (end - begin)
-        local = np.concatenate([times[first:until].astype(dtype) - begin, checks]) / dtype(given.units.time)
-        states = solve(given.structure, state, own, np.maximum(local, 0))
+        local = np.concatenate([times[first:until].astype(dtype) - begin, checks]) / dtype(slipping.units.time)
+        states = solve(slipping.structure, state, phase_parameters, np.maximum(local, 0))
         rows[first:until] = states[: until - first]
         seen = states[until - first :]
-        strays += _strays(given, seen, own, phase, after, float(end - begin), float(last - begin))
+        strays += _strays(slipping, seen, phase_parameters, phase, after, float(end - begin), float(last - begin))
         first, state = until, seen[-1]
     return rows, strays
 
 
-def _begun(given: Slipping, state: WideArray, parameters: WideArray, phase: Phase) -> tuple[WideArray, WideArray]:
+def _begun(slipping: Slipping, state: WideArray, parameters: WideArray, phase: Phase) -> tuple[WideArray, WideArray]:
     """The state at the beginning of a phase, in which joints that stick are at rest, and the parameters of the phase."""
-    state, own = state.copy(), parameters.copy()
-    coordinates = given.structure.places[-1][0].stop
-    for place, element in given.dry:
+    state, phase_parameters = state.copy(), parameters.copy()
+    coordinates = slipping.structure.places[-1][0].stop
+    for index, element in slipping.dry:
         assert element.joint is not None  # a free body has no friction
         mode = phase.modes[element.joint]
-        force, moves = friction_parameters(given.structure, place)
-        own[force] = -mode * own.dtype.type(given.friction(element))
-        own[moves] = abs(mode)
+        force, moves = friction_parameters(slipping.structure, index)
+        phase_parameters[force] = -mode * phase_parameters.dtype.type(slipping.friction(element))
+        phase_parameters[moves] = abs(mode)
         if not mode:
-            state[coordinates + given.structure.places[place][1].start] = 0
-    return state, own
+            state[coordinates + slipping.structure.places[index][1].start] = 0
+    return state, phase_parameters
 
 
 def _strays(
-    given: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
+    slipping: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
 ) -> list[Stray]:
-    """What contradicts a phase, from states at instants of it, its length and the time from its beginning to the end (s)."""
-    found = derived(given.structure)
+    """Return what contradicts a phase, from states at instants of it, its length, and the time from its begin to the end."""
+    equations = derived(slipping.structure)
     values = states.astype(float).T
     leaves: dict[str, Callable[[Any], Any]] = {
         "number": lambda value: np.full(len(states), float(value)),
-        "parameter": lambda place: np.full(len(states), float(parameters[place])),
-        "variable": lambda place: values[place],
+        "parameter": lambda index: np.full(len(states), float(parameters[index])),
+        "variable": lambda index: values[index],
     }
-    nodes = [node for pair in found.strains for node in pair]
-    evaluated = made(found.tape, nodes, lambda kind, value: leaves[kind](value), np.sin, np.cos)
-    coordinates, units, strays = given.structure.places[-1][0].stop, given.units, list[Stray]()
-    for number, (place, element) in enumerate(given.dry):
+    nodes = [node for pair in equations.strains for node in pair]
+    evaluated = made(equations.tape, nodes, lambda kind, value: leaves[kind](value), np.sin, np.cos)
+    coordinates, units, strays = slipping.structure.places[-1][0].stop, slipping.units, list[Stray]()
+    for number, (index, element) in enumerate(slipping.dry):
         assert element.joint is not None  # a free body has no friction
         strain, inertia = evaluated[2 * number], evaluated[2 * number + 1]
-        rate = values[coordinates + given.structure.places[place][1].start]
-        mode, friction = phase.modes[element.joint], given.friction(element)
+        rate = values[coordinates + slipping.structure.places[index][1].start]
+        mode, friction = phase.modes[element.joint], slipping.friction(element)
         changes = after is not None and after.modes[element.joint] != mode
         if mode:
             wrong = max(float(np.max(-mode * rate)), abs(float(rate[-1])) if changes else 0.0)

@@ -23,7 +23,7 @@ Entries = dict[tuple[int, int], Node]
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where the frame of an element is in that of its parent.
+    """The frame of an element in that of its parent.
 
     turned: rows of the matrix from the frame of the parent to that at zero. origin: that at zero, in the frame of the parent.
     axes: those of the element in the frame at zero. slid: its origin in the frame at zero.
@@ -92,41 +92,41 @@ def mass_matrix(
 ) -> Entries:
     """The entries of M. places: the slices of the coordinates and velocities of each element."""
     whole = [_about_origin(tape, solid) for solid in solids]
-    for place in reversed(range(len(solids))):
-        if (parent := parents[place]) is not None:
-            frame = solids[place].frame
-            at_zero = whole[place].turned(tape, _transposed(frame.axes)).shifted(tape, frame.slid)
+    for index in reversed(range(len(solids))):
+        if (parent := parents[index]) is not None:
+            frame = solids[index].frame
+            at_zero = whole[index].turned(tape, _transposed(frame.axes)).shifted(tape, frame.slid)
             whole[parent] = whole[parent].plus(
                 tape, at_zero.turned(tape, _transposed(frame.turned)).shifted(tape, frame.origin)
             )
-    found: Entries = {}
-    for place, solid in enumerate(solids):
-        first = places[place][1].start
-        own = _motions(tape, solid)
-        for k, (omega, velocity) in enumerate(own):
-            turning, linear = whole[place].momenta(tape, omega, velocity)
-            for j, motion in enumerate(own[: k + 1]):
-                found[first + k, first + j] = _along(tape, motion, turning, linear)
+    entries: Entries = {}
+    for index, solid in enumerate(solids):
+        first = places[index][1].start
+        motions = _motions(tape, solid)
+        for k, (omega, velocity) in enumerate(motions):
+            turning, linear = whole[index].momenta(tape, omega, velocity)
+            for j, motion in enumerate(motions[: k + 1]):
+                entries[first + k, first + j] = _along(tape, motion, turning, linear)
             if solid.kind in ("turn", "slide"):
-                found[first, first] = tape.add(found[first, first], solid.armature)
-            for step, (angular, straight) in _towards_the_root(tape, parents, solids, place, (turning, linear)):
+                entries[first, first] = tape.add(entries[first, first], solid.armature)
+            for step, (angular, straight) in _towards_the_root(tape, parents, solids, index, (turning, linear)):
                 for j, motion in enumerate(_motions(tape, solids[step])):
-                    found[first + k, places[step][1].start + j] = _along(tape, motion, angular, straight)
-    return found
+                    entries[first + k, places[step][1].start + j] = _along(tape, motion, angular, straight)
+    return entries
 
 
 def _towards_the_root(
-    tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], place: int, momenta: tuple[Vector, Vector]
+    tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], index: int, momenta: tuple[Vector, Vector]
 ) -> Iterator[tuple[int, tuple[Vector, Vector]]]:
     """The momenta of a motion in the frames of all elements on the way to the root, about their origins."""
     turning, linear = momenta
-    while (parent := parents[place]) is not None:
-        frame = solids[place].frame
+    while (parent := parents[index]) is not None:
+        frame = solids[index].frame
         for rows, origin in ((frame.axes, frame.slid), (frame.turned, frame.origin)):
             turning, linear = ([tape.dot(row, vector) for row in _transposed(rows)] for vector in (turning, linear))
             turning = plus(tape, turning, cross(tape, origin, linear))
-        place = parent
-        yield place, (turning, linear)
+        index = parent
+        yield index, (turning, linear)
 
 
 def _about_origin(tape: Tape, solid: Solid) -> _Inertia:
@@ -169,16 +169,16 @@ def _transposed(rows: Rows) -> Rows:
 
 def order(parents: Sequence[int | None], places: Sequence[tuple[slice, slice]]) -> list[int | None]:
     """For each velocity, the one before it on the way to the root, or None."""
-    found: list[int | None] = []
+    previous: list[int | None] = []
     for parent, (_, moving) in zip(parents, places, strict=True):
-        found.append(None if parent is None else places[parent][1].stop - 1)
-        found += range(moving.start, moving.stop - 1)
-    return found
+        previous.append(None if parent is None else places[parent][1].stop - 1)
+        previous += range(moving.start, moving.stop - 1)
+    return previous
 
 
-def _path(above: Sequence[int | None], place: int) -> Iterator[int]:
+def _path(above: Sequence[int | None], velocity: int) -> Iterator[int]:
     """The velocities on the way from one, which is not among them, to the root."""
-    step = above[place]
+    step = above[velocity]
     while step is not None:
         yield step
         step = above[step]
@@ -208,18 +208,18 @@ def solved(tape: Tape, matrix: Entries, right: list[Node], above: Sequence[int |
 
 def clamped(tape: Tape, matrix: Entries, moves: Sequence[Node]) -> Entries:
     """The mass matrix of a mechanism in which some velocities do not change, apart from the entries on their diagonal."""
-    found = dict(matrix)
+    entries = dict(matrix)
     for (i, j), entry in matrix.items():
         if i != j:
-            found[i, j] = tape.multiply(tape.multiply(moves[i], moves[j]), entry)
-    return found
+            entries[i, j] = tape.multiply(tape.multiply(moves[i], moves[j]), entry)
+    return entries
 
 
 def product(tape: Tape, matrix: Entries, vector: Sequence[Node]) -> list[Node]:
     """M times a vector."""
-    found = [tape.zero] * len(vector)
+    result = [tape.zero] * len(vector)
     for (i, j), entry in matrix.items():
-        found[i] = tape.add(found[i], tape.multiply(entry, vector[j]))
+        result[i] = tape.add(result[i], tape.multiply(entry, vector[j]))
         if i != j:
-            found[j] = tape.add(found[j], tape.multiply(entry, vector[i]))
-    return found
+            result[j] = tape.add(result[j], tape.multiply(entry, vector[i]))
+    return result

@@ -46,27 +46,27 @@ class _Frame:
     omega: WideArray
 
 
-def motion(found: Border, structure: Structure, units: Units, t: WideArray, states: WideArray, bodies: int) -> WideMotion:
+def motion(border: Border, structure: Structure, units: Units, t: WideArray, states: WideArray, bodies: int) -> WideMotion:
     """The motion of a mechanism from the states (n, k) of its equations at times t (n,), s, in the type of the states."""
     dtype = states.dtype.type
     coordinates = structure.places[-1][0].stop if structure.places else 0
     frames: list[_Frame] = []
     joints: dict[int, list[tuple[WideArray, WideArray]]] = {}
     nothing = _standing(len(t), dtype)
-    for element, (held, moving) in zip(found.elements, structure.places, strict=True):
+    for element, (held, moving) in zip(border.elements, structure.places, strict=True):
         q, u = _in_si(element, states[:, held], states[:, coordinates:][:, moving], units)
         parent = nothing if element.parent is None else frames[element.parent]
-        place = _landed(element, found.gravity, t)
-        frames.append(_moved(element, parent, q, u, place))
+        landed = _landed(element, border.gravity, t)
+        frames.append(_moved(element, parent, q, u, landed))
         if element.joint is not None:
             if element.kind == "free":
-                q, u = np.hstack([q[:, :3] + place[0], q[:, 3:]]), np.hstack([u[:, :3] + place[1], u[:, 3:]])
+                q, u = np.hstack([q[:, :3] + landed[0], q[:, 3:]]), np.hstack([u[:, :3] + landed[1], u[:, 3:]])
             joints.setdefault(element.joint, []).append((q, u))
     empty = (np.empty((len(t), 0), dtype), np.empty((len(t), 0), dtype))
     ordered = [empty, *(pair for joint in sorted(joints) for pair in joints[joint])]
-    states_of: dict[int, tuple[WideArray, ...]] = {own.body: _body(own, nothing) for own in found.standing}
-    for element, frame in zip(found.elements, frames, strict=True):
-        states_of |= {own.body: _body(own, frame) for own in element.carried}
+    states_of: dict[int, tuple[WideArray, ...]] = {carried.body: _body(carried, nothing) for carried in border.standing}
+    for element, frame in zip(border.elements, frames, strict=True):
+        states_of |= {carried.body: _body(carried, frame) for carried in element.carried}
     return WideMotion(
         *(np.concatenate([pair[part] for pair in ordered], axis=1) for part in (0, 1)),
         *(np.stack([states_of[body][part] for body in range(bodies)]) for part in range(4)),
@@ -93,10 +93,10 @@ def _landed(element: Element, gravity: float, t: WideArray) -> tuple[WideArray, 
     dtype = t.dtype.type
     if not element.falls or element.parent is not None:
         return np.zeros((len(t), 3), dtype), np.zeros((len(t), 3), dtype)
-    place, speed = (_rounded([values], dtype)[0] for values in element.fallen)
+    position, speed = (_rounded([values], dtype)[0] for values in element.fallen)
     down = -dtype(gravity) * _rounded(element.turned, dtype)[:, 2]
     instants = t[:, None]
-    return place + instants * (speed + instants * down / 2), speed + instants * down
+    return position + instants * (speed + instants * down / 2), speed + instants * down
 
 
 def _moved(element: Element, parent: _Frame, q: WideArray, u: WideArray, landed: tuple[WideArray, WideArray]) -> _Frame:
@@ -106,32 +106,32 @@ def _moved(element: Element, parent: _Frame, q: WideArray, u: WideArray, landed:
     axes = parent.axes @ turned.T
     slid, slides = landed
     omega = parent.omega @ turned.T
-    own: WideArray | None = None
+    rotation: WideArray | None = None
     turning = np.zeros_like(slid)
     match element.kind:
         case "turn":
             c, s, zero, one = np.cos(q[:, 0]), np.sin(q[:, 0]), np.zeros(len(q), dtype), np.ones(len(q), dtype)
-            own = np.array([[c, -s, zero], [s, c, zero], [zero, zero, one]])
+            rotation = np.array([[c, -s, zero], [s, c, zero], [zero, zero, one]])
             turning = np.stack([zero, zero, u[:, 0]], axis=1)
         case "slide":
             slid = slid + np.array([0, 0, 1], dtype) * q
             slides = slides + np.array([0, 0, 1], dtype) * u
         case "ball":
-            own, turning = _matrix(q), u
+            rotation, turning = _matrix(q), u
         case "free":
-            slid, slides, own, turning = slid + q[:, :3], slides + u[:, :3], _matrix(q[:, 3:]), u[:, 3:]
+            slid, slides, rotation, turning = slid + q[:, :3], slides + u[:, :3], _matrix(q[:, 3:]), u[:, 3:]
     origin = parent.origin + _turn(parent.axes, arm) + _turn(axes, slid)
     velocity = parent.velocity + _turn(parent.axes, np.cross(parent.omega, arm)) + _turn(axes, np.cross(omega, slid) + slides)
-    if own is not None:
-        cosines = np.moveaxis(own, 2, 0)
+    if rotation is not None:
+        cosines = np.moveaxis(rotation, 2, 0)
         axes, omega = axes @ cosines, np.einsum("nji,nj->ni", cosines, omega)
     return _Frame(axes, origin, velocity, omega + turning)
 
 
-def _body(own: Carried, frame: _Frame) -> tuple[WideArray, ...]:
+def _body(carried: Carried, frame: _Frame) -> tuple[WideArray, ...]:
     """The states (n, k) of a body that an element carries."""
     dtype = frame.origin.dtype.type
-    centre, axes = _rounded([own.centre], dtype)[0], _rounded(own.axes, dtype)
+    centre, axes = _rounded([carried.centre], dtype)[0], _rounded(carried.axes, dtype)
     position = frame.origin + _turn(frame.axes, centre)
     velocity = frame.velocity + _turn(frame.axes, np.cross(frame.omega, centre))
     return position, quaternion_of(frame.axes @ axes), velocity, frame.omega @ axes

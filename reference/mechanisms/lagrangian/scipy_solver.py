@@ -29,7 +29,7 @@ def right_hand_side(structure: Structure) -> tuple[Rates, int]:
 
     The function is written out, one operation a line, which is ten times as fast as to go through the operations.
     """
-    found = derived(structure)
+    equations = derived(structure)
     lines: list[str] = []
 
     def kept(text: str) -> "_Text":
@@ -39,7 +39,7 @@ def right_hand_side(structure: Structure) -> tuple[Rates, int]:
     def leaf(kind: str, value: float) -> "_Text":
         return _Text({"number": f"({value!r})", "parameter": f"p[{value}]", "variable": f"s[{value}]"}[kind], kept)
 
-    rates = made(found.tape, found.rates, leaf, lambda a: kept(f"sin({a.text})"), lambda a: kept(f"cos({a.text})"))
+    rates = made(equations.tape, equations.rates, leaf, lambda a: kept(f"sin({a.text})"), lambda a: kept(f"cos({a.text})"))
     body = [*lines, f"return [{', '.join(rate.text for rate in rates)}]"]
     scope: dict[str, object] = {"sin": math.sin, "cos": math.cos}
     exec("def rates(s, p):\n" + "\n".join(f"    {line}" for line in body), scope)
@@ -75,9 +75,9 @@ def solve(structure: Structure, start: Array, parameters: Array, times: Array) -
     end = float(times[-1]) if len(times) else 0.0
     if operations * EVALUATIONS * max(end, 1.0) > MAX_OPERATIONS:
         raise OutOfReach("without heyoka the equations of so large a mechanism take too long")
-    own = parameters.tolist()
+    values = parameters.tolist()
 
     def derivative(_: float, state: Array) -> Array:
-        return np.array(rates(state.tolist(), own))
+        return np.array(rates(state.tolist(), values))
 
     return dop853.solve(derivative, start, times, np.ones(len(start)))

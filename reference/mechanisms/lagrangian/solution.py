@@ -61,8 +61,8 @@ def follow_slipping(
 
     ready = prepared(mechanism)
     start, parameters = _rounded(ready, dtype)
-    given = Slipping(ready.border, ready.structure, ready.units)
-    states, strays = in_phases(given, start, parameters, times, phases, taylor.solve)
+    slipping = Slipping(ready.border, ready.structure, ready.units)
+    states, strays = in_phases(slipping, start, parameters, times, phases, taylor.solve)
     return _motion(ready, mechanism, times, states), strays
 
 
@@ -95,18 +95,18 @@ def _motion(ready: Prepared, mechanism: Mechanism, times: Array, states: WideArr
 
 
 def prepared(mechanism: Mechanism) -> Prepared:
-    """What the equations of a mechanism need. Raises `NotModelled` where free bodies, each of which falls, are in loops."""
-    found = border(mechanism)
-    if any(place is not None and found.elements[place].falls for ends in found.loops for place, _ in ends):
+    """Return the input of a mechanism's equations. Raises `NotModelled` if free bodies, each of which falls, are in loops."""
+    parts = border(mechanism)
+    if any(index is not None and parts.elements[index].falls for ends in parts.loops for index, _ in ends):
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
-    units = _units(found)
-    structure, parameters = numbers(found, units)
-    start = [value for element in found.elements for value in _scaled_start(element, units)]
-    start += [value for element in found.elements for value in _scaled_velocity(element, units)]
+    units = _units(parts)
+    structure, parameters = numbers(parts, units)
+    start = [value for element in parts.elements for value in _scaled_start(element, units)]
+    start += [value for element in parts.elements for value in _scaled_velocity(element, units)]
     if structure.loops:
         chosen = independent(*_all_rows(structure), [float(value) for value in start], [float(value) for value in parameters])
         structure = replace(structure, rows=chosen)
-    return Prepared(found, structure, units, parameters, start)
+    return Prepared(parts, structure, units, parameters, start)
 
 
 @functools.lru_cache(maxsize=8)
@@ -118,32 +118,32 @@ def _all_rows(structure: Structure) -> tuple[Tape, list[list[Node]]]:
 
 def _scaled_start(element: Element, units: Units) -> list[Number]:
     lengths = {"slide": 1, "free": 3}.get(element.kind, 0)
-    return [value / units.length if place < lengths else value for place, value in enumerate(element.start)]
+    return [value / units.length if index < lengths else value for index, value in enumerate(element.start)]
 
 
 def _scaled_velocity(element: Element, units: Units) -> list[Number]:
     lengths = {"slide": 1, "free": 3}.get(element.kind, 0)
     return [
-        value * units.time / units.length if place < lengths else value * units.time
-        for place, value in enumerate(element.velocity)
+        value * units.time / units.length if index < lengths else value * units.time
+        for index, value in enumerate(element.velocity)
     ]
 
 
-def _units(found: Border) -> Units:
+def _units(parts: Border) -> Units:
     """Powers of two near the largest length and mass of a mechanism, and near the time of its fastest motion at the start."""
-    elements = found.elements
+    elements = parts.elements
     lengths = [abs(value) for element in elements for value in element.origin]
-    lengths += [abs(value) for element in elements for own in element.carried for value in own.centre]
+    lengths += [abs(value) for element in elements for body in element.carried for value in body.centre]
     lengths += [abs(value) for element in elements if element.kind == "slide" for value in element.start]
-    for own in (own for element in elements for own in element.carried):
-        lengths.append((sum(own.tensor[axis][axis] for axis in range(3)) / own.mass) ** 0.5)
+    for body in (body for element in elements for body in element.carried):
+        lengths.append((sum(body.tensor[axis][axis] for axis in range(3)) / body.mass) ** 0.5)
     length = _power_of_two(max(lengths, default=0))
-    mass = _power_of_two(max((own.mass for element in elements for own in element.carried), default=0))
-    rates = [found.gravity / length] if not all(element.falls for element in elements) else []
+    mass = _power_of_two(max((body.mass for element in elements for body in element.carried), default=0))
+    rates = [parts.gravity / length] if not all(element.falls for element in elements) else []
     rates = [math.sqrt(rate) for rate in rates]
     for element in elements:
         sliding = {"slide": 1, "free": 3}.get(element.kind, 0)
-        rates += [float(abs(u)) / (length if place < sliding else 1) for place, u in enumerate(element.velocity)]
+        rates += [float(abs(u)) / (length if index < sliding else 1) for index, u in enumerate(element.velocity)]
     return Units(length, mass, 1 / _power_of_two(max(rates, default=0)))
 
 

@@ -15,7 +15,7 @@ Mark = int | None
 
 @dataclass(frozen=True)
 class Structure:
-    """What the equations of a mechanism depend on besides numbers.
+    """The properties of a mechanism, besides numbers, that its equations depend on.
 
     Attributes
     ----------
@@ -44,12 +44,12 @@ class Structure:
     @property
     def places(self) -> list[tuple[slice, slice]]:
         """The slices of the coordinates and velocities of each element among all of them."""
-        found, first, second = [], 0, 0
+        slices, first, second = [], 0, 0
         for kind in self.kinds:
             held, moving = SIZES[kind]
-            found.append((slice(first, first + held), slice(second, second + moving)))
+            slices.append((slice(first, first + held), slice(second, second + moving)))
             first, second = first + held, second + moving
-        return found
+        return slices
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,16 @@ class Units:
     time: float
 
 
-def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
+def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
     """The structure of a mechanism, and all its numbers, in some units.
 
     The last two of an element are the force of its dry friction, and whether it moves (1) or sticks (0): 0 and 1 at first. The
     points of loops are last. All components of their gaps hold them together.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
-    values: list[Number] = [MP.mpf(found.gravity) * time**2 / length]
+    values: list[Number] = [MP.mpf(border.gravity) * time**2 / length]
     turns, dry = set(), set()
-    for element in found.elements:
+    for element in border.elements:
         turns |= set(range(len(values), len(values) + 9))
         values += [entry for row in element.turned for entry in row]
         values += [entry / length for entry in element.origin]
@@ -90,32 +90,34 @@ def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
             dry |= {len(values), len(values) + 1}
         turns.add(len(values) + 1)
         values += [MP.mpf(0), MP.mpf(1)]
-    values += [entry / length for ends in found.loops for _, point in ends for entry in point]
-    marks = tuple(None if place in dry else _mark(value, place in turns) for place, value in enumerate(values))
-    elements = found.elements
+    values += [entry / length for ends in border.loops for _, point in ends for entry in point]
+    marks = tuple(None if index in dry else _mark(value, index in turns) for index, value in enumerate(values))
+    elements = border.elements
     structure = Structure(
         tuple(element.kind for element in elements),
         tuple(element.parent for element in elements),
         tuple(element.falls for element in elements),
         tuple(bool(element.friction) for element in elements),
         marks,
-        tuple((one[0], other[0]) for one, other in found.loops),
-        tuple(range(3 * len(found.loops))),
+        tuple((one[0], other[0]) for one, other in border.loops),
+        tuple(range(3 * len(border.loops))),
     )
     return structure, [value for value, mark in zip(values, marks, strict=True) if mark is None]
 
 
 def together(carried: Sequence[Carried]) -> tuple[Number, Triple, Matrix]:
     """The mass, the centre of mass and the inertia tensor about it of bodies that move as one, in their element's frame."""
-    mass = sum((own.mass for own in carried), MP.mpf(0))
+    mass = sum((body.mass for body in carried), MP.mpf(0))
     if not mass:
         return mass, NONE, [NONE, NONE, NONE]
-    centre = [sum(own.mass * own.centre[axis] for own in carried) / mass for axis in range(3)]
-    tensor = [[sum(own.tensor[i][j] for own in carried) for j in range(3)] for i in range(3)]
-    for own in carried:
-        arm = [a - b for a, b in zip(own.centre, centre, strict=True)]
+    centre = [sum(body.mass * body.centre[axis] for body in carried) / mass for axis in range(3)]
+    tensor = [[sum(body.tensor[i][j] for body in carried) for j in range(3)] for i in range(3)]
+    for body in carried:
+        arm = [a - b for a, b in zip(body.centre, centre, strict=True)]
         square = sum(value * value for value in arm)
-        tensor = [[tensor[i][j] + own.mass * ((square if i == j else 0) - arm[i] * arm[j]) for j in range(3)] for i in range(3)]
+        tensor = [
+            [tensor[i][j] + body.mass * ((square if i == j else 0) - arm[i] * arm[j]) for j in range(3)] for i in range(3)
+        ]
     return mass, centre, tensor
 
 
@@ -127,8 +129,8 @@ def _mark(value: Number, turn: bool) -> Mark:
 _OF_ELEMENT, _BEFORE = 29, 1
 
 
-def friction_parameters(structure: Structure, place: int) -> tuple[int, int]:
-    """Which parameters are the force of an element's dry friction, and whether the element moves."""
-    last = _BEFORE + _OF_ELEMENT * (place + 1)
+def friction_parameters(structure: Structure, index: int) -> tuple[int, int]:
+    """Return the indices of two parameters of an element: the force of its dry friction, and whether it moves."""
+    last = _BEFORE + _OF_ELEMENT * (index + 1)
     before = sum(mark is None for mark in structure.marks[: last - 2])
     return before, before + 1

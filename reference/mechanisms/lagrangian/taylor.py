@@ -30,18 +30,18 @@ _lock = threading.Lock()
 def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
     """The compiled integrator of a structure, and the length of its equations."""
     prepare_heyoka()
-    found = derived(structure)
-    variables = [hy.expression(f"s{place}") for place in range(found.states)]
+    equations = derived(structure)
+    variables = [hy.expression(f"s{index}") for index in range(equations.states)]
     leaves: dict[str, Callable[[Any], Any]] = {
         "number": lambda value: hy.expression(value),
-        "parameter": lambda index: hy.par[found.used.index(index)],
-        "variable": lambda index: variables[index],
+        "parameter": lambda number: hy.par[equations.used.index(number)],
+        "variable": lambda number: variables[number],
     }
-    rates = made(found.tape, found.rates, lambda kind, value: leaves[kind](value), hy.sin, hy.cos)
+    rates = made(equations.tape, equations.rates, lambda kind, value: leaves[kind](value), hy.sin, hy.cos)
     solver = hy.taylor_adaptive(
         list(zip(variables, rates, strict=True)),
-        np.zeros(found.states, dtype),
-        pars=np.zeros(len(found.used), dtype),
+        np.zeros(equations.states, dtype),
+        pars=np.zeros(len(equations.used), dtype),
         tol=dtype(step_tolerance(dtype)),
         fp_type=dtype,
         # Code that is not compact takes much longer to compile.

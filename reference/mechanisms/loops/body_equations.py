@@ -6,10 +6,10 @@ import numpy as np
 
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
-from bodycheck.reference.kinematics import cross
+from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms.loops.body_space import Side, System
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import apply, dot, matrices, turning
+from bodycheck.reference.mechanisms.loops.vectors import apply, matrices, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD
 
 
@@ -27,12 +27,12 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """A side of a link at s instants: axes (s, 3, 3); arm, place, velocity and spin (s, 3) of its origin; all in the world."""
+    """A side of a link at s instants: axes (s, 3, 3); arm, position, velocity, spin (s, 3) of its origin; all in the world."""
 
     body: int
     axes: WideArray
     arm: WideArray
-    place: WideArray
+    position: WideArray
     velocity: WideArray
     spin: WideArray
 
@@ -41,9 +41,9 @@ class _Frame:
 _Row = tuple[WideArray, WideArray]
 
 
-def unpacked(of: System, states: WideArray) -> Bodies:
+def unpacked(system: System, states: WideArray) -> Bodies:
     """The states of the bodies from states (s, 13 b + j)."""
-    count, bodies = len(states), len(of.mass)
+    count, bodies = len(states), len(system.mass)
     held = states[:, : 7 * bodies].reshape(count, bodies, 7)
     moving = states[:, 7 * bodies : 13 * bodies].reshape(count, bodies, 6)
     quaternion, rates = held[:, :, 3:], moving[:, :, 3:]
@@ -51,20 +51,20 @@ def unpacked(of: System, states: WideArray) -> Bodies:
     return Bodies(held[:, :, :3], quaternion, axes, moving[:, :, :3], rates, apply(axes, rates))
 
 
-def derivatives(of: System, states: WideArray) -> WideArray:
+def derivatives(system: System, states: WideArray) -> WideArray:
     """The derivatives (s, 13 b + j) of states."""
-    count, bodies = len(states), len(of.mass)
-    now = unpacked(of, states)
-    mass, force = _free_motion(of, now)
+    count, bodies = len(states), len(system.mass)
+    now = unpacked(system, states)
+    mass, force = _free_motion(system, now)
     rows: list[_Row] = []
     single = states[:, 13 * bodies :]
     speeds = np.zeros_like(single)
-    place = 0
-    for link in of.links:
+    index = 0
+    for link in system.links:
         one, other = _frame(now, link.one), _frame(now, link.other)
-        made = [_along(bodies, one, other, apply(one.axes, direction)) for direction in link.along]
-        made += [_across(bodies, one, other, apply(one.axes, a), apply(other.axes, b)) for a, b in link.across]
-        rows += [row[:2] for row in made]
+        link_rows = [_along(bodies, one, other, apply(one.axes, direction)) for direction in link.along]
+        link_rows += [_across(bodies, one, other, apply(one.axes, a), apply(other.axes, b)) for a, b in link.across]
+        rows += [row[:2] for row in link_rows]
         joint = link.joint
         if joint is None:
             continue
@@ -75,12 +75,12 @@ def derivatives(of: System, states: WideArray) -> WideArray:
         if joint.type in ("revolute", "prismatic"):
             axis = apply(one.axes, link.axis)
             row, bias, speed = (_about if joint.type == "revolute" else _along)(bodies, one, other, axis)
-            pull = Wide(joint.stiffness) * (single[:, place] - Wide(joint.rest)) + Wide(joint.damping) * speed
-            own = Wide(joint.effort) - pull - Wide(joint.armature) * bias
-            force += row * own[:, None]
+            pull = Wide(joint.stiffness) * (single[:, index] - Wide(joint.rest)) + Wide(joint.damping) * speed
+            effort = Wide(joint.effort) - pull - Wide(joint.armature) * bias
+            force += row * effort[:, None]
             if joint.armature:
                 mass += Wide(joint.armature) * row[:, :, None] * row[:, None, :]
-            speeds[:, place], place = speed, place + 1
+            speeds[:, index], index = speed, index + 1
     jacobian = np.stack([row for row, _ in rows], axis=1) if rows else np.zeros((count, 0, 6 * bodies), dtype=Wide)
     target = -np.stack([bias for _, bias in rows], axis=1) if rows else np.zeros((count, 0), dtype=Wide)
     accelerations, _ = solved(mass, jacobian, force, target)
@@ -91,29 +91,29 @@ def derivatives(of: System, states: WideArray) -> WideArray:
     return np.hstack([held.reshape(count, -1), moving.reshape(count, -1), speeds])
 
 
-def gaps(of: System, states: WideArray) -> WideArray:
-    """How far (s,) links have come apart at most: distances (m) and cosines of right angles."""
-    now = unpacked(of, states)
-    found = [np.zeros(len(states), dtype=Wide)]
-    for link in of.links:
+def gaps(system: System, states: WideArray) -> WideArray:
+    """Return the largest violations (s,) of constraints: distances (m) and cosines of right angles."""
+    now = unpacked(system, states)
+    sizes = [np.zeros(len(states), dtype=Wide)]
+    for link in system.links:
         one, other = _frame(now, link.one), _frame(now, link.other)
-        apart = other.place - one.place
-        found += [np.abs(dot(apply(one.axes, direction), apart)) for direction in link.along]
-        found += [np.abs(dot(apply(one.axes, a), apply(other.axes, b))) for a, b in link.across]
-    return np.asarray(np.max(found, axis=0))
+        apart = other.position - one.position
+        sizes += [np.abs(dot(apply(one.axes, direction), apart)) for direction in link.along]
+        sizes += [np.abs(dot(apply(one.axes, a), apply(other.axes, b))) for a, b in link.across]
+    return np.asarray(np.max(sizes, axis=0))
 
 
-def _free_motion(of: System, now: Bodies) -> tuple[WideArray, WideArray]:
+def _free_motion(system: System, now: Bodies) -> tuple[WideArray, WideArray]:
     """The mass matrix (s, 6 b, 6 b) and the forces (s, 6 b) of bodies that nothing holds."""
     count, bodies = now.position.shape[:2]
     mass = np.zeros((count, 6 * bodies, 6 * bodies), dtype=Wide)
     force = np.zeros((count, 6 * bodies), dtype=Wide)
-    tensors = now.axes @ of.tensor @ np.swapaxes(now.axes, 2, 3)
+    tensors = now.axes @ system.tensor @ np.swapaxes(now.axes, 2, 3)
     for body in range(bodies):
         at = 6 * body
-        mass[:, range(at, at + 3), range(at, at + 3)] = of.mass[body]
+        mass[:, range(at, at + 3), range(at, at + 3)] = system.mass[body]
         mass[:, at + 3 : at + 6, at + 3 : at + 6] = tensors[:, body]
-        force[:, at + 2] = -of.mass[body] * of.gravity
+        force[:, at + 2] = -system.mass[body] * system.gravity
         spin = now.spin[:, body]
         force[:, at + 3 : at + 6] = -cross(spin, apply(tensors[:, body], spin))
     return mass, force
@@ -136,7 +136,7 @@ def _along(bodies: int, one: _Frame, other: _Frame, n: WideArray) -> tuple[WideA
 
     Its row, what its second derivative has besides accelerations, and its rate.
     """
-    apart, speed = other.place - one.place, other.velocity - one.velocity
+    apart, speed = other.position - one.position, other.velocity - one.velocity
     turned = cross(one.spin, n)
     row = np.zeros((len(n), 6 * bodies), dtype=Wide)
     for frame, sign in ((one, -1), (other, 1)):

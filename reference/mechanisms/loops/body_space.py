@@ -13,17 +13,16 @@ import numpy as np
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3, Wide, vector, wide
 from bodycheck.reference.exact.pairs import WideArray
-from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
-from bodycheck.reference.kinematics import cross
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, minus, multiply, plus, scaled, turned, unit
+from bodycheck.reference.exact.rotations import cross as exact_cross
+from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.kinematics import from_the_root
-from bodycheck.reference.mechanisms.loops.vectors import dot, rounded
+from bodycheck.reference.mechanisms.loops.vectors import rounded
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
 
 #: Coordinates and velocities of a body.
 _HELD, _MOVING = 7, 6
-
-_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +49,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """What holds two bodies together: points on each other, directions of one that stay across directions of the other.
+    """The constraints between two bodies: points on each other, directions of one that stay across directions of the other.
 
     Attributes
     ----------
@@ -89,9 +88,11 @@ def system(mechanism: Mechanism) -> System:
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     inertias = [exact.inertia(body) for body in mechanism.bodies]
-    tensors = [[[wide(own.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for own in inertias]
+    tensors = [
+        [[wide(inertia.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for inertia in inertias
+    ]
     return System(
-        np.array([wide(own.mass) for own in inertias], dtype=Wide),
+        np.array([wide(inertia.mass) for inertia in inertias], dtype=Wide),
         np.array(tensors, dtype=Wide),
         (*(_joint(mechanism, joint) for joint in mechanism.joints), *_loops(mechanism)),
         Wide(mechanism.gravity),
@@ -133,35 +134,31 @@ def _joint(mechanism: Mechanism, joint: Joint) -> Link:
 
 def _loops(mechanism: Mechanism) -> list[Link]:
     here = np.eye(3, dtype=Wide)
-    found = []
+    links = []
     for loop in mechanism.loops:
         one, other = (_side(mechanism, body, point, here) for body, point in zip(loop.bodies, loop.points, strict=True))
-        found.append(Link(one, other, here, (), None, here[2]))
-    return found
+        links.append(Link(one, other, here, (), None, here[2]))
+    return links
 
 
 def initial(mechanism: Mechanism) -> WideArray:
     """Positions and quaternions (7 b), velocities and rates (6 b), and angles and slides of single joints, at the start."""
-    frames = {WORLD: Place(IDENTITY, _ZERO, _ZERO, _ZERO)}
-    for body, own in enumerate(mechanism.bodies):
+    frames = {WORLD: Place(IDENTITY, ORIGIN, ORIGIN, ORIGIN)}
+    for body, jointed_body in enumerate(mechanism.bodies):
         if mechanism.joint_of[body] is None:
-            frames[body] = _free(own.start or BodyStart(), exact.inertia(own).centre)
+            frames[body] = _free(jointed_body.start or BodyStart(), exact.inertia(jointed_body).centre)
     for joint in from_the_root(mechanism):
         frames[joint.child] = _child(joint, frames[joint.parent])
     held: list[Any] = []
     moving: list[Any] = []
-    for body, own in enumerate(mechanism.bodies):
+    for body, jointed_body in enumerate(mechanism.bodies):
         frame = frames[body]
-        arm = turned(matrix(frame.attitude), exact.inertia(own).centre)
-        held += [*_plus(frame.origin, arm), *frame.attitude]
+        arm = turned(matrix(frame.attitude), exact.inertia(jointed_body).centre)
+        held += [*plus(frame.origin, arm), *frame.attitude]
         spin = turned(matrix(conjugate(frame.attitude)), frame.spin)
-        moving += [*_plus(frame.velocity, _cross(frame.spin, arm)), *spin]
-    single = [joint.start[0] for joint in mechanism.joints if _is_single(joint)]
+        moving += [*plus(frame.velocity, exact_cross(frame.spin, arm)), *spin]
+    single = [joint.start[0] for joint in mechanism.joints if joint.type in ("revolute", "prismatic")]
     return np.array([*(wide(value) for value in (*held, *moving)), *(Wide(value) for value in single)], dtype=Wide)
-
-
-def _is_single(joint: Joint | None) -> bool:
-    return joint is not None and joint.type in ("revolute", "prismatic")
 
 
 def _free(start: BodyStart, centre: Vector3) -> Place:
@@ -169,7 +166,7 @@ def _free(start: BodyStart, centre: Vector3) -> Place:
     rows = matrix(attitude)
     spin, arm = turned(rows, exact.rates(start.attitude, start.rotation)), turned(rows, centre)
     origin, velocity = vector(start.position), vector(start.velocity)
-    return Place(attitude, _minus(origin, arm), _minus(velocity, _cross(spin, arm)), spin)
+    return Place(attitude, minus(origin, arm), minus(velocity, exact_cross(spin, arm)), spin)
 
 
 def _child(joint: Joint, parent: Place) -> Place:
@@ -177,55 +174,39 @@ def _child(joint: Joint, parent: Place) -> Place:
     rows = matrix(parent.attitude)
     attitude = multiply(parent.attitude, exact.turn(joint.attitude))
     frame = matrix(attitude)
-    shift, own, slides, rate = _relative(joint)
-    arm = _plus(turned(rows, vector(joint.position)), turned(frame, shift))
-    velocity = _plus(_plus(parent.velocity, _cross(parent.spin, arm)), turned(frame, slides))
-    return Place(multiply(attitude, own), _plus(parent.origin, arm), velocity, _plus(parent.spin, turned(frame, rate)))
+    shift, relative_turn, slides, rate = _relative(joint)
+    arm = plus(turned(rows, vector(joint.position)), turned(frame, shift))
+    velocity = plus(plus(parent.velocity, exact_cross(parent.spin, arm)), turned(frame, slides))
+    return Place(multiply(attitude, relative_turn), plus(parent.origin, arm), velocity, plus(parent.spin, turned(frame, rate)))
 
 
 def _relative(joint: Joint) -> tuple[Vector3, Quaternion4, Vector3, Vector3]:
     """Shift, turn, velocity and angular velocity of a child in the joint's frame, along the axes of that frame."""
     q, v = [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
-    x, y, z = ((MP.mpf(1), *_ZERO[1:]), (_ZERO[0], MP.mpf(1), _ZERO[0]), (*_ZERO[1:], MP.mpf(1)))
+    x, y, z = ((MP.mpf(1), *ORIGIN[1:]), (ORIGIN[0], MP.mpf(1), ORIGIN[0]), (*ORIGIN[1:], MP.mpf(1)))
     match joint.type:
         case "revolute":
             axis = exact.unit_axis(joint)
-            return _ZERO, _about(axis, q[0]), _ZERO, _times(axis, v[0])
+            return ORIGIN, _about(axis, q[0]), ORIGIN, scaled(v[0], axis)
         case "prismatic":
             axis = exact.unit_axis(joint)
-            return _times(axis, q[0]), IDENTITY, _times(axis, v[0]), _ZERO
+            return scaled(q[0], axis), IDENTITY, scaled(v[0], axis), ORIGIN
         case "universal":
             first = _about(x, q[0])
-            rate = _plus(_times(x, v[0]), _times(turned(matrix(first), y), v[1]))
-            return _ZERO, multiply(first, _about(y, q[1])), _ZERO, rate
+            rate = plus(scaled(v[0], x), scaled(v[1], turned(matrix(first), y)))
+            return ORIGIN, multiply(first, _about(y, q[1])), ORIGIN, rate
         case "planar":
-            return (q[0], q[1], _ZERO[0]), _about(z, q[2]), (v[0], v[1], _ZERO[0]), _times(z, v[2])
+            return (q[0], q[1], ORIGIN[0]), _about(z, q[2]), (v[0], v[1], ORIGIN[0]), scaled(v[2], z)
         case "spherical" | "free":
-            own = unit((q[-4], q[-3], q[-2], q[-1]))
-            rate = turned(matrix(own), (v[-3], v[-2], v[-1]))
+            relative_turn = unit((q[-4], q[-3], q[-2], q[-1]))
+            rate = turned(matrix(relative_turn), (v[-3], v[-2], v[-1]))
             if joint.type == "spherical":
-                return _ZERO, own, _ZERO, rate
-            return (q[0], q[1], q[2]), own, (v[0], v[1], v[2]), rate
+                return ORIGIN, relative_turn, ORIGIN, rate
+            return (q[0], q[1], q[2]), relative_turn, (v[0], v[1], v[2]), rate
         case _:
-            return _ZERO, IDENTITY, _ZERO, _ZERO
+            return ORIGIN, IDENTITY, ORIGIN, ORIGIN
 
 
 def _about(axis: Vector3, angle: Any) -> Quaternion4:
     cosine, sine = MP.cos_sin(angle / 2)
     return cosine, sine * axis[0], sine * axis[1], sine * axis[2]
-
-
-def _plus(a: Vector3, b: Vector3) -> Vector3:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _minus(a: Vector3, b: Vector3) -> Vector3:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _times(a: Vector3, factor: Any) -> Vector3:
-    return a[0] * factor, a[1] * factor, a[2] * factor
-
-
-def _cross(a: Vector3, b: Vector3) -> Vector3:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

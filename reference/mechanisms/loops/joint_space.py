@@ -18,13 +18,13 @@ from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.independent.directions import quaternion_of
-from bodycheck.reference.kinematics import cross
+from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms import exact, start
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, MotionKind
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import about, apply, dot, matrices, rounded, turning
+from bodycheck.reference.mechanisms.loops.vectors import about, apply, matrices, rounded, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 _EYE = np.eye(3, dtype=Wide)
@@ -158,11 +158,11 @@ def tree(mechanism: Mechanism) -> Tree:
         tuple(elements),
         tuple(carriers[: len(mechanism.bodies)]),
         held,
-        np.array([wide(own.mass) for own in inertias], dtype=Wide),
-        np.array([rounded(list(own.centre)) for own in inertias]),
+        np.array([wide(inertia.mass) for inertia in inertias], dtype=Wide),
+        np.array([rounded(list(inertia.centre)) for inertia in inertias]),
         np.array([start.tensor(body) for body in mechanism.bodies]),
         points,  # type: ignore[arg-type]
-        np.array([_moving_velocities(elements, place, moving) for place in carriers], dtype=Wide),
+        np.array([_moving_velocities(elements, index, moving) for index in carriers], dtype=Wide),
         Wide(mechanism.gravity),
         *(numbers[name] for name in ("armature", "damping", "stiffness", "rest", "effort")),
     )
@@ -177,9 +177,9 @@ def joint_sizes(mechanism: Mechanism) -> tuple[int, int]:
 def _steps(joint: Joint | None) -> list[tuple[Kind, WideArray]]:
     """The elements of a joint, or of a free body, and their axes; a ball needs none."""
     form = JOINT_TYPES["free"] if joint is None else joint.form
-    given = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
-    steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, given)) for motion in form.motions]
-    return steps or [("fixed", given)]
+    direction = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
+    steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, direction)) for motion in form.motions]
+    return steps or [("fixed", direction)]
 
 
 def _append_elements(
@@ -195,20 +195,20 @@ def _append_elements(
     """Append the elements of a joint, and return the place of the last one."""
     for kind, axis in steps:
         coordinates, velocities = {"ball": (4, 3), "fixed": (0, 0)}.get(kind, (1, 1))
-        own = slice(held, held + coordinates), slice(moving, moving + velocities)
-        elements.append(Element(kind, parent, turned, arm, axis, *own, joint))
+        slices = slice(held, held + coordinates), slice(moving, moving + velocities)
+        elements.append(Element(kind, parent, turned, arm, axis, *slices, joint))
         parent, turned, arm = len(elements) - 1, _EYE, _HERE
         held, moving = held + coordinates, moving + velocities
     return parent
 
 
-def _moving_velocities(elements: list[Element], place: int, count: int) -> WideArray:
-    """Which of the velocities (u,) move an element: one or zero."""
-    found = np.zeros(count, dtype=Wide)
-    while place != WORLD:
-        found[elements[place].moving] = 1
-        place = elements[place].parent
-    return found
+def _moving_velocities(elements: list[Element], index: int, count: int) -> WideArray:
+    """Return one for each of the velocities (u,) that moves an element, and zero for the others."""
+    moves = np.zeros(count, dtype=Wide)
+    while index != WORLD:
+        moves[elements[index].moving] = 1
+        index = elements[index].parent
+    return moves
 
 
 def initial(mechanism: Mechanism) -> WideArray:
@@ -222,10 +222,10 @@ def initial(mechanism: Mechanism) -> WideArray:
             values[-4:] = list(rounded(list(exact.turn((w, x, y, z)))))
         held, moving = [*held, *values], [*moving, *(Wide(value) for value in joint.start_velocity)]
     frames = start.frames(mechanism)
-    for body, own in enumerate(mechanism.bodies):
-        if mechanism.joint_of[body] is None and own.start is not None:
+    for body, jointed_body in enumerate(mechanism.bodies):
+        if mechanism.joint_of[body] is None and jointed_body.start is not None:
             frame = frames[body]
-            held += [*frame.origin, *rounded(list(exact.turn(own.start.attitude)))]
+            held += [*frame.origin, *rounded(list(exact.turn(jointed_body.start.attitude)))]
             moving += [*frame.velocity, *(frame.turn.T @ frame.spin)]
     return np.array([*held, *moving], dtype=Wide)
 
@@ -235,32 +235,32 @@ def frame_motion(linkage: Tree, states: WideArray) -> Motion:
     count, velocities = len(states), len(linkage.inertia)
     q, v = states[:, : linkage.coordinates], states[:, linkage.coordinates :]
     still = np.zeros((count, 3), dtype=Wide)
-    found = Motion([], [], [], [], [], [], *(np.zeros((count, velocities, 3), dtype=Wide) for _ in range(3)))
+    motion = Motion([], [], [], [], [], [], *(np.zeros((count, velocities, 3), dtype=Wide) for _ in range(3)))
     world = (np.broadcast_to(_EYE, (count, 3, 3)), still, still, still, still, still)
-    parts = (found.axes, found.origin, found.spin, found.velocity, found.turn_bias, found.bias)
+    parts = (motion.axes, motion.origin, motion.spin, motion.velocity, motion.turn_bias, motion.bias)
     for element in linkage.elements:
         axes, origin, spin, velocity, turn_bias, bias = (
             world if element.parent == WORLD else tuple(part[element.parent] for part in parts)
         )
         arm = apply(axes, element.arm)
         axes = axes @ element.turned
-        own, rate = q[:, element.held], v[:, element.moving]
+        coordinates, rate = q[:, element.held], v[:, element.moving]
         slid = turned = still
         match element.kind:
             case "slide":
                 along = apply(axes, element.axis)
-                found.slides[:, element.moving.start] = along
-                arm, slid = arm + along * own, along * rate
+                motion.slides[:, element.moving.start] = along
+                arm, slid = arm + along * coordinates, along * rate
             case "turn":
                 along = apply(axes, element.axis)
-                found.turns[:, element.moving.start] = along
-                axes, turned = axes @ about(element.axis, own[:, 0]), along * rate
+                motion.turns[:, element.moving.start] = along
+                axes, turned = axes @ about(element.axis, coordinates[:, 0]), along * rate
             case "ball":
-                axes = axes @ matrices(own)
-                found.turns[:, element.moving] = np.swapaxes(axes, 1, 2)
+                axes = axes @ matrices(coordinates)
+                motion.turns[:, element.moving] = np.swapaxes(axes, 1, 2)
                 turned = apply(axes, rate)
         around = cross(spin, arm)
-        found.centres[:, element.moving] = (origin + arm)[:, None]
+        motion.centres[:, element.moving] = (origin + arm)[:, None]
         values = (
             axes,
             origin + arm,
@@ -271,7 +271,7 @@ def frame_motion(linkage: Tree, states: WideArray) -> Motion:
         )
         for part, value in zip(parts, values, strict=True):
             part.append(value)
-    return found
+    return motion
 
 
 def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, WideArray, WideArray]:
@@ -286,10 +286,10 @@ def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, Wide
     return motion.origin[element] + arm, motion.velocity[element] + around, bias
 
 
-def _rows(linkage: Tree, motion: Motion, row: int, place: WideArray) -> WideArray:
+def _rows(linkage: Tree, motion: Motion, row: int, position: WideArray) -> WideArray:
     """The velocities (s, u, 3) of a point at a place (s, 3) for each velocity; row: its row in `Tree.along`."""
-    found: WideArray = (motion.slides + cross(motion.turns, place[:, None] - motion.centres)) * linkage.along[row][:, None]
-    return found
+    rows: WideArray = (motion.slides + cross(motion.turns, position[:, None] - motion.centres)) * linkage.along[row][:, None]
+    return rows
 
 
 def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
@@ -297,11 +297,11 @@ def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArr
     count, bodies, loops = len(motion.turns), len(linkage.mass), len(linkage.points)
     gaps, rates, biases, rows = ([np.zeros((count, 0), dtype=Wide)] for _ in range(4))
     rows = [np.zeros((count, 0, len(linkage.inertia)), dtype=Wide)]
-    for place, (one, other) in enumerate(linkage.points):
+    for index, (one, other) in enumerate(linkage.points):
         first, second = _at(motion, *one), _at(motion, *other)
         for part, values in enumerate((gaps, rates, biases)):
             values.append(first[part] - second[part])
-        row = _rows(linkage, motion, bodies + place, first[0]) - _rows(linkage, motion, bodies + loops + place, second[0])
+        row = _rows(linkage, motion, bodies + index, first[0]) - _rows(linkage, motion, bodies + loops + index, second[0])
         rows.append(np.swapaxes(row, 1, 2))
     return np.hstack(gaps), np.hstack(rates), np.hstack(biases), np.concatenate(rows, axis=1)
 
@@ -319,21 +319,21 @@ def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArr
     down = np.array([0, 0, -1], dtype=Wide) * linkage.gravity
     for body, end in enumerate(linkage.ends):
         # Those velocities alone that move the body, which are few of many in a long linkage.
-        own = np.flatnonzero(linkage.along[body])
-        if not len(own):
+        columns = np.flatnonzero(linkage.along[body])
+        if not len(columns):
             continue
         axes, spin = motion.axes[end], motion.spin[end]
         arm = apply(axes, linkage.centre[body])
         tensor = axes @ linkage.tensor[body] @ np.swapaxes(axes, 1, 2)
-        turns = motion.turns[:, own]
-        slides = motion.slides[:, own] + cross(turns, (motion.origin[end] + arm)[:, None] - motion.centres[:, own])
+        turns = motion.turns[:, columns]
+        slides = motion.slides[:, columns] + cross(turns, (motion.origin[end] + arm)[:, None] - motion.centres[:, columns])
         push = linkage.mass[body] * (
             motion.bias[end] + cross(motion.turn_bias[end], arm) + cross(spin, cross(spin, arm)) - down
         )
         twist = apply(tensor, motion.turn_bias[end]) + cross(spin, apply(tensor, spin))
         inertia = linkage.mass[body] * (slides @ np.swapaxes(slides, 1, 2)) + turns @ tensor @ np.swapaxes(turns, 1, 2)
-        mass[:, own[:, None], own] += inertia
-        force[:, own] -= dot(slides, push[:, None]) + dot(turns, twist[:, None])
+        mass[:, columns[:, None], columns] += inertia
+        force[:, columns] -= dot(slides, push[:, None]) + dot(turns, twist[:, None])
     return mass, force
 
 
@@ -348,13 +348,13 @@ def derivatives(linkage: Tree, states: WideArray) -> WideArray:
 
 def _coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArray:
     """The derivatives (s, c) of the coordinates with the velocities (s, u)."""
-    found = np.zeros((len(states), linkage.coordinates), dtype=Wide)
+    rates = np.zeros((len(states), linkage.coordinates), dtype=Wide)
     for element in linkage.elements:
         if element.kind == "ball":
-            found[:, element.held] = turning(states[:, element.held], v[:, element.moving])
+            rates[:, element.held] = turning(states[:, element.held], v[:, element.moving])
         elif element.kind != "fixed":
-            found[:, element.held] = v[:, element.moving]
-    return found
+            rates[:, element.held] = v[:, element.moving]
+    return rates
 
 
 def close_loops(linkage: Tree, state: WideArray) -> WideArray:
@@ -372,24 +372,24 @@ def close_loops(linkage: Tree, state: WideArray) -> WideArray:
     _, rates, _, rows = _loops(linkage, frame_motion(linkage, states))
     change, _ = solved(mass, rows, np.zeros_like(force), -rates, refinements=2)
     states[:, c:] += change
-    found: WideArray = states[0]
-    return found
+    closed: WideArray = states[0]
+    return closed
 
 
 def gaps(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
-    """How far (s,) the ends of the loops are apart at most (m), and how fast they move apart (m/s), at states (s, c + u)."""
-    found, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
-    return np.abs(found).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
+    """Return the largest distances (s,) between the ends of loops (m), and the rates of these (m/s), at states (s, c + u)."""
+    distances, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
+    return np.abs(distances).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
 
 def bodies(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """Position, quaternion, velocity and angular velocity (b, s, k) of the bodies: the conventions of `trajectory`."""
     motion = frame_motion(linkage, states)
-    found: list[tuple[WideArray, ...]] = []
+    rows: list[tuple[WideArray, ...]] = []
     for body, end in enumerate(linkage.ends):
-        place, velocity, _ = _at(motion, end, linkage.centre[body])
+        position, velocity, _ = _at(motion, end, linkage.centre[body])
         axes = np.broadcast_to(_EYE, (len(states), 3, 3)) if end == WORLD else motion.axes[end]
         spin = np.zeros((len(states), 3), dtype=Wide) if end == WORLD else motion.spin[end]
-        found.append((place, quaternion_of(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))
-    first, second, third, fourth = (np.array([own[part] for own in found]) for part in range(4))
+        rows.append((position, quaternion_of(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))
+    first, second, third, fourth = (np.array([row[part] for row in rows]) for part in range(4))
     return first, second, third, fourth

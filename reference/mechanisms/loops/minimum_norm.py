@@ -34,17 +34,17 @@ def solved(
         narrow[:, range(n, n + m), range(n, n + m)] = -_PROXIMAL * (across / m + 1e-300)[:, None]
     inverse = _inverse(narrow, n)
     right = np.concatenate([force, target], axis=1)
-    found = np.zeros_like(right)
+    solution = np.zeros_like(right)
     smallest = np.inf
     for _ in range(refinements):
-        rest = right - (matrix @ found[:, :, None])[:, :, 0]
+        rest = right - (matrix @ solution[:, :, None])[:, :, 0]
         step = (inverse * rest.astype(float)[:, None]).sum(axis=2)
-        found = found + step
-        change = float((np.abs(step[:, :n]).max(axis=1) / (np.abs(found[:, :n]).max(axis=1) + Wide(1e-300))).max())
+        solution = solution + step
+        change = float((np.abs(step[:, :n]).max(axis=1) / (np.abs(solution[:, :n]).max(axis=1) + Wide(1e-300))).max())
         if change < _ENOUGH or change > 0.5 * smallest:
             break
         smallest = change
-    return found[:, :n], found[:, n:]
+    return solution[:, :n], solution[:, n:]
 
 
 def _inverse(matrix: Array, n: int) -> Array:
@@ -53,20 +53,20 @@ def _inverse(matrix: Array, n: int) -> Array:
     Gauss and Jordan's elimination needs no pivots for them. It is done for all matrices at once, without the threads of a
     library for linear algebra, which take longer to begin than small matrices need.
     """
-    found = matrix.copy()
-    found[:, range(n), range(n)] = _loosened(matrix[:, :n, :n])
-    for place in range(matrix.shape[1]):
-        row = found[:, place] / found[:, place, place, None]
-        row[:, place] = 1 / found[:, place, place]
-        column = found[:, :, place].copy()
-        column[:, place] = 0
-        found[:, :, place] = 0
-        found -= column[:, :, None] * row[:, None]
-        found[:, place] = row
-    return found
+    inverse = matrix.copy()
+    inverse[:, range(n), range(n)] = _loosened(matrix[:, :n, :n])
+    for index in range(matrix.shape[1]):
+        row = inverse[:, index] / inverse[:, index, index, None]
+        row[:, index] = 1 / inverse[:, index, index]
+        column = inverse[:, :, index].copy()
+        column[:, index] = 0
+        inverse[:, :, index] = 0
+        inverse -= column[:, :, None] * row[:, None]
+        inverse[:, index] = row
+    return inverse
 
 
 def _loosened(mass: Array) -> Array:
     """The diagonals (s, n) of mass matrices, without zeros: a point mass may have them."""
-    found = np.diagonal(mass, axis1=1, axis2=2)
-    return np.asarray(np.maximum(found, found.max(axis=1, keepdims=True) * 1e-6 + 1e-300))
+    diagonal = np.diagonal(mass, axis1=1, axis2=2)
+    return np.asarray(np.maximum(diagonal, diagonal.max(axis=1, keepdims=True) * 1e-6 + 1e-300))

@@ -15,16 +15,10 @@ def rounded(values: Any) -> WideArray:
     return np.asarray(wide(values))
 
 
-def dot(a: WideArray, b: WideArray) -> WideArray:
-    """Scalar products (...) of vectors (..., 3)."""
-    found: WideArray = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-    return found
-
-
 def apply(matrices: WideArray, v: WideArray) -> WideArray:
     """Products (..., 3) of matrices (..., 3, 3) and vectors (..., 3)."""
-    found: WideArray = (matrices * v[..., None, :]).sum(axis=-1)
-    return found
+    products: WideArray = (matrices * v[..., None, :]).sum(axis=-1)
+    return products
 
 
 def about(axis: WideArray, angle: WideArray) -> WideArray:
@@ -33,8 +27,8 @@ def about(axis: WideArray, angle: WideArray) -> WideArray:
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
     cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
     versine = 2 * np.sin(angle / 2)[:, None, None] ** 2
-    found: WideArray = cosine * np.eye(3, dtype=Wide) + sine * skew + versine * np.outer(axis, axis)
-    return found
+    matrices: WideArray = cosine * np.eye(3, dtype=Wide) + sine * skew + versine * np.outer(axis, axis)
+    return matrices
 
 
 def matrices(q: WideArray) -> WideArray:
@@ -53,6 +47,6 @@ def turning(q: WideArray, rates: WideArray) -> WideArray:
     """The derivatives (s, 4) of quaternions (s, 4) whose bodies turn with angular velocities (s, 3) in their own frames."""
     w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
     a, b, c = rates[:, 0], rates[:, 1], rates[:, 2]
-    made = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
-    found: WideArray = np.stack(made, axis=1) / Wide(2)
-    return found
+    parts = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
+    derivatives: WideArray = np.stack(parts, axis=1) / Wide(2)
+    return derivatives

@@ -37,7 +37,7 @@ STAGES = 28
 #: Some seconds that a way may take. What an evaluation of its equations costs was measured on one core.
 MOST_SECONDS = 10.0
 
-#: The tolerances of the way and of the witness, which is asked for disagreements above some 1e-13.
+#: The tolerances of the way and of the witness, whose disagreements matter above some 1e-13.
 TOLERANCE, WITNESS_TOLERANCE = 1e-17, 1e-15
 
 
@@ -49,7 +49,7 @@ def way(mechanism: Mechanism, times: Array) -> Way:
     Raises `NotModelled` where the mechanism has dry friction, and `OutOfReach` where it cannot be followed.
     """
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
-    found = integrate(
+    solution = integrate(
         lambda values: joint_space.derivatives(tree, values),
         start,
         times,
@@ -60,12 +60,12 @@ def way(mechanism: Mechanism, times: Array) -> Way:
         corrected=lambda state: joint_space.close_loops(tree, state),
     )
     held, moving = joint_space.joint_sizes(mechanism)
-    states: tuple[Any, ...] = joint_space.bodies(tree, found.states)
+    states: tuple[Any, ...] = joint_space.bodies(tree, solution.states)
     bodies = Trajectory(times, *states)
-    motion = Motion(found.states[:, :held], found.states[:, tree.coordinates : tree.coordinates + moving], bodies)
+    motion = Motion(solution.states[:, :held], solution.states[:, tree.coordinates : tree.coordinates + moving], bodies)
     # What is open at the start by rounding can be closed in several ways.
     gap, rate = (float(value[0]) for value in joint_space.gaps(tree, start[None]))
-    errors = CAUTION * (found.errors + gap + rate * (1 + times))
+    errors = CAUTION * (solution.errors + gap + rate * (1 + times))
     return Way(f"{NAME}, {SOLVER}", motion, dict.fromkeys(STATES, errors), EXTENDED_DIGITS)
 
 
@@ -78,7 +78,7 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
     bodies = len(system.mass)
     moving = slice(7 * bodies, 13 * bodies)
     rates = body_equations.derivatives(system, start[None])[0, moving]
-    found = integrate(
+    solution = integrate(
         lambda values: body_equations.derivatives(system, values),
         start,
         times,
@@ -87,7 +87,7 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
         tolerance=WITNESS_TOLERANCE,
         first=_first(rates, start[moving]),
     )
-    end = body_equations.unpacked(system, found.states)
+    end = body_equations.unpacked(system, solution.states)
     length = np.sqrt((end.quaternion * end.quaternion).sum(axis=-1, keepdims=True))
     states: tuple[Any, ...] = (end.position, end.quaternion / length, end.velocity, end.rates)
     parts: tuple[Any, ...] = tuple(np.swapaxes(part, 0, 1) for part in states)

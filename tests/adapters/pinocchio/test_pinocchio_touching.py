@@ -12,10 +12,10 @@ from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.pinocchio import engine as adapter
 from bodycheck.adapters.pinocchio.contact import HAS_POINT_CONTACTS
 from bodycheck.adapters.pinocchio.contact_points import Placed, between, on_plane
+from bodycheck.reference.contact_observables import reach
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere, State
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from tests.support.touching import (
     BALL,

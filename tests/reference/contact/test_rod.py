@@ -11,12 +11,12 @@ from scipy.integrate import solve_ivp
 
 from bodycheck.reference.contact.leaning.lean import jams, lean, onset
 from bodycheck.reference.contact.problem import problem
+from bodycheck.reference.contact_observables import reach
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Quaternion, Scene, Shape, State, Vector
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import truth
 

@@ -5,10 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from bodycheck.reference.independent.arithmetic import WIDE_EPS, Real, wide
+from bodycheck.reference.independent.arithmetic import WIDE_EPS, Real, turns, wide
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.jacobi import argument, functions, modulus
-from bodycheck.reference.independent.phase import turns
 from bodycheck.reference.independent.swing import LARGEST_ARGUMENT, integrated, swing
 
 #: Complementary moduli, and arguments as parts of the quarter period.

@@ -6,8 +6,8 @@ import pytest
 from bodycheck import Case, load
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.independent.border import MP, about_x, about_z, border
+from bodycheck.reference.independent.closed_form import parabola
 from bodycheck.reference.independent.directions import exact_quaternion, quaternion_of
-from bodycheck.reference.independent.translation import parabola
 from bodycheck.reference.kinematics import quaternion_from_euler, rotate
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.witness import angle_between

@@ -9,7 +9,7 @@ from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.mechanisms.observables import floats, observe
-from bodycheck.reference.mechanisms.requirements import of_mechanism
+from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.trajectory import Trajectory
 from tests.support import jointed
 

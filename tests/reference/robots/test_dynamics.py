@@ -14,9 +14,8 @@ from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import articulated, exact
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.tree import forest
-from bodycheck.reference.robots.changed import with_joint, with_link
 from bodycheck.reference.robots.dynamics import terms, terms_at, velocity_labels
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide, with_joint, with_link
 from bodycheck.reference.robots.rotations import matrices, plane_axes, quaternion, rotation_vector
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.states import seeded_states
@@ -242,7 +241,7 @@ def recursion(mechanism: Mechanism) -> dict[str, Wide]:
             if link.joint < 0 or joint.type == "free":
                 continue
             if link.kind == "ball":
-                turn = np.array([numbers(trees.anchors[joint.child].place.turn)])
+                turn = np.array([numbers(trees.anchors[joint.child].pose.turn)])
                 found[joint.name] = rotate(conjugate(turn), np.array([rates]))[0]
             elif joint.type == "universal":
                 found[f"{joint.name}:{link.coordinate + 1}"] = np.array(rates[:1])

@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bodycheck.reference.robots.changed import with_link
 from bodycheck.reference.robots.dynamics import terms_at
 from bodycheck.reference.robots.fusing import fused, joined
-from bodycheck.reference.robots.model import RobotLink
+from bodycheck.reference.robots.model import RobotLink, with_link
 from bodycheck.reference.robots.states import seeded_states
 from tests.support.robot_trees import random_tree
 

@@ -6,8 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from bodycheck.reference.robots.changed import with_joint, with_link
-from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.model import RobotModel, with_joint, with_link
 from bodycheck.reference.robots.physical import unphysical
 from tests.support.robot_trees import random_rotation, random_tree
 

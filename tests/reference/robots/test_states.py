@@ -6,8 +6,7 @@ from random import Random
 
 import pytest
 
-from bodycheck.reference.robots.changed import with_joint
-from bodycheck.reference.robots.model import Mimic, RobotModel
+from bodycheck.reference.robots.model import Mimic, RobotModel, with_joint
 from bodycheck.reference.robots.state import COORDINATES, VELOCITIES
 from bodycheck.reference.robots.states import seeded_states
 from tests.support.robot_trees import random_tree

@@ -8,9 +8,9 @@ import pytest
 from scipy.linalg import expm
 
 from bodycheck import load
+from bodycheck.reference.inertia import along_principal_axes, in_body_frame
 from bodycheck.reference.kinematics import geodesic_angle, multiply, rotate
 from bodycheck.reference.observables import observe
-from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene, State
 from bodycheck.reference.schemes.catalogue import CATALOGUE, ON_TWIST
 from bodycheck.reference.schemes.formulations import Equations, body_twist, world_velocity

@@ -8,9 +8,8 @@ from random import Random
 import numpy as np
 import pytest
 
-from bodycheck.reference.robots.changed import with_joint
 from bodycheck.reference.robots.dynamics import velocity_labels
-from bodycheck.reference.robots.model import Mimic, RobotModel
+from bodycheck.reference.robots.model import Mimic, RobotModel, with_joint
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.studies.parity.comparing import asked, compare
 from bodycheck.studies.parity.conventions import CANDIDATES, PROBES, Frame, Point, Written, written

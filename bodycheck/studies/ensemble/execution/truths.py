@@ -143,7 +143,7 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
     motion, bounds = (
         _first(flights(scenes, instants))
         if isinstance(scenes, Scenes)
-        else (computed_truth.truth.trajectory, computed_truth.own)
+        else (computed_truth.truth.trajectory, computed_truth.own_bounds)
     )
     way, whole, apart = as_way("", motion, bounds), bounds, []
     for witness in computed_truth.witnesses:

@@ -4,8 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from bodycheck.reference.robots.changed import with_joint, with_link
-from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.model import RobotModel, with_joint, with_link
 from bodycheck.studies.parity.quantities import Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
 

@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 from bodycheck.reference.contact.coin import angles, bodily, ends
 from bodycheck.reference.contact.coin.start import Coin
 from bodycheck.reference.contact.coin.way import APPELL, STEADY, rolling_coin
-from bodycheck.reference.contact.no_slip import finite
 from bodycheck.reference.contact.problem import problem
+from bodycheck.reference.contact.ways import finite
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import geodesic_angle, multiply, rotate
