@@ -1,5 +1,7 @@
 """Files of the site from templates."""
 
+import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -10,6 +12,9 @@ import jinja2
 from bodycheck.reports.html import json_text
 from bodycheck.reports.quantities import bound, count, milliseconds, number
 from bodycheck.site import links, wording
+
+#: The version of the format of the data.
+FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,32 @@ def page(path: str, template: str, **values: Any) -> File:
 def asset(name: str) -> File:
     """Return a style or a script of the folder `templates`, which stands in `assets/` of the site."""
     return File(f"assets/{name}", (resources.files("bodycheck.site") / "templates" / name).read_bytes())
+
+
+def data_files(path: str, name: str, value: Mapping[str, Any]) -> Iterator[File]:
+    """Yield a value as JSON for programs, and as a script for pages, which sets a variable.
+
+    Parameters
+    ----------
+    path
+        The path inside the site, without its end.
+    name
+        The variable.
+    value
+        The value.
+    """
+    yield json_file(path, value)
+    yield script_file(path, name, value)
+
+
+def json_file(path: str, value: Mapping[str, Any]) -> File:
+    """Return a value as a file of JSON. path: without its end."""
+    return File(f"{path}.json", (json.dumps(value, separators=(",", ":"), allow_nan=False) + "\n").encode())
+
+
+def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
+    """Return a script that sets a variable to a value. path: without its end."""
+    return File(f"{path}.js", f"{name}={json_text(value)};\n".encode())
 
 
 @cache
