@@ -15,6 +15,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import pieces
+from bodycheck.results import verdicts
 from bodycheck.results.header import Header
 
 #: Cases of a report, or parts of a study, up to which all are open at first. Of more, each is opened by the reader.
@@ -88,7 +89,7 @@ def page(
     )
     environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
     environment.filters |= {"pieces": pieces, "json": json_text}
-    environment.globals |= {"count": count, "zooming": charts.ZOOMING, "most_open": MOST_OPEN}
+    environment.globals |= {"verdicts": verdicts, "count": count, "zooming": charts.ZOOMING, "most_open": MOST_OPEN}
     return environment.get_template(template).render(
         header=header,
         notices=notices,

@@ -10,8 +10,12 @@ from typing import Any
 import jinja2
 
 from bodycheck.reports.html import json_text
-from bodycheck.reports.quantities import bound, count, milliseconds, number
-from bodycheck.site import links, wording
+from bodycheck.reports.quantities import QUANTITIES, bound, count, milliseconds, number, within
+from bodycheck.results import verdicts
+from bodycheck.site import links
+
+#: The names for readers of figures, by their columns.
+TITLES = {name: quantity.title for name, quantity in QUANTITIES.items()}
 
 #: The version of the format of the data.
 FORMAT = 1
@@ -42,7 +46,8 @@ def page(path: str, template: str, **values: Any) -> File:
         Its path inside the site.
     template
         The name of the template in the folder `templates`. It has `root`, which leads from the page to the root of the site,
-        the functions of `links` and `wording`, and `number`, `bound`, `count` and `milliseconds` for numbers.
+        the functions of `links`, the `verdicts` with the `words` of those on scenes, the `titles` of figures, and functions for
+        numbers.
     values
         Further variables of the template.
     """
@@ -92,6 +97,6 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {"json": json_text}
-    environment.globals |= {"links": links, "words": wording.WORDS, "cell_text": wording.text}
-    environment.globals |= {"number": number, "bound": bound, "count": count, "milliseconds": milliseconds}
+    environment.globals |= {"links": links, "verdicts": verdicts, "words": verdicts.SCENES, "titles": TITLES}
+    environment.globals |= {"number": number, "bound": bound, "within": within, "count": count, "milliseconds": milliseconds}
     return environment

@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from bodycheck.site import links, wording
+from bodycheck.results import verdicts
+from bodycheck.site import links
 from bodycheck.site.front import Front, Shown
 from bodycheck.site.pages import index
 from tests.site import submissions
@@ -58,7 +59,7 @@ def test_nothing_is_known_where_there_is_no_run_and_unsupported_where_there_is_n
 
 
 def test_every_verdict_has_a_sign_of_its_own() -> None:
-    marks = [word.mark for word in wording.WORDS.values()]
+    marks = [word.mark for word in verdicts.SCENES.values()]
     assert len(set(marks)) == len(marks)
 
 

@@ -4,6 +4,7 @@
   const form = document.getElementById("choice");
   const told = document.getElementById("told");
   const found = document.getElementById("found");
+  const marks = site.json("marks");
   const { engine, left, right, all } = form.elements;
 
   // The results of an engine that can be compared, the newest first: a submission, a version and a table.
@@ -66,7 +67,7 @@
     const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
     const factor = Math.max(then, now) / Math.min(then, now);
     const by = Number.isFinite(factor) ? ` by a factor of ${site.number(factor, 3)}` : "";
-    return now > then ? `▲ worse${by}` : `▼ better${by}`;
+    return now > then ? `${marks.worse} worse${by}` : `${marks.better} better${by}`;
   };
 
   const entry = (row, kind) => {

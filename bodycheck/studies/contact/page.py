@@ -9,8 +9,7 @@ from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
-from bodycheck.studies.contact.printing import Line, lines
-from bodycheck.studies.contact.rows import ContactRow
+from bodycheck.studies.contact.rows import ContactRow, Line, lines
 
 #: Explanations for readers.
 READING = (
