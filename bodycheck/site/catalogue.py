@@ -12,7 +12,7 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
-from bodycheck.site.submissions import cases, own_names
+from bodycheck.site.submissions import cases
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 
 #: The words by which a reason says that the engine itself refused the model or the file.
@@ -88,7 +88,7 @@ class Scene:
     Parameters
     ----------
     name
-        Its name; it ends with a part of the digest of its text where two files have one name, see `own_names`.
+        Its name; it ends with a part of the digest of its text where two files have one name, see `submissions.cases`.
     case
         What its file says.
     shipped
@@ -230,7 +230,7 @@ def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -
     """Return the catalogue of submissions, given from the oldest to the newest, and of what is left out."""
     found: dict[str, Case] = {}
     runs: dict[str, list[Entry]] = defaultdict(list)
-    kept = own_names.apart(submissions)
+    kept = cases.apart(submissions)
     for source in kept:
         for name, text in source.cases.items():
             if name not in found:

@@ -9,9 +9,9 @@ from typing import Any
 
 import jinja2
 
-from bodycheck.reports.html import json_text
-from bodycheck.reports.quantities import QUANTITIES, bound, count, milliseconds, number, within
-from bodycheck.results import verdicts
+from bodycheck.reports.html import environment, json_text
+from bodycheck.reports.quantities import QUANTITIES, bound, milliseconds, number, within
+from bodycheck.results.verdicts import SCENES
 from bodycheck.site import links
 
 #: The names for readers of figures, by their columns.
@@ -88,15 +88,7 @@ def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
 
 @cache
 def _environment() -> jinja2.Environment:
-    templates = resources.files("bodycheck.site") / "templates"
-    environment = jinja2.Environment(
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        loader=jinja2.FunctionLoader(lambda name: (templates / name).read_text("utf-8")),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"json": json_text}
-    environment.globals |= {"links": links, "verdicts": verdicts, "words": verdicts.SCENES, "titles": TITLES}
-    environment.globals |= {"number": number, "bound": bound, "within": within, "count": count, "milliseconds": milliseconds}
-    return environment
+    pages = environment("bodycheck.site")
+    pages.globals |= {"links": links, "words": SCENES, "titles": TITLES}
+    pages.globals |= {"number": number, "bound": bound, "within": within, "milliseconds": milliseconds}
+    return pages
