@@ -3,6 +3,8 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -10,11 +12,11 @@ import jinja2
 from markupsafe import Markup, escape
 
 from bodycheck.reports import charts, library, player
-from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import pieces
+from bodycheck.results import verdicts
 from bodycheck.results.header import Header
 
 #: Cases of a report, or parts of a study, up to which all are open at first. Of more, each is opened by the reader.
@@ -24,6 +26,32 @@ MOST_OPEN = 4
 MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
 )
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of the index.
+
+    Parameters
+    ----------
+    target
+        The anchor of the section.
+    text
+        What the link is called.
+    under
+        Whether the section is one of the group whose link comes before.
+    failed
+        Whether a run of the section failed.
+    """
+
+    target: str
+    text: str
+    under: bool = False
+    failed: bool = False
+
+
+#: The link to the end of every page.
+MADE = Link("made", "How this report was made")
 
 
 def render_study(report: StudyReport) -> str:
@@ -79,28 +107,49 @@ def page(
         Further variables of the template.
     """
     templates = resources.files("bodycheck.reports") / "templates"
-    environment = jinja2.Environment(
+    return (
+        _environment()
+        .get_template(template)
+        .render(
+            header=header,
+            notices=notices,
+            specifications=json_text(specifications),
+            style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
+            library=verbatim(library.script(), "script"),
+            index=index,
+            folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
+            sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
+            script=verbatim((templates / "report.js").read_text("utf-8"), "script"),
+            **values,
+        )
+    )
+
+
+def environment(room: str) -> jinja2.Environment:
+    """Return an environment of the templates in the folder `templates` of a room, such as "bodycheck.reports".
+
+    Values are escaped, and those that are missing are errors. The templates have the filter `json` and the `verdicts`.
+    """
+    templates = resources.files(room) / "templates"
+    templated = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         loader=jinja2.FunctionLoader(lambda name: (templates / name).read_text("utf-8")),
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
-    environment.filters |= {"pieces": pieces, "json": json_text}
-    environment.globals |= {"count": count, "zooming": charts.ZOOMING, "most_open": MOST_OPEN}
-    return environment.get_template(template).render(
-        header=header,
-        notices=notices,
-        specifications=json_text(specifications),
-        style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
-        library=verbatim(library.script(), "script"),
-        index=index,
-        folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
-        sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
-        script=verbatim((templates / "report.js").read_text("utf-8"), "script"),
-        **values,
-    )
+    templated.filters["json"] = json_text
+    templated.globals |= {"verdicts": verdicts, "count": count}
+    return templated
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    pages = environment("bodycheck.reports")
+    pages.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
+    pages.filters["pieces"] = pieces
+    pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN}
+    return pages
 
 
 def colours() -> str:

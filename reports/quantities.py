@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from bodycheck.figures.bounds import rounded_up, within_truth
 from bodycheck.figures.columns import COLUMNS, FIGURES
+from bodycheck.results.verdicts import WITHIN
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,11 @@ def vector(components: Sequence[float]) -> str:
 def bound(value: float, digits: int = 4) -> str:
     """Return an upper bound as text, rounded up so that the text is a bound too (except for one part in a million)."""
     return number(rounded_up(value, digits), digits)
+
+
+def within(value: float, digits: int = 4) -> str:
+    """Return the truth's own error as text, after the sign that stands for an error that is no larger."""
+    return f"{WITHIN} {bound(value, digits)}"
 
 
 def milliseconds(seconds: float, digits: int = 12) -> str:

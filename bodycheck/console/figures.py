@@ -6,9 +6,7 @@ from typing import Any
 from bodycheck.console.tables import Column
 from bodycheck.figures.bounds import rounded_up, within_truth
 from bodycheck.figures.columns import FIGURES
-
-#: Sign before the truth's own error, where an error is no larger than it. It is ASCII, as some terminals know nothing else.
-WITHIN = "<="
+from bodycheck.results.verdicts import WITHIN_ASCII
 
 
 def scaled(scale: float, value: float | None) -> float | None:
@@ -30,7 +28,7 @@ def error_text(row: Mapping[str, Any], *names: str) -> str:
     if name is None:
         return ""
     own = within_truth(FIGURES[name], row)
-    return figure_text(row[name]) if own is None else f"{WITHIN} {figure_text(rounded_up(own, 3))}"
+    return figure_text(row[name]) if own is None else f"{WITHIN_ASCII} {figure_text(rounded_up(own, 3))}"
 
 
 def error_column(name: str, head: str, *instead: str, **options: Any) -> Column[Mapping[str, Any]]:

@@ -11,14 +11,12 @@ from bodycheck.console.terminal import print_errors
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
+from bodycheck.results.verdicts import PASSED
 
 Row = Mapping[str, Any]
 
 #: The column of a row that this table has and files of results have not: the narrowest margin.
 NARROWEST = "margin"
-
-#: What the table says of the expectations of a run.
-PASSED = {True: "passed", False: "FAILED", None: "-"}
 
 
 def _narrowest(row: Row) -> str:

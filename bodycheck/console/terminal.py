@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from bodycheck.console.figures import WITHIN
 from bodycheck.console.options import AS_USUAL, View
 from bodycheck.console.output import tell
 from bodycheck.console.progress import progress
 from bodycheck.console.tables import Column, Row, attribute, print_table, show
+from bodycheck.results.verdicts import WITHIN_ASCII
 
 if TYPE_CHECKING:
     from bodycheck.judging.baselines.baseline import Difference
@@ -73,8 +73,8 @@ def print_errors(columns: Sequence[Column[Row]], rows: Sequence[Row], view: View
     """Print a table with errors of runs as `error_text` gives them, and explain the sign if any of them has it."""
     show(columns, rows, view)
     shown = [column for column in columns if (column.name in view.names if view.names else not column.asked)]
-    if any(column.text(row).startswith(WITHIN) for column in shown for row in rows):
-        tell(f"{WITHIN} marks an error within the truth's own error, which is the number shown")
+    if any(column.text(row).startswith(WITHIN_ASCII) for column in shown for row in rows):
+        tell(f"{WITHIN_ASCII} marks an error within the truth's own error, which is the number shown")
 
 
 def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]], view: View = AS_USUAL) -> None:

@@ -12,11 +12,14 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
-from bodycheck.site.submissions import cases, own_names
+from bodycheck.site.submissions import cases
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 
 #: The words by which a reason says that the engine itself refused the model or the file.
 REFUSES = " refuses the "
+
+#: The tables whose rows are runs, with the columns of results.
+RUNS = ("results.csv", "releases.csv")
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +71,24 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
+class Results:
+    """The runs of one version of an engine in one table of a submission, in the order of the table."""
+
+    source: Submission
+    engine: str
+    version: str
+    table: str
+    runs: Sequence[Entry]
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """A case that anything is known of.
 
     Parameters
     ----------
     name
-        Its name; it ends with a part of the digest of its text where two files have one name, see `own_names`.
+        Its name; it ends with a part of the digest of its text where two files have one name, see `submissions.cases`.
     case
         What its file says.
     shipped
@@ -88,7 +102,7 @@ class Scene:
     shipped: bool
     runs: tuple[Entry, ...]
 
-    @property
+    @cached_property
     def kind(self) -> Kind:
         """Return the kind of the scene, which has the quantity that shows discrepancies best."""
         return kind_of(self.case.scene)
@@ -120,8 +134,7 @@ class Catalogue:
     def entries(self, table: str) -> Iterator[Entry]:
         """Yield the rows of a table in all submissions, the oldest first."""
         for source in self.submissions:
-            for place in range(len(source.tables.get(table, ()))):
-                yield Entry(source, table, place)
+            yield from entries_of(source, table)
 
     @cached_property
     def engines(self) -> tuple[str, ...]:
@@ -140,10 +153,9 @@ class Catalogue:
     def versions(self) -> Mapping[str, tuple[str, ...]]:
         """Return the versions of each engine of which there are runs, the oldest first."""
         found: dict[str, set[str]] = {name: set() for name in self.engines}
-        for entry in self.entries("results.csv"):
-            found[entry.engine].add(entry.version)
-        for entry in self.entries("releases.csv"):
-            found[entry.engine].add(entry.version)
+        for table in RUNS:
+            for entry in self.entries(table):
+                found[entry.engine].add(entry.version)
         return {name: tuple(sorted(versions, key=version_key)) for name, versions in found.items()}
 
     @cached_property
@@ -199,17 +211,32 @@ def version_key(version: str) -> Version:
         return Version("0.dev0")
 
 
+def entries_of(source: Submission, table: str) -> Iterator[Entry]:
+    """Yield the rows of a table of a submission."""
+    for index in range(len(source.tables.get(table, ()))):
+        yield Entry(source, table, index)
+
+
+def results_of(source: Submission) -> list[Results]:
+    """Return the results of all engines and versions in a submission, in the order of their first rows."""
+    runs: dict[tuple[str, str, str], list[Entry]] = defaultdict(list)
+    for table in RUNS:
+        for run in entries_of(source, table):
+            runs[run.engine, run.version, table].append(run)
+    return [Results(source, *key, entries) for key, entries in runs.items()]
+
+
 def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -> Catalogue:
     """Return the catalogue of submissions, given from the oldest to the newest, and of what is left out."""
     found: dict[str, Case] = {}
     runs: dict[str, list[Entry]] = defaultdict(list)
-    kept = own_names.apart(submissions)
+    kept = cases.apart(submissions)
     for source in kept:
         for name, text in source.cases.items():
             if name not in found:
                 found[name] = cases.shipped(name) or cases.read(name.partition(".")[0], text)
-        for place, row in enumerate(source.tables.get("results.csv", ())):
-            runs[row["case"]].append(Entry(source, "results.csv", place))
+        for entry in entries_of(source, "results.csv"):
+            runs[entry.row["case"]].append(entry)
     scenes = {
         name: Scene(name, case, cases.shipped(name) is not None, tuple(sorted(runs[name], key=lambda entry: entry.order)))
         for name, case in sorted(found.items())

@@ -1,17 +1,14 @@
 """What is said of an engine and a scene in one cell: a verdict with its number, the truth's bound, and what changed."""
 
 from dataclasses import dataclass
-from typing import Literal
 
+from bodycheck.reports.quantities import number, within
+from bodycheck.results.outcome import Completed, Unsupported
+from bodycheck.results.verdicts import SCENES, Verdict
 from bodycheck.site import changes
 from bodycheck.site.catalogue import REFUSES, Catalogue, Entry, Scene
 from bodycheck.site.changes import Change
 from bodycheck.site.submissions.own_methods import own_method
-
-#: The verdicts. "exact": the error is within the truth's own. "error": there is an error, which is the number of the cell.
-#: "broken": the run breaks an expectation of its case. "failed": it diverged, crashed or took too long. "refused": the engine
-#: itself refuses the model. "unsupported": engine or adapter cannot model the scene. "not run": nothing is known.
-Verdict = Literal["exact", "error", "broken", "failed", "refused", "unsupported", "not run"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +50,7 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
     newest = [entry for entry in runs if entry.version == runs[-1].version and entry.source is runs[-1].source]
     own = default_run(newest)
     changed = tuple(changes.since(catalogue, scene, newest))
-    done = [entry for entry in newest if entry.get("status") == "ok" and entry.get(scene.quantity.name) is not None]
+    done = [entry for entry in newest if entry.get("status") == Completed.status and entry.get(scene.quantity.name) is not None]
     best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
     value, bound = own.get(scene.quantity.name), own.get(scene.quantity.bound_name)
     return Cell(verdict(own, scene), own, value, bound, best, changed, str(own.get("reason") or ""))
@@ -62,9 +59,9 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
 def verdict(run: Entry, scene: Scene) -> Verdict:
     """Return the verdict on a run."""
     status = run.get("status")
-    if status == "unsupported":
+    if status == Unsupported.status:
         return "refused" if REFUSES in str(run.get("reason")) else "unsupported"
-    if status != "ok":
+    if status != Completed.status:
         return "failed"
     if run.get("passed") is False:
         return "broken"
@@ -79,3 +76,15 @@ def default_run(runs: list[Entry]) -> Entry:
     """
     in_order = sorted(runs, key=lambda entry: entry.place)
     return in_order[own_method([entry.row for entry in in_order], in_order[0].source.header.defaults)]
+
+
+def text(cell: Cell) -> str:
+    """Return what stands in a cell: the error to two digits, the bound of an exact one, or the mark of the verdict.
+
+    A completed run in which the scene's quantity was not measured is "ok".
+    """
+    if cell.verdict == "exact" and cell.bound is not None:
+        return within(cell.bound, 2)
+    if cell.value is not None and cell.verdict in ("error", "broken"):
+        return f"{SCENES[cell.verdict].mark}{number(cell.value, 2)}"
+    return SCENES[cell.verdict].mark or "ok"

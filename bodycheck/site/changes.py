@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.judging.schemes.convergence import LARGEST_GROWTH, LOST_RAD, STEP_ROUNDINGS
+from bodycheck.results.outcome import Completed
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 
@@ -105,7 +106,8 @@ def before(runs: Sequence[Entry], run: Entry) -> Entry | None:
 def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> Change | None:
     """Return what changed of the quantity of a scene, or of the status, by `RULE`; None if nothing did."""
     if after.get("status") != earlier.get("status"):
-        worse = None if "ok" not in (after.get("status"), earlier.get("status")) else after.get("status") != "ok"
+        completes, completed = (run.get("status") == Completed.status for run in (after, earlier))
+        worse = not completes if completes or completed else None
         return Change(earlier, after, STATUS, worse)
     quantity = scene.quantity
     now, then = after.get(quantity.name), earlier.get(quantity.name)

@@ -56,15 +56,15 @@ def submit(folder: Path, /, *, out: Path) -> int:
         The file (.zip) to write.
     """
     from bodycheck.files import writing
-    from bodycheck.site.submissions import submitting
+    from bodycheck.site.submissions import packing
 
     if out.suffix != ".zip":
         raise BadInput(f"--out {out}: the name of the file must end in .zip")
     if not folder.is_dir():
         raise BadInput(f"{folder}: there is no such folder")
-    packed = submitting.packed(folder)
+    packed = packing.packed(folder)
     writing.write_named(out, packed.content)
-    for line in submitting.told(packed):
+    for line in packing.told(packed):
         print(line, file=sys.stderr)
     print(f"submission: {out}", file=sys.stderr)
     return OK

@@ -3,6 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.site import known
@@ -12,6 +13,7 @@ from bodycheck.site.known import Evidence, Issue
 from bodycheck.site.releases import Release
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.studies.audit.rows import FINDINGS
+from bodycheck.studies.contact.rows import SHEET, ContactRow, Line, lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,27 +89,31 @@ def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Subm
 
 @dataclass(frozen=True, eq=False)
 class ContactFacts:
-    """A figure of the contact sheet: with the engine's own settings, and with the best ones; None where one is missing."""
+    """A line of the contact sheet, with its rows at the defaults and at the best settings; None where one is missing."""
 
-    scene: str
-    figure: str
-    own: Entry | None
-    best: Entry | None
-
-    @property
-    def any(self) -> Entry:
-        """Return the row that says what is common to both."""
-        found = self.own or self.best
-        assert found is not None  # because a figure comes from a row
-        return found
+    line: Line
+    at_defaults: Entry | None
+    at_best: Entry | None
 
 
 def contact_sheet(catalogue: Catalogue, engine: str) -> tuple[ContactFacts, ...]:
     """Return the contact sheet of an engine."""
-    found: dict[tuple[str, str], dict[str, Entry]] = defaultdict(dict)
-    for entry in newest(catalogue, "contact.csv", engine):
-        found[entry.row["scene"], entry.row["figure"] or ""][entry.row["setting"]] = entry
-    return tuple(ContactFacts(*key, rows.get("defaults"), rows.get("best")) for key, rows in found.items())
+    entries = {_contact_row(entry): entry for entry in newest(catalogue, "contact.csv", engine)}
+    return tuple(
+        ContactFacts(
+            line,
+            None if line.at_defaults is None else entries[line.at_defaults],
+            None if line.at_best is None else entries[line.at_best],
+        )
+        for line in lines(list(entries))
+    )
+
+
+def _contact_row(entry: Entry) -> ContactRow:
+    """Return a row as the study has it, with the name of the engine alone."""
+    numbers = ("timestep", "value", "truth", "truth_error")
+    values: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in SHEET.by_name}
+    return ContactRow(**values | {"engine": entry.engine})
 
 
 @dataclass(frozen=True, eq=False)

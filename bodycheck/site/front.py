@@ -6,7 +6,8 @@ from functools import cached_property
 
 from bodycheck.reports.quantities import bound, milliseconds, number
 from bodycheck.reports.runs.matrix import KINDS, Kind, decade
-from bodycheck.site import cells, links, wording
+from bodycheck.results.verdicts import BETTER, OTHER, SCENES, WORSE
+from bodycheck.site import cells, links
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell
 from bodycheck.site.changes import Change
@@ -184,20 +185,20 @@ def best_of(cell: Cell, scene: Scene) -> Cell:
 
 def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
     """Return a cell as the page shows it."""
-    text, numeric = wording.text(cell), cell.value is not None and cell.verdict in ("error", "broken")
+    text, numeric = cells.text(cell), cell.value is not None and cell.verdict in ("error", "broken")
     style = [cell.verdict.replace(" ", "-")]
     if numeric and cell.value is not None:
         style.append(f"d{-decade(cell.value)}")
     if cell.changes:
         style.append("changed")
-    word = wording.WORDS[cell.verdict].title if text == wording.WORDS[cell.verdict].mark else ""
+    word = SCENES[cell.verdict].title if text == SCENES[cell.verdict].mark else ""
     address = links.row(cell.run) if cell.run is not None else ""
     return Shown(text, word, _mark(cell), " ".join(style), told(cell, scene, head), address)
 
 
 def told(cell: Cell, scene: Scene, head: Head) -> str:
     """Return what a cell says in words."""
-    parts = [wording.WORDS[cell.verdict].title if cell.verdict != "error" else ""]
+    parts = [SCENES[cell.verdict].title if cell.verdict != "error" else ""]
     if cell.value is not None:
         known = f", bound {bound(cell.bound, 2)}" if cell.bound is not None else ", bound unknown"
         parts[0] = f"{parts[0] or 'error'} {number(cell.value, 3)}{known} {scene.quantity.unit}".rstrip()
@@ -232,7 +233,7 @@ def _mark(cell: Cell) -> str:
     if not cell.changes:
         return ""
     own = next((change for change in cell.changes if change.after is cell.run), None)
-    return {True: "▲", False: "▼", None: "◆"}[own.worse if own is not None else None]
+    return {True: WORSE, False: BETTER, None: OTHER}[own.worse if own is not None else None]
 
 
 def _since(befores: Sequence[Entry], version: str) -> str:

@@ -7,10 +7,10 @@ from functools import cache
 from importlib import resources
 
 from bodycheck.reports.quantities import QUANTITIES, number
+from bodycheck.results.verdicts import SCENES
 from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue, Entry, Scene, version_key
 from bodycheck.site.cells import default_run, verdict
-from bodycheck.site.wording import WORDS
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _all(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
 
 def _of_run(run: Entry, scene: Scene, figure: str) -> Evidence:
     value, quantity = run.get(figure), QUANTITIES[figure]
-    text = f"{quantity.title.lower()} {quantity.with_unit(value)}" if value is not None else WORDS[verdict(run, scene)].title
+    text = f"{quantity.title.lower()} {quantity.with_unit(value)}" if value is not None else SCENES[verdict(run, scene)].title
     return Evidence(run.version, f"{text} with {run.get('integrator')}", links.row(run))
 
 

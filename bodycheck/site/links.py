@@ -64,6 +64,11 @@ def data(source: Submission) -> str:
     return f"{DATA}{source.key}"
 
 
+def changes(name: str) -> str:
+    """Return the address of what differs between the results of an engine, without its end; see `data`."""
+    return f"{DATA}changes/{slug(name)}"
+
+
 def compare(name: str, before: Entry, after: Entry) -> str:
     """Return the address of the comparison of the results of an engine that two rows are in."""
     sides = (f"{side}={one.source.key}:{quote(one.version)}:{one.table}" for side, one in (("left", before), ("right", after)))

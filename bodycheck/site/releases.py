@@ -6,12 +6,11 @@ from functools import cached_property
 from itertools import pairwise
 
 from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.results.verdicts import SCENES, Verdict
 from bodycheck.site import cells, changes
 from bodycheck.site.catalogue import Catalogue, Entry, Scene, version_key
-from bodycheck.site.cells import Verdict
 from bodycheck.site.changes import Change
 from bodycheck.site.submissions.submission import Submission
-from bodycheck.site.wording import WORDS
 from bodycheck.studies.releases.findings import OTHER
 
 
@@ -56,7 +55,7 @@ class Release:
     def counts(self) -> Mapping[Verdict, int]:
         """Return the number of scenes with each verdict."""
         found = list(self.verdicts.values())
-        return {verdict: found.count(verdict) for verdict in WORDS}
+        return {verdict: found.count(verdict) for verdict in SCENES}
 
     @property
     def ran(self) -> int:

@@ -1,5 +1,7 @@
 """Files of the site from templates."""
 
+import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -7,9 +9,16 @@ from typing import Any
 
 import jinja2
 
-from bodycheck.reports.html import json_text
-from bodycheck.reports.quantities import bound, count, milliseconds, number
-from bodycheck.site import links, wording
+from bodycheck.reports.html import environment, json_text
+from bodycheck.reports.quantities import QUANTITIES, bound, milliseconds, number, within
+from bodycheck.results.verdicts import SCENES
+from bodycheck.site import links
+
+#: The names for readers of figures, by their columns.
+TITLES = {name: quantity.title for name, quantity in QUANTITIES.items()}
+
+#: The version of the format of the data.
+FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -37,7 +46,8 @@ def page(path: str, template: str, **values: Any) -> File:
         Its path inside the site.
     template
         The name of the template in the folder `templates`. It has `root`, which leads from the page to the root of the site,
-        the functions of `links` and `wording`, and `number`, `bound`, `count` and `milliseconds` for numbers.
+        the functions of `links`, the `verdicts` with the `words` of those on scenes, the `titles` of figures, and functions for
+        numbers.
     values
         Further variables of the template.
     """
@@ -50,17 +60,35 @@ def asset(name: str) -> File:
     return File(f"assets/{name}", (resources.files("bodycheck.site") / "templates" / name).read_bytes())
 
 
+def data_files(path: str, name: str, value: Mapping[str, Any]) -> Iterator[File]:
+    """Yield a value as JSON for programs, and as a script for pages, which sets a variable.
+
+    Parameters
+    ----------
+    path
+        The path inside the site, without its end.
+    name
+        The variable.
+    value
+        The value.
+    """
+    yield json_file(path, value)
+    yield script_file(path, name, value)
+
+
+def json_file(path: str, value: Mapping[str, Any]) -> File:
+    """Return a value as a file of JSON. path: without its end."""
+    return File(f"{path}.json", (json.dumps(value, separators=(",", ":"), allow_nan=False) + "\n").encode())
+
+
+def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
+    """Return a script that sets a variable to a value. path: without its end."""
+    return File(f"{path}.js", f"{name}={json_text(value)};\n".encode())
+
+
 @cache
 def _environment() -> jinja2.Environment:
-    templates = resources.files("bodycheck.site") / "templates"
-    environment = jinja2.Environment(
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        loader=jinja2.FunctionLoader(lambda name: (templates / name).read_text("utf-8")),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"json": json_text}
-    environment.globals |= {"links": links, "words": wording.WORDS, "cell_text": wording.text}
-    environment.globals |= {"number": number, "bound": bound, "count": count, "milliseconds": milliseconds}
-    return environment
+    pages = environment("bodycheck.site")
+    pages.globals |= {"links": links, "words": SCENES, "titles": TITLES}
+    pages.globals |= {"number": number, "bound": bound, "within": within, "milliseconds": milliseconds}
+    return pages

@@ -3,25 +3,13 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
+from bodycheck.results.verdicts import RobotVerdict
 from bodycheck.site.catalogue import Entry
 from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITIES, Quantity, Status
 from bodycheck.studies.parity.rows import READINGS, ParityRow
 from bodycheck.studies.parity.wording import brief, name_of, of_engine
-
-#: What is said of an engine and a robot, or of one of its quantities; the first that holds.
-Verdict = Literal["refused", "differs", "accepted-unphysical", "not-modelled", "agrees", "not compared"]
-
-#: The marks of the verdicts, and what they mean.
-MARKS: dict[Verdict, tuple[str, str]] = {
-    "agrees": ("=", "agrees with the file"),
-    "differs": ("≠", "differs from the file"),
-    "refused": ("⊘", "the engine refuses the file"),
-    "accepted-unphysical": ("!", "the engine accepts what no body can have"),
-    "not-modelled": ("–", "the engine, or its adapter, does not model it"),
-    "not compared": ("·", "nothing is known"),
-}
 
 #: Most rows of one engine that are listed.
 MOST_LISTED = 80
@@ -44,7 +32,7 @@ class Mark:
         The largest relative difference of what differs or agrees; None if it is not known.
     """
 
-    verdict: Verdict
+    verdict: RobotVerdict
     amount: int
     largest: float | None
 
@@ -66,12 +54,12 @@ class Reading:
     rows: tuple[Entry, ...]
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> RobotVerdict:
         """Return the verdict on the whole robot, which what is not modelled does not change where the rest agrees."""
         there = {entry.get("status") for entry in self.rows}
         if any(entry.get("quantity") is None and entry.get("status") == "not-modelled" for entry in self.rows):
             return "not-modelled"
-        verdicts = (one for one in get_args(Verdict) if one != "not-modelled" and one in there)
+        verdicts = (one for one in get_args(RobotVerdict) if one != "not-modelled" and one in there)
         return next(verdicts, "not-modelled")
 
     @property
@@ -150,7 +138,7 @@ def shown(value: str | None) -> str:
 
 
 def _mark(entries: Sequence[Entry]) -> Mark:
-    for verdict in get_args(Verdict):
+    for verdict in get_args(RobotVerdict):
         own = [entry for entry in entries if entry.get("status") == verdict]
         if own:
             known = [entry.get("relative") for entry in own if entry.get("relative") is not None]

@@ -3,8 +3,10 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from bodycheck.results.outcome import Unsupported
+from bodycheck.results.verdicts import Verdict
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
-from bodycheck.site.cells import Verdict, default_run, verdict
+from bodycheck.site.cells import default_run, verdict
 from bodycheck.site.submissions import own_methods
 
 
@@ -92,7 +94,7 @@ def _versions(runs: Sequence[Entry]) -> list[list[Entry]]:
 def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
     own = default_run(group)
     for run in group:
-        if run.get("status") != "unsupported":
+        if run.get("status") != Unsupported.status:
             yield Line(run, verdict(run, scene), _why(run) if run is own else "")
 
 
@@ -105,7 +107,7 @@ def _why(run: Entry) -> str:
 def _without(group: list[Entry], scene: Scene) -> Iterator[Without]:
     reasons: dict[str, list[Entry]] = {}
     for run in group:
-        if run.get("status") == "unsupported":
+        if run.get("status") == Unsupported.status:
             reasons.setdefault(str(run.get("reason") or ""), []).append(run)
     for reason, runs in reasons.items():
         methods = () if len(runs) == len(group) else tuple(dict.fromkeys(str(run.get("integrator")) for run in runs))

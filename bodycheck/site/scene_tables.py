@@ -9,7 +9,7 @@ from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism
 from bodycheck.reference.scene import Scene as OneBody
 from bodycheck.reference.truths import NoTruth
-from bodycheck.reports.quantities import QUANTITIES, bound, number, vector
+from bodycheck.reports.quantities import QUANTITIES, number, vector, within
 from bodycheck.reports.runs.scenes import ACTING, Fact, Told, describe
 from bodycheck.results import truth_records
 from bodycheck.site.catalogue import Entry, Scene
@@ -68,7 +68,7 @@ def bounds(runs: Sequence[Entry]) -> Grid:
         known = [run.get(quantity.bound_name) for run in runs if quantity.bounded and run.get(quantity.bound_name) is not None]
         measured = any(run.get(quantity.name) is not None for run in runs)
         if known and measured:
-            rows.append((quantity.title, f"≤ {bound(max(known), 2)}", quantity.unit or "relative"))
+            rows.append((quantity.title, within(max(known), 2), quantity.unit or "relative"))
     return Grid("The largest error of the truth itself at any instant", ("Quantity", "Bound", "Unit"), tuple(rows))
 
 

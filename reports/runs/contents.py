@@ -1,7 +1,8 @@
 """The contents of the report of runs, before they are laid out; every writer uses the same."""
 
+import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
-from bodycheck.reports.runs import chapters, comparison
+from bodycheck.reports.runs import comparison
 from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.charts import curves
 from bodycheck.reports.runs.charts.curves import Curves
@@ -23,7 +24,7 @@ from bodycheck.reports.runs.charts.step_charts import over_steps
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.demonstrations import demonstrated
-from bodycheck.reports.runs.matrix import Matrix, matrices
+from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
 from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.origins import Origins, origins
@@ -50,6 +51,9 @@ MOST_INSTANTS, LEAST_INSTANTS = 25_000, 50
 #: Processor time (s) that the curves and the animation of one case may take. Those of a thousand runs take some twenty.
 DRAWING_LIMIT_S = 120.0
 
+#: Most cases that have curves and an animation, which are most of a page and most of the time that it takes to make. Every case
+#: has its facts, its table and the commands of its runs.
+MOST_DRAWN = 100
 
 #: Why a case has no runs to show.
 NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No run of this case has a result."
@@ -172,7 +176,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     shown = tuple(replace(case, verdicts=with_place(case.verdicts)) for case in every)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     told = brief(sets)
-    chosen = frozenset(chapters.drawn(shown, told.findings))
+    chosen = frozenset(drawn_cases(shown, told.findings))
     room = _room([case for case in shown if case.name in chosen])
     placed = {verdict.key.over_cases for verdict in verdicts}
     header = comparison.header(sets)
@@ -259,7 +263,7 @@ def _section(
         except TookTooLong as error:
             facts += (Fact("Left out", f"curves and animation, because drawing them took {error} of processor time"),)
     else:
-        facts += (Fact("Left out", chapters.undrawn(shown.name)),)
+        facts += (Fact("Left out", _undrawn(shown.name)),)
     return Section(
         name=shown.name,
         title=title,
@@ -314,3 +318,36 @@ def _drawn(
             room.characters,
         ),
     )
+
+
+def drawn_cases(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collection[str]:
+    """Return the names of the cases that are drawn, at most `MOST_DRAWN`.
+
+    The cases that findings name come first, then those that failed, then the others. Within each of these, the largest errors
+    of each kind of scene come first, in the quantity that the matrix of this kind shows.
+    """
+    if len(cases) <= MOST_DRAWN:
+        return [case.name for case in cases]
+    named = {finding.where for finding in findings}
+    by_kind: dict[str, list[Shown]] = {}
+    for case in sorted(cases, key=_largest, reverse=True):
+        by_kind.setdefault(kind_of(case.case.scene).name, []).append(case)
+    ranks = {case.name: rank for same_kind in by_kind.values() for rank, case in enumerate(same_kind)}
+
+    def urgency(case: Shown) -> tuple[bool, bool, int]:
+        failed = any(verdict.passed is False for verdict in case.verdicts)
+        return case.name not in named, not failed, ranks[case.name]
+
+    return [case.name for case in sorted(cases, key=urgency)[:MOST_DRAWN]]
+
+
+def _undrawn(case: str) -> str:
+    """Return what the chapter of a case that is not drawn says of it."""
+    return f"curves and animation, to keep this page small; bodycheck report FOLDER --case {case} --out OTHER draws them"
+
+
+def _largest(case: Shown) -> float:
+    """Return the largest error of a case in the quantity of its kind; errors that are no numbers are larger than any."""
+    name = kind_of(case.case.scene).quantity
+    errors = [one.discrepancy.largest[name] for one in case.verdicts if one.discrepancy is not None]
+    return max((math.inf if math.isnan(error) else error for error in errors), default=-math.inf)

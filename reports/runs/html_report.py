@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from bodycheck.reports import player
 from bodycheck.reports.charts import Spec, without_legend
-from bodycheck.reports.html import json_text, page, verbatim
-from bodycheck.reports.index import MADE, Link
+from bodycheck.reports.html import MADE, Link, json_text, page, verbatim
 from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.charts import joint_curves
 from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time
@@ -56,22 +55,22 @@ def specifications(contents: Contents) -> dict[str, Spec]:
     """Return the charts of a report by name. Each is stored once; those over time are drawn with the datasets of each case."""
     errors = {quantity.name: without_legend(over_time(quantity, contents.lines)) for quantity in contents.plotted}
     origins = {
-        f"{section.name}-origins-{place}": chart.specification
+        f"{section.name}-origins-{number}": chart.specification
         for section in contents.sections
         if section.origins is not None
-        for place, chart in enumerate(section.origins.charts, start=1)
+        for number, chart in enumerate(section.origins.charts, start=1)
     }
     steps = {
-        f"{section.name}-steps-{place}": chart.specification
+        f"{section.name}-steps-{number}": chart.specification
         for section in contents.sections
-        for place, chart in enumerate(section.steps, start=1)
+        for number, chart in enumerate(section.steps, start=1)
     }
     moved = {kind for section in contents.sections for kind in section.curves.joints}
-    own = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
-    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | own | origins | steps
+    coordinates = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
+    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
 
 
 def _legend(section: Section, lines: Sequence[Line]) -> str:
     """Return the positions, among the lines of the report, of the methods that the charts of a case draw."""
     drawn = {row["method"] for row in section.curves.datasets["series"]}
-    return " ".join(str(place) for place, line in enumerate(lines) if line.label in drawn)
+    return " ".join(str(position) for position, line in enumerate(lines) if line.label in drawn)

@@ -7,6 +7,7 @@ from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.runs.contents import Contents, Failure, Section
 from bodycheck.reports.runs.matrix import Cell, Column, Matrix
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
+from bodycheck.results.verdicts import FAILED
 
 #: Failed runs that the table of failures lists.
 MOST_FAILURES = 30
@@ -15,7 +16,7 @@ MOST_FAILURES = 30
 MOST_ADVISED = 10
 
 #: Heading and legend of the matrices.
-MATRICES = f"## Cases and methods\n\n✗ marks a failed run. {WITHIN_TRUTH}"
+MATRICES = f"## Cases and methods\n\n{FAILED} marks a failed run. {WITHIN_TRUTH}"
 
 
 def render(contents: Contents) -> str:
@@ -96,7 +97,7 @@ def _cell(cell: Cell | None, common: float) -> str:
     if cell is None:
         return ""
     return ", ".join(
-        ("✗ " if figure.failed else "")
+        (f"{FAILED} " if figure.failed else "")
         + figure.text
         + ("" if figure.timestep == common else f" ({milliseconds(figure.timestep)})")
         for figure in cell.figures

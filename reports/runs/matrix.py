@@ -14,7 +14,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import needs, turns
 from bodycheck.reports.lines import Line
-from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
+from bodycheck.reports.quantities import QUANTITIES, Quantity, milliseconds, number, within
 from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
 from bodycheck.results.key import RunKey
@@ -332,7 +332,7 @@ def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:
         error, own = maxima[quantity.name], quantity.within_truth(maxima)
         size = error if own is None else own
         if own is not None:
-            text, meaning = f"≤ {bound(own, 2)}", quantity.told_within(own)
+            text, meaning = within(own, 2), quantity.told_within(own)
         else:
             text, meaning, shade = number(error, 2), quantity.with_unit(error), decade(error)
     return Figure(text, f"{at}: {meaning}", timestep, size, shade, failed, link, run)

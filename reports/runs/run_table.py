@@ -6,12 +6,13 @@ from typing import Any
 
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.margins import Margin
-from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, bound, milliseconds, number
+from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, milliseconds, number, within
 from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.runs.summary import expectation_status
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed
+from bodycheck.results.verdicts import WITHIN
 
 #: Heading of the computing time.
 COST = "Time per step, µs"
@@ -22,7 +23,7 @@ MARGINS = (
 )
 
 #: Note below tables in which an error or a drift is within the truth's own error.
-WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
+WITHIN_TRUTH = f"{WITHIN} marks an error within the truth's own error, which is the number shown."
 
 
 def run_table(
@@ -89,7 +90,7 @@ def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity
         for quantity in quantities
     }
     found = {
-        quantity.label: Entry(f"≤ {bound(max(own), 2)}", max(own), f"bound of the truth's own {quantity.title.lower()}")
+        quantity.label: Entry(within(max(own), 2), max(own), f"bound of the truth's own {quantity.title.lower()}")
         for quantity, own in known.items()
         if own
     }
@@ -151,5 +152,5 @@ def _figure(row: Mapping[str, Any], quantity: Quantity, link: str) -> Entry:
     if value is None:
         return Entry("–")
     if (own := quantity.within_truth(row)) is not None:
-        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own), link)
+        return Entry(within(own), own, quantity.told_within(own), link)
     return Entry(number(value), value, link=link)

@@ -14,6 +14,7 @@ from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Unsupported
 from bodycheck.results.store import Results
 from bodycheck.results.unchecked import Unchecked, sentences
+from bodycheck.results.verdicts import EXPECTATIONS, KNOWN, SCENES
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
@@ -92,13 +93,13 @@ def unsupported(verdicts: Sequence[Verdict]) -> str:
 def expectation_status(verdict: Verdict) -> str:
     """Return the status of the expectations of a run: held, known (broken in a known way), failed, or a dash without any."""
     if _tolerated(verdict):
-        return "known"
-    return {True: "held", False: "failed", None: "–"}[verdict.passed]
+        return KNOWN
+    return EXPECTATIONS[verdict.passed]
 
 
 def failure_status(verdict: Verdict) -> str:
     """Return in which way a run failed."""
-    return "expectation broken" if isinstance(verdict.outcome, Completed) else verdict.outcome.status
+    return SCENES["broken"].title if isinstance(verdict.outcome, Completed) else verdict.outcome.status
 
 
 def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding | None:

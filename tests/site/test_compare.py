@@ -1,6 +1,7 @@
 """The comparison of two results, in a browser."""
 
 import itertools
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ import pytest
 
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry
+from bodycheck.site.changes import Change
+from bodycheck.site.pages import compare
 from bodycheck.site.submissions.submission import Submission
 from tests.site import submissions
 from tests.site.browsing import built
@@ -68,12 +71,17 @@ def site(catalogue: Catalogue, tmp_path_factory: pytest.TempPathFactory) -> Path
     return built(catalogue, tmp_path_factory.mktemp("compare") / "site")
 
 
+def rows(page: Any) -> dict[tuple[str, str], str]:
+    """What is said of each run that is shown, by its scene and integrator."""
+    page.wait_for_function("document.getElementById('told').textContent.includes('both')")
+    cells = "(rows) => rows.map((row) => [0, 1, 5].map((column) => row.cells[column].textContent))"
+    found = page.locator("#found tbody tr").evaluate_all(cells)
+    return {(case, method.partition(" at ")[0]): text for case, method, text in found}
+
+
 def runs(page: Any) -> set[tuple[str, str]]:
     """The scenes and integrators of the rows that are shown."""
-    page.wait_for_function("document.getElementById('told').textContent.includes('both')")
-    cells = "(rows) => rows.map((row) => [row.cells[0].textContent, row.cells[1].textContent])"
-    found = page.locator("#found tbody tr").evaluate_all(cells)
-    return {(case, method.partition(" at ")[0]) for case, method in found}
+    return set(rows(page))
 
 
 def address(engine: str, before: Submission, after: Submission) -> str:
@@ -82,23 +90,66 @@ def address(engine: str, before: Submission, after: Submission) -> str:
     return links.compare(engine, *sides).removeprefix(links.COMPARE)
 
 
+def change_of(catalogue: Catalogue, before: Entry, after: Entry) -> Change | None:
+    """What `changes.change` says of two runs."""
+    return changes.change(catalogue, catalogue.scenes[before.row["case"]], after, before)
+
+
+def told_of(catalogue: Catalogue, before: Entry, after: Entry) -> str:
+    """The beginning of what the page says of two runs; empty for runs that do not differ."""
+    change = change_of(catalogue, before, after)
+    if change is None:
+        return ""
+    if change.quantity != changes.STATUS:
+        return "▲ worse" if change.worse else "▼ better"
+    return {True: f"{after.get('status')} now", False: "completes now", None: f"{after.get('status')} now"}[change.worse]
+
+
 @pytest.mark.parametrize("engine", ["mujoco", SINGLE])
-def test_the_page_finds_the_differences_that_the_rule_of_changes_finds(
-    browser: Any, site: Path, catalogue: Catalogue, engine: str
-) -> None:
-    old, _, new = catalogue.submissions
+@pytest.mark.parametrize("forwards", [True, False])
+def test_the_page_shows_what_changes_says(browser: Any, site: Path, catalogue: Catalogue, engine: str, forwards: bool) -> None:
+    old, _, new = catalogue.submissions if forwards else reversed(catalogue.submissions)
     then, now = (
         {(entry.row["case"], entry.row["integrator"]): entry for entry in _entries(source) if entry.engine == engine}
         for source in (old, new)
     )
     both = then.keys() & now.keys()
-    expected = {key for key in both if changes.change(catalogue, catalogue.scenes[key[0]], now[key], then[key])}
+    expected = {key: said for key in both if (said := told_of(catalogue, then[key], now[key]))}
     assert 0.2 * len(both) < len(expected) < 0.8 * len(both)
     with visiting(browser, site / "compare.html", site=site, place=address(engine, old, new)) as visit:
-        assert runs(visit.page) == expected
+        shown = rows(visit.page)
+        assert shown.keys() == expected.keys()
+        assert [key for key, text in shown.items() if not text.startswith(expected[key])] == []
         told = visit.page.locator("#told").inner_text()
         assert told.startswith(f"{len(expected)} of {len(both)} runs that both have differ by more than rounding.")
         assert f"{len(then) - len(both)} run{'s'[: len(then) - len(both) - 1]} only before." in told
+
+
+def test_the_data_has_the_differences_between_any_two_results_of_an_engine(catalogue: Catalogue) -> None:
+    found = {file.path: json.loads(file.content) for file in compare.pages(catalogue) if file.path.endswith(".json")}
+    assert found.keys() == {f"{links.changes(engine)}.json" for engine in catalogue.engines}
+    read = found[f"{links.changes('mujoco')}.json"]
+    results = [_runs(catalogue, **result) for result in read["results"]]
+    assert len(results) == 4, "two dates, and two releases of a study"
+    listed = {(pair["before"], pair["after"]): pair["differences"] for pair in read["pairs"]}
+    for (before, earlier), (after, later) in itertools.combinations(enumerate(results), 2):
+        expected: dict[str, set[int]] = {}
+        for key in earlier.keys() & later.keys():
+            if change := change_of(catalogue, earlier[key], later[key]):
+                expected.setdefault(change.quantity, set()).add(earlier[key].place)
+        differences = listed.get((before, after), {})
+        assert {quantity: set(places) for quantity, places in differences.items()} == expected
+        assert all(len(set(places)) == len(places) for places in differences.values())
+    assert {"status", "attitude_error"} <= set().union(*listed.values())
+
+
+def test_of_very_many_versions_in_one_submission_some_are_compared(browser: Any, tmp_path: Path) -> None:
+    study = [submissions.release(f"{number}.0", attitude_error=2.0**-number) for number in range(compare.MOST_RESULTS + 2)]
+    catalogue = catalogued(submission({"releases.csv": study}, engines={"mujoco": "1.0"}))
+    (read,) = (json.loads(file.content) for file in compare.pages(catalogue) if file.path.endswith(".json"))
+    assert len(read["results"]) == compare.MOST_RESULTS
+    with visiting(browser, built(catalogue, tmp_path / "site") / "compare.html", site=tmp_path / "site") as visit:
+        visit.page.get_by_text("of a submission with very many versions, only some are compared").wait_for()
 
 
 def test_the_address_says_what_is_compared(browser: Any, site: Path, catalogue: Catalogue) -> None:
@@ -140,6 +191,14 @@ def test_the_page_can_be_used_by_everyone(browser: Any, site: Path, width: int, 
         assert len(runs(visit.page)) == 1
         axe.check(visit.page)
         assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def _runs(catalogue: Catalogue, submission: str, version: str, table: str) -> dict[tuple[Any, ...], Entry]:
+    """The runs of results of mujoco in a submission, by case and method."""
+    entries = [entry for entry in catalogue.entries(table) if entry.source.key == submission]
+    return {
+        (entry.row["case"], *entry.method): entry for entry in entries if (entry.engine, entry.version) == ("mujoco", version)
+    }
 
 
 def _entries(source: Submission) -> list[Entry]:

@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from bodycheck.site import links, wording
+from bodycheck.results import verdicts
+from bodycheck.site import links
 from bodycheck.site.front import Front, Shown
 from bodycheck.site.pages import index
 from tests.site import submissions
@@ -58,7 +59,7 @@ def test_nothing_is_known_where_there_is_no_run_and_unsupported_where_there_is_n
 
 
 def test_every_verdict_has_a_sign_of_its_own() -> None:
-    marks = [word.mark for word in wording.WORDS.values()]
+    marks = [word.mark for word in verdicts.SCENES.values()]
     assert len(set(marks)) == len(marks)
 
 
@@ -118,7 +119,7 @@ def test_the_page_of_a_large_site_is_small_enough_to_be_fast() -> None:
     # What a browser lays out decides how fast the page is: benchmarks/site.py measures 0.6 s for this one.
     catalogue = large()
     assert (len(catalogue.engines), len(catalogue.scenes)) == (ENGINES, SCENES)
-    (page,) = index.pages(catalogue)
+    page, *_ = index.pages(catalogue)
     text = page.content.decode()
     assert page.path == links.INDEX
     assert len(page.content) < 1_200_000

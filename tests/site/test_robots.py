@@ -8,7 +8,7 @@ import pytest
 from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import robots
-from bodycheck.site.submissions.condensing import condensed
+from bodycheck.site.submissions.packing import condensed
 from tests.site import submissions as made
 
 DRAKE = {"engine": "drake", "version": "1.51.1"}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from bodycheck.errors import BadInput
 from bodycheck.results.origin import BESIDE
 from bodycheck.site.command import submit
-from bodycheck.site.submissions import archive, contents, gathering, packing, personal, submitting
+from bodycheck.site.submissions import archive, contents, gathering, packing, personal
 from bodycheck.site.submissions.personal import Cleaning
 from bodycheck.site.submissions.texts import shown, text
 from tests.site import submissions as made
@@ -82,13 +82,13 @@ def test_nothing_personal_is_packed(janes: Path, tmp_path: Path, capsys: pytest.
 
 def test_the_names_of_parts_of_a_robot_are_no_paths(tmp_path: Path) -> None:
     folder = made.write_folder(tmp_path / "parity", {"parity.csv": [made.parity(subject="/arm/left/link")]})
-    assert submitting.packed(folder).submission.tables["parity.csv"][0]["subject"] == "/arm/left/link"
+    assert packing.packed(folder).submission.tables["parity.csv"][0]["subject"] == "/arm/left/link"
 
 
 def test_a_submission_says_the_same_as_its_folder(tmp_path: Path) -> None:
     folder = made.write_folder(tmp_path / "run", {"results.csv": [made.run(), made.exact(case=made.MECHANISM)]})
-    assert submitting.packed(folder).submission.key == gathering.read(folder).key
-    assert submitting.packed(folder).content == submitting.packed(folder).content
+    assert packing.packed(folder).submission.key == gathering.read(folder).key
+    assert packing.packed(folder).content == packing.packed(folder).content
 
 
 @pytest.mark.parametrize(

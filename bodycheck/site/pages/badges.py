@@ -1,7 +1,8 @@
 """A badge for each engine: how many scenes its newest release ran, failed and so on. Counts, and no score."""
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
+
+from markupsafe import escape
 
 from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue
@@ -51,7 +52,7 @@ def badge(message: str) -> str:
     style = 'font-family="Verdana,DejaVu Sans,Geneva,sans-serif" font-size="11" fill="#ffffff"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="{HEIGHT}" role="img" '
-        f"aria-label={quoteattr(f'{LABEL} | {message}')}>"
+        f'aria-label="{escape(f"{LABEL} | {message}")}">'
         f"<title>{escape(f'{LABEL} | {message}')}</title>"
         f'<rect width="{edge}" height="{HEIGHT}" fill="#3d444d"/>'
         f'<rect x="{edge}" width="{whole - edge}" height="{HEIGHT}" fill="#0b5cad"/>'

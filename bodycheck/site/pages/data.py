@@ -4,8 +4,8 @@
 
 - `submissions`: each with its key, date, machine and command, the numbers of rows of its `tables`, and the `runs` that it has,
   as the engine, the version, and the table with their rows;
-- `engines` with their versions, the oldest first, `kinds` of scenes with the quantity that is shown of each, `scenes`, and the
-  `tables` with the title, unit and meaning of each column;
+- `engines` with their versions, the oldest first, and the address of their `changes`, `kinds` of scenes
+  with the quantity that is shown of each, `scenes`, and the `tables` with the title, unit and meaning of each column;
 - `cells`: what the front page shows of each engine and scene, with the address of the row as key, table and place.
 
 `data/KEY.json` is a submission: its `header`, `tables` and `cases`. A table has `columns`, a list of values for each column
@@ -14,31 +14,25 @@ entry. A table of runs also has `roundings` and `allowances` of the error in the
 move it if nothing amplifies rounding, and by how much rounding and the truth's error do move it, where a study of releases has
 measured that; see `bodycheck.site.changes`. `cases` has the SHA-256 of each case file, under which `data/cases.json` has its
 text.
+
+`data/changes/ENGINE.json` has the differences between any two results of an engine; see `bodycheck.site.pages.compare`.
 """
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 from hashlib import sha256
 from typing import Any
 
-from bodycheck.reports.html import json_text
 from bodycheck.reports.quantities import QUANTITIES
 from bodycheck.reports.runs.matrix import KINDS
 from bodycheck.site import changes, links
-from bodycheck.site.catalogue import Catalogue, Entry
+from bodycheck.site.catalogue import RUNS, Catalogue, Entry, entries_of, results_of
 from bodycheck.site.cells import Cell
 from bodycheck.site.commands import command
 from bodycheck.site.front import Front
-from bodycheck.site.render import File
+from bodycheck.site.render import FORMAT, File, data_files, json_file, script_file
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.submissions.tables import TABLES
-
-#: The version of the format.
-FORMAT = 1
-
-#: The tables whose rows are runs, with the columns of results.
-RUNS = ("results.csv", "releases.csv")
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
@@ -46,16 +40,14 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
     known = index(catalogue)
     found = Front(catalogue)
     cells = [_cell(engine, scene, cell) for (engine, scene), cell in found.cells.items()]
-    yield _json(f"{links.DATA}index", known | {"cells": cells})
-    yield _script(f"{links.DATA}index", "site.index", known)
+    yield json_file(f"{links.DATA}index", known | {"cells": cells})
+    yield script_file(f"{links.DATA}index", "site.index", known)
     texts = {_digest(text): text for source in catalogue.submissions for text in source.cases.values()}
     in_order = dict(sorted(texts.items()))
-    yield _json(f"{links.DATA}cases", {"format": FORMAT, "cases": in_order})
-    yield _script(f"{links.DATA}cases", "site.texts", in_order)
+    yield json_file(f"{links.DATA}cases", {"format": FORMAT, "cases": in_order})
+    yield script_file(f"{links.DATA}cases", "site.texts", in_order)
     for source in catalogue.submissions:
-        made = submission(catalogue, source)
-        yield _json(links.data(source), made)
-        yield _script(links.data(source), f'site.data["{source.key}"]', made)
+        yield from data_files(links.data(source), f'site.data["{source.key}"]', submission(catalogue, source))
 
 
 def index(catalogue: Catalogue) -> dict[str, Any]:
@@ -64,7 +56,13 @@ def index(catalogue: Catalogue) -> dict[str, Any]:
         "format": FORMAT,
         "submissions": [_listed(source) for source in catalogue.submissions],
         "engines": [
-            {"name": name, "versions": list(catalogue.versions[name]), "page": links.engine(name)} for name in catalogue.engines
+            {
+                "name": name,
+                "versions": list(catalogue.versions[name]),
+                "page": links.engine(name),
+                "changes": links.changes(name),
+            }
+            for name in catalogue.engines
         ],
         "kinds": {
             kind.name: {
@@ -121,7 +119,7 @@ def _table(catalogue: Catalogue, source: Submission, name: str) -> dict[str, Any
         "commands": [command(source, name, row) for row in rows],
     }
     if name in RUNS:
-        entries = [Entry(source, name, place) for place in range(len(rows))]
+        entries = list(entries_of(source, name))
         made["roundings"] = [changes.rounding(entry) for entry in entries]
         made["allowances"] = [_allowance(catalogue, entry) for entry in entries]
     return made
@@ -135,12 +133,6 @@ def _allowance(catalogue: Catalogue, entry: Entry) -> float | None:
 
 def _listed(source: Submission) -> dict[str, Any]:
     """Return what the list says of a submission."""
-    runs: dict[tuple[str, str, str], int] = {}
-    for table in RUNS:
-        for place in range(len(source.tables.get(table, ()))):
-            entry = Entry(source, table, place)
-            key = (entry.engine, entry.version, table)
-            runs[key] = runs.get(key, 0) + 1
     return {
         "key": source.key,
         "date": source.date,
@@ -151,8 +143,8 @@ def _listed(source: Submission) -> dict[str, Any]:
         "engines": dict(source.header.engines),
         "tables": {name: len(rows) for name, rows in source.tables.items()},
         "runs": [
-            {"engine": engine, "version": version, "table": table, "rows": rows}
-            for (engine, version, table), rows in runs.items()
+            {"engine": results.engine, "version": results.version, "table": results.table, "rows": len(results.runs)}
+            for results in results_of(source)
         ],
     }
 
@@ -188,11 +180,3 @@ def _place(entry: Entry | None) -> list[Any] | None:
 
 def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
-
-
-def _json(path: str, value: Mapping[str, Any]) -> File:
-    return File(f"{path}.json", (json.dumps(value, separators=(",", ":"), allow_nan=False) + "\n").encode())
-
-
-def _script(path: str, name: str, value: Mapping[str, Any]) -> File:
-    return File(f"{path}.js", f"{name}={json_text(value)};\n".encode())

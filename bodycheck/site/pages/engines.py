@@ -8,12 +8,12 @@ from markupsafe import Markup
 
 from bodycheck.reports.quantities import milliseconds
 from bodycheck.reports.runs.matrix import KINDS, Kind
+from bodycheck.results.verdicts import Verdict
 from bodycheck.site import changes, engine_facts, links, trend
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
-from bodycheck.site.cells import Cell, Verdict, cell
+from bodycheck.site.cells import Cell, cell
 from bodycheck.site.releases import Release, Upgrade, releases, upgrades
 from bodycheck.site.render import File, page
-from bodycheck.site.wording import TITLES
 from bodycheck.studies.audit.rows import PROPERTIES
 
 #: Verdicts whose scenes are listed by name.
@@ -55,7 +55,6 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             links.engine(engine),
             "engine.html.jinja",
             catalogue=catalogue,
-            titles=TITLES,
             engine=engine,
             releases=known,
             upgrades=found,

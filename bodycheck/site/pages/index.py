@@ -1,4 +1,7 @@
-"""The front page: engines by scenes, and what changed since the last date."""
+"""The pages that exist once: the front page, the page of a raw row, and the page of what the site leaves out.
+
+No other page shows anything of what is left out.
+"""
 
 from collections.abc import Iterator
 
@@ -9,16 +12,18 @@ from bodycheck.site.render import File, page
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
-    """Yield the front page."""
+    """Yield the pages."""
     front = Front(catalogue)
     best = [_best(line) for group in front.groups for line in group.lines]
     yield page(links.INDEX, "index.html.jinja", front=front, catalogue=catalogue, best=best)
+    yield page(links.ROW, "row.html.jinja", catalogue=catalogue)
+    yield page(links.ERRORS, "errors.html.jinja", left_out=sorted(catalogue.left_out, key=lambda one: (one.name, one.reason)))
 
 
 def _best(line: Line) -> dict[int, list[str]]:
-    """Return the cells of a line that are others for the best methods, by their places."""
+    """Return the cells of a line that are others for the best methods, by their columns."""
     pairs = enumerate(zip(line.own, line.best, strict=True))
-    return {place: _fields(best) for place, (own, best) in pairs if own != best}
+    return {column: _fields(best) for column, (usual, best) in pairs if usual != best}
 
 
 def _fields(shown: Shown) -> list[str]:

@@ -6,7 +6,6 @@ from bodycheck.site import changes, links, telling
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.releases import Release, measured_changes, releases, upgrades
 from bodycheck.site.render import File, page
-from bodycheck.site.wording import TITLES
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
@@ -21,7 +20,6 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
                 links.release(engine, release.version),
                 "release.html.jinja",
                 catalogue=catalogue,
-                titles=TITLES,
                 release=release,
                 upgrade=upgrade,
                 before=known[place - 1] if place else None,

@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 from bodycheck.site import links, robot_tables
 from bodycheck.site.catalogue import Catalogue, Entry
 from bodycheck.site.render import File, page
-from bodycheck.site.robot_tables import MARKS, MOST_LISTED, Reading
+from bodycheck.site.robot_tables import MOST_LISTED, Reading
 from bodycheck.studies.parity.quantities import FILE
 from bodycheck.studies.parity.wording import SAYS, name_of
 
@@ -26,7 +26,6 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             faults=faults,
             quantities=robot_tables.quantities(newest),
             before=robot_tables.quantities(older),
-            marks=MARKS,
             most=MOST_LISTED,
             says=SAYS,
             name_of=name_of,
@@ -39,7 +38,7 @@ def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
     """Return the table of all robots. read: the newest readings of each, and the number of faults of its file."""
     engines = sorted({one.engine for own, _ in read.values() for one in own})
     rows = [(model, {one.engine: one for one in own}, faults) for model, (own, faults) in sorted(read.items())]
-    return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows, marks=MARKS)
+    return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows)
 
 
 def _commands(model: str, entries: Sequence[Entry]) -> list[str]:

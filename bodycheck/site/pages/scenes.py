@@ -9,9 +9,10 @@ from bodycheck.reference.requirements import needs
 from bodycheck.reports import player
 from bodycheck.reports.html import json_text
 from bodycheck.reports.runs.matrix import KINDS
+from bodycheck.results.verdicts import Verdict
 from bodycheck.site import links, scene_motion, scene_runs, scene_tables
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
-from bodycheck.site.cells import Verdict, cell, verdict
+from bodycheck.site.cells import cell, verdict
 from bodycheck.site.render import File, page
 from bodycheck.site.scene_motion import Found
 from bodycheck.site.scene_runs import Line

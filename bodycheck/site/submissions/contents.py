@@ -9,6 +9,7 @@ from typing import Any
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
+from bodycheck.results.outcome import Completed
 from bodycheck.site.submissions import cases as case_texts
 from bodycheck.site.submissions import headers, plausible, tables, tracks
 from bodycheck.site.submissions.submission import Row, Submission
@@ -86,7 +87,7 @@ def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) 
     """Return what a submission says of motions."""
     if TRACKS not in contents.files:
         return tracks.NO_TRACKS
-    runs = [tuple(row[column] for column in tracks.RUN) for row in rows if row["status"] == "ok"]
+    runs = [tuple(row[column] for column in tracks.RUN) for row in rows if row["status"] == Completed.status]
     return tracks.read(contents.files[TRACKS], cases, runs)
 
 

@@ -1,23 +1,28 @@
-"""A results folder as the contents of a submission, without what is personal."""
+"""A results folder as a submission and as a zip file for others, without what is personal.
+
+Tables of robot models are condensed: most of their rows say that two numbers agree, and would only be counted.
+"""
 
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
+from bodycheck.reports.quantities import count
 from bodycheck.results import journal, records, store
 from bodycheck.results.csv_tables import entry as csv_entry
 from bodycheck.results.origin import BESIDE
+from bodycheck.site.submissions import archive, personal, tables, tracing, tracks
 from bodycheck.site.submissions import cases as case_texts
-from bodycheck.site.submissions import condensing, tables, tracing, tracks
 from bodycheck.site.submissions.contents import CASE_END, CASES, TABLES, TRACKS, Contents
 from bodycheck.site.submissions.personal import Cleaning
+from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.submissions.texts import shown
 
 #: Most bytes of a table, and of the file beside it.
@@ -28,6 +33,55 @@ UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv")
 
 #: Columns whose texts are names of parts of models, which may look like paths.
 PARTS = ("subject", "model")
+
+#: The columns by which rows are about the same.
+SAME = ("model", "engine", "version", "quantity")
+
+
+@dataclass(frozen=True, eq=False)
+class Packed:
+    """A submission as a file.
+
+    Parameters
+    ----------
+    content
+        The bytes of the zip file.
+    submission
+        The submission, as the site reads it from them.
+    removed
+        How many things of each kind were removed because they may be personal, by words for the kind.
+    """
+
+    content: bytes
+    submission: Submission
+    removed: Mapping[str, int]
+
+
+def packed(folder: Path) -> Packed:
+    """Return a results folder as a submission. Raises `BadInput` if the folder is not as bodycheck writes it."""
+    cleaning = personal.Cleaning(personal.own_names())
+    try:
+        content = archive.zipped(contents(folder, cleaning))
+        if len(content) > archive.MOST_PACKED:
+            raise BadInput(f"makes a file of {len(content)} bytes; at most {archive.MOST_PACKED} are allowed")
+        return Packed(content, archive.read(content), cleaning.removed)
+    except BadInput as error:
+        reason = str(error)
+        raise BadInput(reason if reason.startswith(str(folder)) else f"{folder}: {reason}") from error
+
+
+def told(submission: Packed) -> Iterator[str]:
+    """Yield what a submission has, and what was removed, as lines."""
+    source = submission.submission
+    for name, rows in source.tables.items():
+        yield f"{name}: {count(len(rows), 'row')} ({tables.TABLES[name].title})"
+    public = [name for name in source.cases if case_texts.shipped(name) is None]
+    yield f"cases: {len(source.cases)}" + (f", of which with their whole text in public: {', '.join(public)}" if public else "")
+    yield f"engines: {', '.join(f'{name} {version}' for name, version in source.header.engines.items())}"
+    yield f"machine: {source.machine}"
+    yield f"command: {source.command}"
+    yield f"removed: {', '.join(f'{kind} ({count})' for kind, count in sorted(submission.removed.items())) or 'nothing'}"
+    yield f"size: {len(submission.content) / 1000:.0f} kB"
 
 
 def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
@@ -92,7 +146,7 @@ def _table(path: Path, clean: Cleaning) -> bytes:
         raise BadInput(f"{path}: is no table of UTF-8 text: {str(error)[:200]}") from error
     whole = len(rows)
     if path.name == "parity.csv":
-        rows = list(map(list, condensing.condensed(rows)))
+        rows = list(map(list, condensed(rows)))
     columns = tables.TABLES[path.name].by_name
     heads = rows[0] if rows else []
     of_texts = {name for name in heads if name in columns and "text" in tables.kind(columns[name])} - set(PARTS)
@@ -187,3 +241,32 @@ def _without_personal(name: str, text: str, clean: Cleaning) -> str:
         line = next(place for place, (one, other) in enumerate(zip(lines, text.split("\n"), strict=True), 1) if one != other)
         raise BadInput(f"{name}{CASE_END}:{line}: has a path, an address or a name as part of the physics; rename it")
     return cleaned
+
+
+def condensed(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+    """Return the rows of parity.csv, with its head as the first, without most of those that agree.
+
+    Of the bodies or joints of a robot of which an engine has the same as the file, the one with the largest relative difference
+    stays for each quantity. All rows of what differs, is refused or is not modelled stay, in their order. A table that lacks
+    columns, or with a row that is no row, is returned as it is.
+    """
+    head = list(rows[0]) if rows else []
+    if not {*SAME, "status", "relative"} <= set(head) or any(len(row) != len(head) for row in rows):
+        return list(rows)
+    same, status, relative = [head.index(name) for name in SAME], head.index("status"), head.index("relative")
+    largest: dict[tuple[str, ...], tuple[float, int]] = {}
+    for index, row in enumerate(rows[1:], start=1):
+        if row[status] == "agrees":
+            about = tuple(row[column] for column in same)
+            size = (_size(row[relative]), -index)
+            largest[about] = max(largest.get(about, size), size)
+    kept = {-index for _, index in largest.values()}
+    return [row for index, row in enumerate(rows) if row[status] != "agrees" or index in kept]
+
+
+def _size(text: str) -> float:
+    """Return a number, or less than any where a text is none, as of what is compared as words."""
+    try:
+        return float(text)
+    except ValueError:
+        return -1.0

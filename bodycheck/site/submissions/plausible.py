@@ -8,14 +8,11 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COST_COLUMNS, FIGURES, most_possible
-from bodycheck.processes.failures import Crashed, TimedOut
-from bodycheck.results.outcome import Completed, Diverged, Unsupported
+from bodycheck.results.outcome import Completed
+from bodycheck.results.verdicts import ENDS
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.releases.rows import UNOBTAINABLE
-
-#: How a run ends.
-ENDS = tuple(outcome.status for outcome in (Completed, Unsupported, Diverged, Crashed, TimedOut))
 
 #: The words for how a run ends, by table.
 STATUSES: dict[str, frozenset[str]] = {

@@ -1,10 +1,10 @@
-// Compares two results of an engine, run by run. What counts as a difference is told on the page.
+// Shows two results of an engine, run by run. Which runs differ is in data/changes/ENGINE.js, and is not decided here.
 "use strict";
 (() => {
   const form = document.getElementById("choice");
   const told = document.getElementById("told");
   const found = document.getElementById("found");
-  const rule = site.json("rule");
+  const marks = site.json("marks");
   const { engine, left, right, all } = form.elements;
 
   // The results of an engine that can be compared, the newest first: a submission, a version and a table.
@@ -28,7 +28,7 @@
 
   const rowsOf = async (side) => {
     const data = await site.submission(side.source.key);
-    const { columns, roundings, allowances } = data.tables[side.table];
+    const { columns } = data.tables[side.table];
     const rows = new Map();
     columns.engine.forEach((name, place) => {
       if (name.split("@")[0] !== side.engine || columns.version[place] !== side.version) return;
@@ -36,32 +36,24 @@
       if (get("case") === null || get("timestep") === null) return;
       const key = JSON.stringify([get("case"), get("integrator"), get("timestep")]);
       const address = `row.html#${side.source.key}/${side.table}/${place}`;
-      rows.set(key, { get, address, rounding: roundings[place], allowance: allowances[place] });
+      rows.set(key, { get, address, place });
     });
     return rows;
   };
 
-  /** Whether two errors differ by more than the estimated effect of rounding. */
-  const beyondEstimate = (before, after, then, now, kind, tags) => {
-    const bound = Math.max(before.get(kind.bound) ?? 0, after.get(kind.bound) ?? 0);
-    const rounded = Math.max(before.rounding, after.rounding);
-    const [small, large] = [Math.abs(then), Math.abs(now)].sort((one, other) => one - other);
-    if (Math.abs(now - then) <= Math.max(bound, rounded, rule.smallest * large)) return false;
-    const lost = kind.quantity === "attitude_error" && large > rule.lost;
-    if (tags.includes(rule.chaotic) || lost || large <= rounded * rule.growth) return large >= rule.large * small;
-    return true;
-  };
-
-  /** What differs between two runs: nothing, the status, or the quantity of the scene, as `bodycheck.site.changes` says. */
-  const compared = (before, after, kind, tags) => {
-    if (before.get("status") !== after.get("status")) return "status";
-    const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
-    if (then === null || now === null) return "";
-    const measured = before.allowance !== null && after.allowance !== null;
-    const differs = measured
-      ? Math.abs(now - then) > before.allowance + after.allowance
-      : beyondEstimate(before, after, then, now, kind, tags);
-    return differs ? kind.quantity : "";
+  /** The function from two runs to what differs between them: nothing, the status, or the quantity of the scene. */
+  const differences = async (one, other) => {
+    const { results, pairs } = await site.changes(one.engine);
+    const [before, after] = [one, other].map((side) =>
+      results.findIndex(({ submission, version, table }) => `${submission}:${version}:${table}` === side.value),
+    );
+    if (before < 0 || after < 0) throw new Error("of a submission with very many versions, only some are compared");
+    const listed = (first, second) => pairs.find((pair) => pair.before === first && pair.after === second)?.differences;
+    const forwards = listed(before, after);
+    // The runs are listed by their places in the table of the older results of the two.
+    const known = Object.entries(forwards ?? listed(after, before) ?? {});
+    const what = new Map(known.flatMap(([quantity, places]) => places.map((place) => [place, quantity])));
+    return (then, now) => what.get((forwards ? then : now).place) ?? "";
   };
   const inWords = (before, after, kind, what) => {
     if (!after) return "only before";
@@ -75,7 +67,7 @@
     const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
     const factor = Math.max(then, now) / Math.min(then, now);
     const by = Number.isFinite(factor) ? ` by a factor of ${site.number(factor, 3)}` : "";
-    return now > then ? `▲ worse${by}` : `▼ better${by}`;
+    return now > then ? `${marks.worse} worse${by}` : `${marks.better} better${by}`;
   };
 
   const entry = (row, kind) => {
@@ -113,14 +105,14 @@
   };
 
   const show = async (one, other) => {
-    const [before, after] = await Promise.all([rowsOf(one), rowsOf(other)]);
+    const [before, after, compared] = await Promise.all([rowsOf(one), rowsOf(other), differences(one, other)]);
     const lines = [...new Set([...before.keys(), ...after.keys()])].flatMap((key) => {
       const [scene, integrator, timestep] = JSON.parse(key);
       const known = site.index.scenes[scene];
       if (!known) return [];
       const kind = site.index.kinds[known.kind];
       const pair = { scene, integrator, timestep, kind, before: before.get(key), after: after.get(key) };
-      return [{ ...pair, what: pair.before && pair.after ? compared(pair.before, pair.after, kind, known.tags) : "" }];
+      return [{ ...pair, what: pair.before && pair.after ? compared(pair.before, pair.after) : "" }];
     });
     const both = lines.filter((pair) => pair.before && pair.after);
     const differ = both.filter((pair) => pair.what);

@@ -36,6 +36,16 @@ const site = {
     return site.data[key];
   },
 
+  /** Resolves to which runs of two results of an engine differ, of all pairs of its results. */
+  async changes(engine) {
+    const { changes } = site.index.engines.find(({ name }) => name === engine);
+    await site.load(`${changes}.js`);
+    return site.differences[engine];
+  },
+
+  /** Differences between results by engine, which the files data/changes/ENGINE.js add. */
+  differences: {},
+
   /** Resolves to the case files of all submissions, by their SHA-256. */
   async cases() {
     await site.load("data/cases.js");

@@ -10,6 +10,7 @@ from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
+from bodycheck.results.verdicts import AUDIT
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, Facts, Fault, Row, Status, is_finding
 from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value
@@ -21,7 +22,7 @@ OVERVIEW = "properties"
 CLASSES = "classes"
 
 #: The signs in cells of rows that are no findings.
-SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
+SIGNS: dict[str, str] = {status: word.mark for status, word in AUDIT.items() if word.mark}
 
 #: The statuses. An engine has the first of them that any of its methods has.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
@@ -34,7 +35,8 @@ READING = (
     "The status “default” means that users get it without asking for it: it is found with the engine's own settings, or the "
     "engine has no switch for it and says so. The status “deviates” means that a method has it although everything that can be "
     "switched off is off; that may be the definition of an integrator, such as the energy that an explicit step adds, and need "
-    "not be a fault. In tables, – means that the method is as mechanics has it, and ? that the flights cannot tell.",
+    f"not be a fault. In tables, {AUDIT['none'].mark} means that {AUDIT['none'].meaning}, and {AUDIT['not-probed'].mark} that "
+    f"{AUDIT['not-probed'].meaning}.",
     "The error of the flip is the largest error of the attitude in the shipped case intermediate-axis-flip within 10 s at the "
     "same time step. It shows what a method with these properties does, together with the error of its integrator. What an "
     "engine says of itself is marked as read.",

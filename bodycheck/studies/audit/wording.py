@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind
 from bodycheck.reports.quantities import listing, number
+from bodycheck.results.verdicts import AUDIT
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, Row, is_finding
 
@@ -35,7 +36,7 @@ DOES: dict[Property, str] = {
 }
 
 #: The heading of findings by their status.
-HEADINGS = {"deviates": "Deviates", "default": "By default"}
+HEADINGS = {status: AUDIT[status].title.capitalize() for status in ("deviates", "default")}
 
 
 @dataclass(frozen=True)

@@ -59,36 +59,68 @@ TABLES = (SHEET,)
 
 @dataclass(frozen=True)
 class Line:
-    """A figure of a scene in an engine: at the defaults, and the best value with its method."""
+    """A figure of a scene in an engine, which has a row at the defaults, a row at the best settings, or both."""
 
-    engine: str
-    scene: str
-    figure: str
-    unit: str
-    truth: float | None
-    default: float | None
-    best: float | None
-    method: str
-    status: str
+    at_defaults: ContactRow | None
+    at_best: ContactRow | None
+
+    @property
+    def row(self) -> ContactRow:
+        """Return the row that says what both have in common."""
+        row = self.at_defaults or self.at_best
+        assert row is not None  # a line has a row
+        return row
+
+    @property
+    def engine(self) -> str:
+        """Return the name of the engine."""
+        return self.row.engine
+
+    @property
+    def scene(self) -> str:
+        """Return the name of the scene."""
+        return self.row.scene
+
+    @property
+    def figure(self) -> str:
+        """Return the name of the figure; empty where the run did not complete."""
+        return self.row.figure
+
+    @property
+    def unit(self) -> str:
+        """Return the unit of the values."""
+        return self.row.unit
+
+    @property
+    def truth(self) -> float | None:
+        """Return the value of mechanics."""
+        return self.row.truth
+
+    @property
+    def default(self) -> float | None:
+        """Return the value at the defaults."""
+        return None if self.at_defaults is None else self.at_defaults.value
+
+    @property
+    def best(self) -> float | None:
+        """Return the smallest value."""
+        return None if self.at_best is None else self.at_best.value
+
+    @property
+    def method(self) -> str:
+        """Return the method of the smallest value in words; empty if no method ran."""
+        if self.at_best is None or self.at_best.timestep is None:
+            return ""
+        return f"{self.at_best.integrator} at {1e3 * self.at_best.timestep:g} ms"
+
+    @property
+    def status(self) -> str:
+        """Return how the run ended."""
+        return self.row.status
 
 
 def lines(rows: Sequence[ContactRow]) -> list[Line]:
     """Return one line for each figure of each scene and engine, from its rows at the defaults and at the best settings."""
     best = {(row.engine, row.scene, row.figure): row for row in rows if row.setting == "best"}
     usual = {(row.engine, row.scene, row.figure): row for row in rows if row.setting == "defaults"}
-    sheet = []
-    for key in dict.fromkeys((row.engine, row.scene, row.figure) for row in rows):
-        at_defaults, at_best = usual.get(key), best.get(key)
-        row = at_defaults or at_best
-        assert row is not None  # the key is that of a row
-        method = "" if at_best is None or at_best.timestep is None else f"{at_best.integrator} at {1e3 * at_best.timestep:g} ms"
-        sheet.append(
-            Line(
-                *(row.engine, row.scene, row.figure, row.unit, row.truth),
-                None if at_defaults is None else at_defaults.value,
-                None if at_best is None else at_best.value,
-                method,
-                row.status,
-            )
-        )
-    return sheet
+    return [Line(usual.get(key), best.get(key)) for key in dict.fromkeys((row.engine, row.scene, row.figure) for row in rows)]

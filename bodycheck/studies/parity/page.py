@@ -11,6 +11,7 @@ from bodycheck.reports.runs.junit import clean, document, element
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
+from bodycheck.results.verdicts import AGREES, MISSING, ROBOTS
 from bodycheck.studies.parity.quantities import FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
@@ -19,9 +20,10 @@ from bodycheck.studies.parity.wording import brief, differs, engines_of, headlin
 #: The name of the part with all robots beside each other.
 MATRIX = "matrix"
 
-#: The statuses, those first that a cell has if any of its rows has them, and what stands for them.
+#: The statuses, those first that a cell has if any of its rows has them; those whose mark stands in it; and what stands there.
 WORST: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "agrees", "not-modelled")
-SIGNS: dict[Status, str] = {"agrees": "=", "not-modelled": "–", "accepted-unphysical": "accepted"}
+MARKED: tuple[Status, ...] = ("agrees", "not-modelled")
+SIGNS: dict[Status, str] = {status: ROBOTS[status].mark if status in MARKED else ROBOTS[status].title for status in WORST}
 
 #: Explanations for readers.
 READING = (
@@ -87,7 +89,7 @@ def _matrix(models: Sequence[Parity]) -> Part:
         numeric=(False,) * (3 + len(QUANTITIES)),
         rows=tuple(rows),
         failed=tuple(marks),
-        notes=("= agrees, – is not modelled or not told. A cell that differs has the cause.",),
+        notes=(f"{AGREES} agrees, {MISSING} is not modelled or not told. A cell that differs has the cause.",),
     )
     return Part(MATRIX, "All robots", (), (), (("Robots and quantities", table),))
 
@@ -103,7 +105,7 @@ def _cell(rows: Sequence[ParityRow]) -> Entry:
     status = next(one for one in WORST if any(row.status == one for row in rows))
     worst = [row for row in rows if row.status == status]
     causes = list(dict.fromkeys(row.cause for row in worst if row.cause))
-    text = ", ".join(causes) if status == "differs" and causes else SIGNS.get(status, status)
+    text = ", ".join(causes) if status == "differs" and causes else SIGNS[status]
     largest = max((row.relative for row in worst if row.relative is not None), default=None)
     return Entry(text, largest, meaning="" if largest is None else f"largest relative difference {number(largest, 2)}")
 

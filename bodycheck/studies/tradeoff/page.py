@@ -7,7 +7,7 @@ from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.notices import Asked, missing_engines, not_supported
-from bodycheck.reports.quantities import Quantity, bound, count, listing, milliseconds, number
+from bodycheck.reports.quantities import Quantity, count, listing, milliseconds, number, within
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -216,7 +216,7 @@ def _observed(order: Order | None) -> Entry:
 def _floor(order: Order | None, truth_error: float) -> Entry:
     floor = None if order is None else order.floor
     if floor is not None and floor <= truth_error:
-        return Entry(f"≤ {bound(truth_error, 2)}", None, "within the truth's own error")
+        return Entry(within(truth_error, 2), None, "within the truth's own error")
     if order is not None and floor is not None and order.floor_cause:
         return Entry(f"{number(floor, 3)} ({order.floor_cause})", floor)
     return _figure(floor)
@@ -277,5 +277,5 @@ def _front(case: CaseMeasurements, name: str) -> Table:
 def _floored(error: float, truth_error: float) -> Entry:
     """Return the cell of an error on a front, where errors below the truth's own count as equal to it."""
     if 0 < truth_error >= error:
-        return Entry(f"≤ {bound(truth_error)}", None, "within the truth's own error")
+        return Entry(within(truth_error), None, "within the truth's own error")
     return Entry(number(error), error)
