@@ -321,8 +321,8 @@ def _perform(config: pytest.Config) -> "Perform":
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(pool.caller(perform, campaign.TIME_LIMIT_S, group=group, home=engines.home))
-        kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
+        workers = pool.Workers(perform, 1, campaign.TIME_LIMIT_S, group=group, home=engines.home, kept=True)
+        kept: Perform = lru_cache(MAX_CACHED_RESULTS)(stack.enter_context(workers).call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]
 

@@ -4,7 +4,6 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import closing
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -85,8 +84,8 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
     from bodycheck.running import tasks
 
     home = pool.Home(prepare=tasks.leave_out_sympy)
-    with closing(pool.call_all(tasks.answer, [question], jobs=1, limit=limit, home=lambda group: home)) as answers:
-        ((_, found),) = answers
+    with pool.Workers(tasks.answer, 1, limit, home=lambda group: home) as workers:
+        found = workers.call(question)
     name = question.case.name
     match found:
         case TimedOut():

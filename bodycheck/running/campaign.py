@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -135,8 +135,8 @@ def results(
             print(f"bodycheck: resuming the interrupted run in {folder}: {there} of {units} are done", file=sys.stderr)
             progress("", there)
         arrivals = _arrivals(meet, writer, left)
-        with closing(pool.call_all(perform, left, jobs, limit, memory, group, engines.home)) as answers:
-            for argument, result in answers:
+        with pool.Workers(perform, jobs, limit, memory, group, engines.home) as workers:
+            for argument, result in workers.map(left):
                 for done in _add(writer, arrivals, argument, result, places, head["engines"]):
                     progress(done)
         if any(slides(case.scene) for case in cases.values()):
@@ -192,8 +192,8 @@ def _add_stops(
             left.append(task)
         else:
             writer.add_stop(task.case.name, task.law, known)
-    with closing(pool.call_all(perform_stop, left, jobs, limit, memory)) as found:
-        for task, stop in found:
+    with pool.Workers(perform_stop, jobs, limit, memory) as workers:
+        for task, stop in workers.map(left):
             stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
             writer.add_stop(task.case.name, task.law, stopped, reason)
             progress(_name(task), 0)

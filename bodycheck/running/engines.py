@@ -11,7 +11,6 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
@@ -73,8 +72,8 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
         if (known := _known.get((name, key)) or _kept(name, key)) is not None:
             found[name] = _known[name, key] = known
     left = [name for name in asked if name not in found]
-    with closing(pool.call_all(_ask, left, os.cpu_count() or 1, TIME_LIMIT_S, group=str, home=home)) as answers:
-        for name, answer in answers:
+    with pool.Workers(_ask, os.cpu_count() or 1, TIME_LIMIT_S, group=str, home=home) as workers:
+        for name, answer in workers.map(left):
             match answer:
                 case Crashed() | TimedOut():
                     found[name] = Fault(f"{name} fails when it is imported: {answer.reason}", broken=True)

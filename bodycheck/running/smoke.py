@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,9 +123,9 @@ def check(engine: str) -> list[str]:
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
     """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
-    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S, group=str, home=home)) as answers:
-        found = {name: answer if isinstance(answer, list) else [f"{name}: {answer.reason}"] for name, answer in answers}
-    return {name: found[name] for name in engines}
+    with pool.Workers(check, jobs=1, limit=TIME_LIMIT_S, group=str, home=home) as workers:
+        answers = dict(workers.map(engines))
+    return {name: one if isinstance(one := answers[name], list) else [f"{name}: {one.reason}"] for name in engines}
 
 
 def _own_settings(spelling: str) -> bool:

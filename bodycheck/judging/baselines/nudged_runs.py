@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from dataclasses import replace
 from functools import lru_cache
 
@@ -35,8 +34,8 @@ def measured(
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
-    with closing(pool.call_all(perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=group, home=home)) as calls:
-        for task, answer in calls:
+    with pool.Workers(perform_run, jobs, campaign.TIME_LIMIT_S, group=group, home=home) as workers:
+        for task, answer in workers.map(tasks):
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
             key = task.key
             answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))

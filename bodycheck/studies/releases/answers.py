@@ -5,7 +5,6 @@ bodycheck's own source, the packages with which it computes, and the machine.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
@@ -73,8 +72,8 @@ def ask(asked: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
         progress("", len(found))
     errands = _errands({pair: path for pair, path in paths.items() if pair not in found}, jobs)
     limit = TIME_LIMIT_S * max((len(errand.questions) for errand in errands), default=1)
-    with closing(pool.call_all(put, errands, jobs, limit + pool.SHUTDOWN_TIMEOUT_S)) as calls:
-        for errand, result in calls:
+    with pool.Workers(put, jobs, limit + pool.SHUTDOWN_TIMEOUT_S) as workers:
+        for errand, result in workers.map(errands):
             failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
             for question, path in errand.questions:
                 pair = errand.environment, question

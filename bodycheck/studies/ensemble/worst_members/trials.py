@@ -70,13 +70,13 @@ Trials = Callable[[str, Method, Sequence[Case]], list[Tried]]
 @contextlib.contextmanager
 def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
     """Provide a function that tries cases, whose processes are kept until the context ends. limit: of a block, in s."""
-    with pool.caller(_carry_out, limit, group=_group, home=engines.home) as ask:
+    with pool.Workers(_carry_out, 1, limit, group=_group, home=engines.home, kept=True) as workers:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
-            made = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
+            made = _asked(workers.call, lambda some: _Runs(engine, method, tuple(some)), cases)
             flown = [(place, one) for place, one in enumerate(made) if isinstance(one, Run)]
             pairs = [(cases[place], one) for place, one in flown]
-            compared = _asked(ask, lambda some: _Comparisons(tuple(some)), pairs)
+            compared = _asked(workers.call, lambda some: _Comparisons(tuple(some)), pairs)
             found = dict(zip((place for place, _ in flown), compared, strict=True))
             answers = [found.get(place, one) for place, one in enumerate(made)]
             return [one if isinstance(one, Tried) else Tried(one.status, one.reason) for one in answers]

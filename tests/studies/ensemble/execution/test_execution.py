@@ -24,8 +24,7 @@ from bodycheck.processes.interpreter import Interpreter
 from bodycheck.results import versions
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.executors.dask_cluster import Cluster, ClusterLost
-from bodycheck.running.members.executors.own import Own
-from bodycheck.running.members.executors.shards import Shard
+from bodycheck.running.members.executors.own import Own, Shard
 from bodycheck.studies.ensemble import header, study
 from bodycheck.studies.ensemble.execution import gathering
 from tests.support import ROOT, processes
