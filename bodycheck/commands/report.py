@@ -1,15 +1,17 @@
-"""The command `bodycheck report`.
+"""The commands `bodycheck report` and `diff`.
 
-Its imports are inside the function, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bodycheck.console import arguments
-from bodycheck.console.options import Figures, JUnit
+from bodycheck.console.options import AS_USUAL, Figures, Json, JUnit, Viewed
 from bodycheck.errors import BAD_INPUT, FAILED, OK, BadInput
+from bodycheck.runner_log import print_command
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,7 +42,7 @@ def report(
         written into that folder.
     """
     from bodycheck.commands import saved
-    from bodycheck.console import unchecked
+    from bodycheck.console import results
     from bodycheck.judging import result_set
     from bodycheck.reports.study import StudyReport
     from bodycheck.studies.releases import rows as release_rows
@@ -74,7 +76,7 @@ def report(
         )
         return BAD_INPUT
     for judged in sets:
-        unchecked.show(judged.results.unchecked, sys.stderr)
+        results.print_unchecked(judged.results.unchecked, sys.stderr)
     return FAILED if any(judged.failed for judged in sets) else OK
 
 
@@ -159,3 +161,41 @@ def write(sets: "Sequence[ResultSet]", out: Path | None, figures: Figures, junit
         reports.write(sets, out, figures)
     if junit is not None:
         reports.write_junit(sets, junit)
+
+
+def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json = False, view: Viewed = AS_USUAL) -> int:
+    """Compare two baselines, and print the changes that exceed the effect of rounding and the error of the truth.
+
+    The worst change comes first; the last line summarises the changes, or says that there are none. A figure whose definition
+    has changed between the versions of bodycheck that made the baselines is named and not compared. The command also prints
+    improvements and new runs, which do not make it fail.
+
+    Exit codes: 0 nothing got worse; 1 an error or a status got worse, or a run is missing; 2 the files are not baselines of
+    the same cases, or a figure of --fail-on could not be compared.
+
+    Parameters
+    ----------
+    base
+        The older baseline: a file that `bodycheck run --save` wrote.
+    now
+        The newer baseline, made later, on another machine, or with other versions.
+    fail_on
+        A figure and by how much its error may grow, for example attitude_error:10%. May be given several times. Other figures
+        then do not make the command fail; a worse status and a missing run still do. Default: any growth of any figure fails.
+    """
+    from bodycheck.console import tables, terminal
+    from bodycheck.judging.baselines import baseline, difference
+    from bodycheck.reports.runs import github
+
+    allowed = difference.tolerances_of(fail_on)
+    tables.check(view, terminal.DIFFERENCES)
+    changed = difference.diff(baseline.read(base), baseline.read(now))
+    broken = difference.failing(changed, allowed)
+    summary = [changed.text, *((difference.summary(broken, allowed),) if allowed else ())]
+    if json:
+        terminal.print_json(difference.as_json(changed) | {"failed": len(broken)})
+    else:
+        terminal.print_difference(changed, summary, view)
+    if changed.changes and github.is_running(os.environ):
+        print_command(github.annotation("error" if broken else "notice", "; ".join(summary), "bodycheck diff"))
+    return FAILED if broken else OK

@@ -13,7 +13,7 @@ from bodycheck.console.progress import progress
 from bodycheck.console.tables import Column, Row, attribute, print_table, show
 
 if TYPE_CHECKING:
-    from bodycheck.judging.baselines.baseline import Difference
+    from bodycheck.judging.baselines.difference import Difference
     from bodycheck.judging.expectation_writer import Change
 
 __all__ = ["print_changes", "print_difference", "print_errors", "print_json", "print_requirements", "print_table", "progress"]

@@ -1,6 +1,8 @@
 """`bodycheck.run`: run cases in engines, and compare the motions with exact mechanics."""
 
-from collections.abc import Sequence
+import weakref
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -9,9 +11,9 @@ from typing import TYPE_CHECKING
 from bodycheck import reports
 from bodycheck.console.ran import Selection, ran_of
 from bodycheck.errors import BadInput
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
-from bodycheck.interface.folders import kept
 from bodycheck.interface.plots import Plot, chosen
 from bodycheck.interface.results import Results, Table
 from bodycheck.judging import judgement, result_set
@@ -25,6 +27,25 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from bodycheck.reports.runs.brief import Brief
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A folder, and what removes it if it is temporary."""
+
+    folder: Path
+    stack: ExitStack
+
+    def keep_for(self, owner: object) -> None:
+        """Keep the folder until an object is collected, or this process ends."""
+        weakref.finalize(owner, self.stack.pop_all().close)
+
+
+@contextmanager
+def _kept(out: Path | None) -> Iterator[_Kept]:
+    """Provide a folder. A temporary one is removed at the end of the context, unless it is kept with an object."""
+    with ExitStack() as stack:
+        yield _Kept(out or stack.enter_context(temporary_folder()), stack)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -168,7 +189,7 @@ def run(
         "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
     )
     folder, compared = arguments.path("--out", out), judgement.Compared()
-    with kept(folder) as place:
+    with _kept(folder) as place:
         with ran_of(given, selection, plan, place.folder, command, quiet=True, meet=compared.meet) as made:
             found = result_set.judged(made.results, compared=compared)
             if folder is not None:

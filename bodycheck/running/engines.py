@@ -29,8 +29,7 @@ from bodycheck.files import writing
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.processes.interpreter import HERE, Interpreter
-from bodycheck.running.import_engine import import_engine
-from bodycheck.running.tasks import leave_out_sympy
+from bodycheck.running.tasks import import_engine, leave_out_sympy
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
 TIME_LIMIT_S = 120.0

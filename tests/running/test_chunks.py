@@ -16,8 +16,7 @@ from bodycheck import load
 from bodycheck.adapters.method import Method
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running.members import chunks
-from bodycheck.running.members.bisect_failures import in_halves, limit_of
-from bodycheck.running.members.chunk_workers import ChunkWorkers
+from bodycheck.running.members.chunk_workers import ChunkWorkers, in_halves, limit_of
 from bodycheck.running.members.chunks import Chunk, Share, Work
 from bodycheck.running.members.executors.own import Own
 from tests.support.cases import shortened

@@ -127,7 +127,7 @@ def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
     heavy = {"bodycheck.casefile.case", "bodycheck.running.campaign", "pyarrow", "pydantic", "tree_sitter"}
     code = (
         "import sys\nfrom bodycheck.processes import worker\n"
-        "from bodycheck.running import import_engine, simulation, tasks, truths\n"
+        "from bodycheck.running import simulation, tasks, truths\n"
         f"print({heavy} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -138,7 +138,7 @@ def test_a_process_of_an_engine_imports_no_scipy() -> None:
     """The motion of bodies that touch needs it, and only with such bodies must a process of an engine know that motion."""
     code = (
         "import sys\nfrom bodycheck.processes import worker\nfrom bodycheck.running import simulation, tasks\n"
-        "from bodycheck.running.import_engine import import_engine\nimport_engine('mujoco')\nprint('scipy' in sys.modules)"
+        "from bodycheck.running.tasks import import_engine\nimport_engine('mujoco')\nprint('scipy' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"

@@ -10,10 +10,11 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
 
 #: Variables that make the libraries of a worker process use one thread, as there is a worker process for each processor.
@@ -104,3 +105,38 @@ class ChunkWorkers:
 
     def _new(self, role: Role, engine: str | None, limit: float, memory: int) -> pool.Workers[Any, Any]:
         return pool.Workers(role.function, 1, limit, memory, lambda _: engine, role.home, kept=True, cancelled=self._cancelled)
+
+
+Result = TypeVar("Result")
+
+#: Smallest part of the time limit of a whole call that a call about a part of it has; a single thing has all of it.
+LEAST_PART = 1 / 16
+
+
+def in_halves(
+    attempt: Callable[[int, int], Result | Crashed | TimedOut], first: int, last: int
+) -> list[tuple[range, Result | Crashed | TimedOut]]:
+    """Return what calls about parts of some things gave, in the order of the things.
+
+    The first call is about all of them. Where a call fails, its things are halved, until a failure is that of one thing alone.
+
+    Parameters
+    ----------
+    attempt
+        Makes a call about the things from one place up to another one, without it.
+    first, last
+        The places of all things, without the last.
+    """
+    result = attempt(first, last)
+    if last - first == 1 or not isinstance(result, Crashed | TimedOut):
+        return [(range(first, last), result)]
+    middle = (first + last) // 2
+    return [*in_halves(attempt, first, middle), *in_halves(attempt, middle, last)]
+
+
+def limit_of(part: int, whole: int, limit: float) -> float:
+    """Return the time limit (s) of a call about a part of some things, from that of a call about the whole.
+
+    What stops short of it is halved further, so that a small limit costs time and changes no result.
+    """
+    return limit if part == 1 else limit * max(LEAST_PART, part / whole)

@@ -20,7 +20,7 @@ from bodycheck.environments import user_cache
 from bodycheck.environments.environments import Environment
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
-from bodycheck.results import machine
+from bodycheck.results import versions
 from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, put, stored
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _tolerated(question: Question) -> tuple[bool, ...]:
 @cache
 def _context(engine: str) -> tuple[object, ...]:
     """Return what all answers depend on: the source of bodycheck and of the adapter, the packages, and the machine."""
-    return _digest(engine), [(name, _version(name)) for name in PACKAGES], machine.fingerprint()
+    return _digest(engine), [(name, _version(name)) for name in PACKAGES], versions.fingerprint()
 
 
 def _digest(engine: str) -> str:

@@ -22,7 +22,6 @@ from bodycheck.results import versions
 from bodycheck.results.trajectory_files import STATE_COLUMNS
 from bodycheck.running import engines
 from bodycheck.running.members import chunk_files
-from bodycheck.running.members.bisect_failures import in_halves, limit_of
 from bodycheck.running.members.blocks import Flown
 from bodycheck.running.members.chunk_files import (
     MEMBERS,
@@ -33,7 +32,7 @@ from bodycheck.running.members.chunk_files import (
     TRUTH_SCHEMA,
     TRUTHS,
 )
-from bodycheck.running.members.chunk_workers import ChunkWorkers
+from bodycheck.running.members.chunk_workers import ChunkWorkers, in_halves, limit_of
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.member_runs import FLYING, Flight, Stored, joined
 from bodycheck.studies.ensemble.execution.calls import (

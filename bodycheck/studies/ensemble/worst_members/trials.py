@@ -20,7 +20,7 @@ from bodycheck.reference.truth import truth
 from bodycheck.results.outcome import Completed, Run, Unsupported
 from bodycheck.running import engines
 from bodycheck.running.campaign import TIME_LIMIT_S
-from bodycheck.running.members.bisect_failures import in_halves
+from bodycheck.running.members.chunk_workers import in_halves
 from bodycheck.running.simulation import run
 
 
