@@ -15,6 +15,7 @@ from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import wait
 from threading import Event
+from time import perf_counter
 from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
@@ -27,6 +28,9 @@ Result = TypeVar("Result")
 
 #: Interval at which silent processes are checked for being alive.
 POLL_INTERVAL_S = 1.0
+
+#: Time for which the first worker of a group is alone. A start costs more than a few short calls, which it makes meanwhile.
+ALONE_S = 1.0
 
 #: Interval at which the rest of a message is sent that a socket did not take at once.
 SENDING_INTERVAL_S = 0.01
@@ -200,13 +204,14 @@ class Workers(Generic[Argument, Result]):
 class _Queue(Generic[Argument]):
     """The indices of the calls that are to be made, by group, and of those that are repeated in a fresh process.
 
-    A group is served by at most `most` workers at the same time.
+    A group is served by at most `most` workers at the same time, and by one in the first `ALONE_S`.
     """
 
     def __init__(self, arguments: Sequence[Argument], group: Callable[[Argument], Hashable], most: int) -> None:
         self.arguments, self._groups, self._most = arguments, list(map(group, arguments)), most
         self._waiting: dict[Hashable, deque[int]] = {}
         self._suspects: dict[Hashable, deque[int]] = {}
+        self._begun: dict[Hashable, float] = {}
         for index, name in enumerate(self._groups):
             self._waiting.setdefault(name, deque()).append(index)
 
@@ -244,7 +249,9 @@ class _Queue(Generic[Argument]):
     def _lacks(self, group: Hashable, workers: "Sequence[_Worker]") -> bool:
         serving = [worker for worker in workers if worker.group == group]
         left = len(self._suspects.get(group, ())) + len(self._waiting.get(group, ()))
-        return len(serving) < self._most and left > sum(worker.fresh for worker in serving)
+        if len(serving) >= self._most or left <= sum(worker.fresh for worker in serving):
+            return False
+        return not serving or perf_counter() > self._begun.setdefault(group, perf_counter()) + ALONE_S
 
 
 class _Answer(NamedTuple):

@@ -62,7 +62,7 @@ def _processor() -> str:
     except OSError:
         lines = []
     fields = dict(line.replace("\t", "").split(": ", 1) for line in lines if ": " in line)
-    named = [fields.get("model name", platform.processor())]
+    named = [fields["model name"] if "model name" in fields else platform.processor()]  # the latter starts a process
     if {"cpu family", "model", "stepping"} <= fields.keys():
         named.append(f"family {fields['cpu family']} model {fields['model']} stepping {fields['stepping']}")
     return ", ".join([*filter(None, named), platform.machine()])
