@@ -154,7 +154,7 @@ def expect(
     expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
-    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as made:
-        changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin, figure)
+    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
+        changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)
     terminal.print_changes([change for change in changes if not quiet or not change.done], view)
     return OK if all(change.done for change in changes) else FAILED

@@ -55,12 +55,12 @@ def gather(
     folder = gathering.gather(folders, out, processes(jobs))
     head = header.read(folder)
     case = case_of(head)
-    made = reporting.read(folder, case, head)
-    with terminal.progress("worst members", made.worst, quiet) as progress:
-        publishing.write(made, folder, case, head, _text_of(case, head), processes(jobs), progress, figures)
-    printing.print_made(made, json, view, quiet)
+    ensemble = reporting.read(folder, case, head)
+    with terminal.progress("worst members", ensemble.worst, quiet) as progress:
+        publishing.write(ensemble, folder, case, head, _text_of(case, head), processes(jobs), progress, figures)
+    printing.print_made(ensemble, json, view, quiet)
     say_where(folder, quiet)
-    return FAILED if made.broken else OK
+    return FAILED if ensemble.broken else OK
 
 
 def _text_of(case: "Case", head: "EnsembleHeader") -> Callable[[int], str] | None:
@@ -129,12 +129,12 @@ def _print_table(answer: "Answer") -> None:
     from bodycheck.console import tables
     from bodycheck.console.output import tell
 
-    def column(place: int, name: str) -> tables.Column[tuple[Any, ...]]:
-        return tables.Column(name, name, lambda row: _text(row[place]), itemgetter(place))
+    def column(index: int, name: str) -> tables.Column[tuple[Any, ...]]:
+        return tables.Column(name, name, lambda row: _text(row[index]), itemgetter(index))
 
     most = TERMINAL_ROWS if sys.stdout.isatty() else TABLE_ROWS
     rows = list(islice(answer.rows, most))
-    tables.show([column(place, name) for place, name in enumerate(answer.columns)], rows)
+    tables.show([column(index, name) for index, name in enumerate(answer.columns)], rows)
     if next(answer.rows, None) is not None:
         tell(f"these are the first {most} rows; --csv and --json print all")
 

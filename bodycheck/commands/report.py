@@ -54,14 +54,14 @@ def report(
     if all((folder / release_rows.RECORDS).is_file() for folder in folders):
         _refuse_cases(case, folders[0])
         return _report_releases(folders, into, figures, junit)
-    found = [saved.read(folder) for folder in folders]
+    contents = [saved.read(folder) for folder in folders]
     if case:
-        found = _of_cases(found, folders, case)
+        contents = _of_cases(contents, folders, case)
     arguments.make_folder("--out", into)
-    if isinstance(found[0], StudyReport) and len(found) == 1:
-        return _report_study(folders[0], found[0], into, figures, junit)
+    if isinstance(contents[0], StudyReport) and len(contents) == 1:
+        return _report_study(folders[0], contents[0], into, figures, junit)
     sets = []
-    for folder, label, one in zip(folders, result_set.labels(folders), found, strict=True):
+    for folder, label, one in zip(folders, result_set.labels(folders), contents, strict=True):
         if isinstance(one, StudyReport):
             raise BadInput(f"{folder}: contains a study; only folders of runs can be compared in one report")
         with saved.undamaged(folder):
@@ -87,16 +87,16 @@ def _refuse_cases(cases: tuple[str, ...], folder: Path) -> None:
 
 
 def _of_cases(
-    found: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
+    contents: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
 ) -> "list[Results | StudyReport]":
     """Return results of runs without all other cases. Raises `BadInput` for a study, and for a case that is in no folder."""
     from bodycheck.results.store import Results
     from bodycheck.suggestion import did_you_mean
 
-    for folder, one in zip(folders, found, strict=True):
+    for folder, one in zip(folders, contents, strict=True):
         if not isinstance(one, Results):
             _refuse_cases(cases, folder)
-    results = [one for one in found if isinstance(one, Results)]
+    results = [one for one in contents if isinstance(one, Results)]
     known = dict.fromkeys(entry["name"] for one in results for entry in one.header["cases"])
     for name in cases:
         if name not in known:
@@ -106,7 +106,7 @@ def _of_cases(
     return [one.only(cases) for one in results]
 
 
-def _report_study(folder: Path, found: "StudyReport", into: Path, figures: Figures, junit: JUnit) -> int:
+def _report_study(folder: Path, study: "StudyReport", into: Path, figures: Figures, junit: JUnit) -> int:
     """Write the report of a study."""
     from bodycheck import reports
     from bodycheck.commands import saved
@@ -114,7 +114,7 @@ def _report_study(folder: Path, found: "StudyReport", into: Path, figures: Figur
     if junit is not None:
         raise BadInput(f"--junit {junit}: {folder} contains a study, and studies have no expectations")
     with saved.undamaged(folder):
-        reports.write_study(found, into, figures)
+        reports.write_study(study, into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK
 
@@ -133,8 +133,8 @@ def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, ju
         reading.refuse_links(folder)
     arguments.make_folder("--out", into)
     with saved.undamaged(*folders):
-        found = release_rows.comparable([release_rows.read(folder) for folder in folders])
-        reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
+        measurements = release_rows.comparable([release_rows.read(folder) for folder in folders])
+        reports.write_study(present(dict(zip(release_rows.labels(measurements), measurements, strict=True))), into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK
 

@@ -84,37 +84,37 @@ def run(
     names = arguments.case_names(cases)
     compared = judgement.Compared()
     selection = Selection(names, engine, integrator, timestep, jobs, allow_missing)
-    with ran(selection, plan, out, quiet, compared.meet) as made:
-        found = result_set.judged(made.results, compared=compared)
-        verdicts = found.verdicts
-        write([found], out, figures, junit)
-        reports.annotate_github(found, arguments.files_of(made.cases, names), os.environ)
+    with ran(selection, plan, out, quiet, compared.meet) as runs:
+        result = result_set.judged(runs.results, compared=compared)
+        verdicts = result.verdicts
+        write([result], out, figures, junit)
+        reports.annotate_github(result, arguments.files_of(runs.cases, names), os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts), quiet) as progress:
-                baseline.save(save, made.results, verdicts, arguments.processes(jobs), progress)
+                baseline.save(save, runs.results, verdicts, arguments.processes(jobs), progress)
         if json:
             terminal.print_json(judgement.records(verdicts))
         elif quiet:
-            results.print_failed(verdicts, made.results.files)
+            results.print_failed(verdicts, runs.results.files)
         else:
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
-            _print_summary(found, out)
+            _print_summary(result, out)
     if json or quiet:
-        results.print_unchecked(made.results.unchecked, sys.stderr)
+        results.print_unchecked(runs.results.unchecked, sys.stderr)
     output.say_where(out, quiet)
-    return FAILED if made.engine_failed or found.failed else OK
+    return FAILED if runs.engine_failed or result.failed else OK
 
 
-def _print_summary(found: "ResultSet", out: Path | None) -> None:
+def _print_summary(result: "ResultSet", out: Path | None) -> None:
     """Print the summary of judged results. out: the folder with their report; None if there is none."""
     from bodycheck import reports
     from bodycheck.console.summary import Summary, print_summary
 
-    told = reports.brief([found])
-    findings = [f"{finding.subject}: {finding.text}" for finding in (told.broken, *told.findings) if finding is not None]
+    brief = reports.brief([result])
+    findings = [f"{finding.subject}: {finding.text}" for finding in (brief.broken, *brief.findings) if finding is not None]
     more = [] if out is not None else ["--out FOLDER writes a report, and --table prints all runs."]
-    print_summary(Summary(told.headline, findings, told.counts, told.unsupported, [*told.limits, *more], told.steps))
+    print_summary(Summary(brief.headline, findings, brief.counts, brief.unsupported, [*brief.limits, *more], brief.steps))
 
 
 def export(

@@ -1,4 +1,4 @@
-"""What the results of every function of the Python interface have in common."""
+"""The common base of the results of all functions of the Python interface."""
 
 import math
 from abc import ABC, abstractmethod
@@ -132,7 +132,7 @@ class Results(ABC):
     @property
     @abstractmethod
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
+        """Further findings, in sentences."""
 
     @property
     @abstractmethod
@@ -206,12 +206,12 @@ class StudyResults(Results):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
+        """Further findings, in sentences."""
         return tuple(f"{finding.subject}: {finding.text}" for finding in self.report.findings)
 
     @property
     def plots(self) -> tuple[Plot, ...]:
         """The charts of the report."""
         parts = [(part.name, chart.title) for part in self.report.parts for chart in part.charts]
-        made = plot_files.of_study(self.report)
-        return tuple(Plot(*told, chart) for told, (_, chart) in zip(parts, made, strict=True))
+        charts = plot_files.of_study(self.report)
+        return tuple(Plot(*heading, chart) for heading, (_, chart) in zip(parts, charts, strict=True))

@@ -78,9 +78,9 @@ class RunResults(Results):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
-        told = (self._brief.broken, *self._brief.findings)
-        return (*(f"{one.subject}: {one.text}" for one in told if one is not None), *self._brief.notices)
+        """Further findings, in sentences."""
+        noteworthy = (self._brief.broken, *self._brief.findings)
+        return (*(f"{one.subject}: {one.text}" for one in noteworthy if one is not None), *self._brief.notices)
 
     @property
     def tables(self) -> dict[str, Table]:
@@ -133,9 +133,9 @@ class RunResults(Results):
         from bodycheck.reports.runs.contents import gather
 
         parts = self.found.parts_by_case.get(case, ())
-        own = replace(self.found, verdicts=self.found.verdicts_by_case[case], parts=parts)
-        made = plots.of_runs(gather([own]))
-        return tuple(Plot(case, chart["title"]["subtitle"], chart) for _, chart in made)
+        part = replace(self.found, verdicts=self.found.verdicts_by_case[case], parts=parts)
+        charts = plots.of_runs(gather([part]))
+        return tuple(Plot(case, chart["title"]["subtitle"], chart) for _, chart in charts)
 
 
 def run(
@@ -189,12 +189,12 @@ def run(
         "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
     )
     folder, compared = arguments.path("--out", out), judgement.Compared()
-    with _kept(folder) as place:
-        with ran_of(given, selection, plan, place.folder, command, quiet=True, meet=compared.meet) as made:
-            found = result_set.judged(made.results, compared=compared)
+    with _kept(folder) as kept:
+        with ran_of(given, selection, plan, kept.folder, command, quiet=True, meet=compared.meet) as runs:
+            judged = result_set.judged(runs.results, compared=compared)
             if folder is not None:
-                result_set.write([found], folder)
-                reports.write([found], folder)
-        results = RunResults(found, passed=not (made.engine_failed or found.failed))
-        place.keep_for(results)
+                result_set.write([judged], folder)
+                reports.write([judged], folder)
+        results = RunResults(judged, passed=not (runs.engine_failed or judged.failed))
+        kept.keep_for(results)
     return results

@@ -111,8 +111,8 @@ def check(engine: str) -> list[str]:
             except Exception as error:  # any exception is a fault of the adapter
                 faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
                 continue
-            told = (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after))
-            for when, row, state in told[:1] if _own_settings(integrator) else told:
+            comparisons = (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after))
+            for when, row, state in comparisons[:1] if _own_settings(integrator) else comparisons:
                 faults += [f"{engine} {integrator}: {obvious.name}, but {when} its {wrong}" for wrong in _wrong(row, state)]
             if not np.array_equal(returned[0, :, 0], [start, end]):
                 faults.append(

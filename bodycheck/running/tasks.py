@@ -1,4 +1,4 @@
-"""What worker processes are asked: to make a run, to compute truths, to certify one, and to compute where a body stops.
+"""The tasks of worker processes: to make a run, compute truths, certify one, and compute where a body stops.
 
 A process of an engine needs nothing of the reference, and one of the reference no engine. Each imports what it needs.
 """

@@ -140,8 +140,8 @@ def _close(client: "Client") -> None:
 
 def _check_workers(client: "Client") -> None:
     """Raise `BadInput` if a worker that is there has other versions than this process. Others are checked with their chunks."""
-    found: dict[str, Any] = client.run(versions.here, on_error="return")
-    for worker, theirs in found.items():
+    versions_of_workers: dict[str, Any] = client.run(versions.here, on_error="return")
+    for worker, theirs in versions_of_workers.items():
         if isinstance(theirs, BaseException):
             raise BadInput(f"the worker {worker} cannot carry out chunks: {type(theirs).__name__}: {theirs}")
         versions.check(versions.here(), theirs, f"the worker {worker}")
