@@ -87,8 +87,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    own: set[str] = session.config.stash[OWN_MARKERS]
-    session.config.stash[FOREIGN_MARKERS] = _markers(session.config) - own
+    markers: set[str] = session.config.stash[OWN_MARKERS]
+    session.config.stash[FOREIGN_MARKERS] = _markers(session.config) - markers
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -101,8 +101,8 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     file = kind.from_parent(parent, path=file_path)
     # pytest prints the path of a file, in which the runner of a CI system must not find a command.
-    told = harmless(file.nodeid)
-    return file if told == file.nodeid else kind.from_parent(parent, path=file_path, nodeid=told)
+    nodeid = harmless(file.nodeid)
+    return file if nodeid == file.nodeid else kind.from_parent(parent, path=file_path, nodeid=nodeid)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -146,14 +146,14 @@ def pytest_testnodedown(node: Any) -> None:
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
     for (name, outcome), title in SUMMARIES.items():
-        told = [
+        sentences = [
             f"{report.nodeid}: {text}"
             for report in terminalreporter.getreports(outcome)
             # A module that is skipped as a whole has the report of its collection, which has no properties.
             for property, text in getattr(report, "user_properties", ())
             if property == name and is_case_file(report.nodeid.partition("::")[0])
         ]
-        _tell(terminalreporter, title, told)
+        _tell(terminalreporter, title, sentences)
     bare: dict[str, None] = terminalreporter.config.stash[BARE_FILES]
     _tell(terminalreporter, "case files collected without expectations", bare)
 
@@ -254,11 +254,11 @@ class CaseItem(pytest.Item):
             f"{self.case.name}, simulated by {in_words(run.engine, run.version)} ({method}) and compared with mechanics:",
         ]
         for judged in broken:
-            place = f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}"
-            lines += ["", *_breach_lines(judged, place)]
+            where = f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}"
+            lines += ["", *_breach_lines(judged, where)]
             if judged.expectation.version:
                 lines.append(f"    versions  {judged.expectation.version} when it was written, {run.version} now")
-            for step in steps(verdict, judged, shown, place):
+            for step in steps(verdict, judged, shown, where):
                 lines += [f"    {step.why}:", f"        {step.what}"]
         lines += ["", f"All figures and curves: {shlex.join(command)} --timestep {run.method.timestep!r} --out results"]
         return printable("\n".join(lines))
@@ -272,12 +272,12 @@ class Broken(Exception):
         self.verdict = verdict
 
 
-def _breach_lines(judged: "Judged", place: str) -> Iterator[str]:
+def _breach_lines(judged: "Judged", where: str) -> Iterator[str]:
     from bodycheck.figures.columns import EXPECTED
 
     expectation = judged.expectation
     for breach in judged.breaches:
-        yield f"{place}: {breach.name}, {EXPECTED[breach.name].told}"
+        yield f"{where}: {breach.name}, {EXPECTED[breach.name].told}"
         yield f"    expected  {breach.expected}"
         yield f"    measured  {breach.measured}"
         yield from (f"              {note}" for note in breach.notes)
@@ -295,8 +295,8 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     from bodycheck.running.plan import Task
 
     def run(method: "Method") -> Run:
-        made = perform(Task(case, engine, method))
-        return made if isinstance(made, Run) else Run(case.name, engine, engines.record(engine).version, method, made)
+        answer = perform(Task(case, engine, method))
+        return answer if isinstance(answer, Run) else Run(case.name, engine, engines.record(engine).version, method, answer)
 
     # All tests of a case ask for the same truths, which are computed once.
     timesteps = [expectation.method.timestep for expectation in case.expectations]
@@ -321,8 +321,8 @@ def _perform(config: pytest.Config) -> "Perform":
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(pool.caller(perform, campaign.TIME_LIMIT_S, group=group, home=engines.home))
-        kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
+        workers = pool.Workers(perform, 1, campaign.TIME_LIMIT_S, group=group, home=engines.home, kept=True)
+        kept: Perform = lru_cache(MAX_CACHED_RESULTS)(stack.enter_context(workers).call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]
 

@@ -19,7 +19,7 @@ COMMAND = re.compile(r"((?:\A|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029])[\s\ufeff\u200
 
 def harmless(text: str) -> str:
     """Return a text of whole lines in which no runner finds a command."""
-    return COMMAND.sub(lambda found: rf"{found[1]}\u003a" if found[1] else rf"{found[2]}\u0023", text)
+    return COMMAND.sub(lambda match: rf"{match[1]}\u003a" if match[1] else rf"{match[2]}\u0023", text)
 
 
 def printable(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The commands for authors of case files: `bodycheck validate`, `new`, `schema` and `expect`.
+"""The commands about case files: `bodycheck cases`, `validate`, `new`, `schema` and `expect`.
 
 The imports are inside the functions, so that `--help` answers at once.
 """
@@ -10,8 +10,38 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Quiet, Timesteps, Viewed
+from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Json, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
+
+
+def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL) -> int:
+    """List the cases that come with bodycheck.
+
+    Parameters
+    ----------
+    requires
+        Also print which properties a model needs to represent each scene exactly.
+    """
+    from bodycheck.casefile.case import shipped
+    from bodycheck.console import tables, terminal
+    from bodycheck.reference.requirements import COLUMNS, as_row
+
+    if not requires:
+        tables.check(view, terminal.CASES)
+    loaded = arguments.load_cases(shipped())
+    if requires:
+        tables.check(view, terminal.requirement_columns(COLUMNS))
+        needs = {case.name: as_row(case.scene) for case in loaded}
+        if json:
+            terminal.print_json([{"name": name, **needed} for name, needed in needs.items()])
+        else:
+            shown = [name for name in COLUMNS if any(name in row for row in needs.values())]
+            terminal.print_requirements({case: dict.fromkeys(shown, False) | row for case, row in needs.items()}, view)
+    elif json:
+        terminal.print_json([{"name": c.name, "title": c.title, "source": c.source, "tags": c.tags} for c in loaded])
+    else:
+        tables.show(terminal.CASES, loaded, view)
+    return OK
 
 
 def validate(*files: str) -> int:
@@ -124,7 +154,7 @@ def expect(
     expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
-    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as made:
-        changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin, figure)
+    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
+        changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)
     terminal.print_changes([change for change in changes if not quiet or not change.done], view)
     return OK if all(change.done for change in changes) else FAILED

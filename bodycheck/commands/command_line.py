@@ -6,15 +6,11 @@ from collections.abc import Callable
 
 from cyclopts import App, CycloptsError, Parameter
 
-from bodycheck.commands.authoring import expect, new, schema, validate
-from bodycheck.commands.diff import diff
+from bodycheck.commands.authoring import cases, expect, new, schema, validate
 from bodycheck.commands.engines import engines
-from bodycheck.commands.export import export
-from bodycheck.commands.gather import gather
-from bodycheck.commands.listing import cases
-from bodycheck.commands.query import query
-from bodycheck.commands.report import report
-from bodycheck.commands.run import run
+from bodycheck.commands.ensembles import gather, query
+from bodycheck.commands.report import diff, report
+from bodycheck.commands.run import export, run
 from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
 from bodycheck.runner_log import guarded

@@ -75,14 +75,18 @@ def add(*names: str, version: str | None = None, json: Json = False) -> int:
         with terminal.progress(f"installing {one}", 1) as progress:
             start = time.monotonic()
             try:
-                made = environments.obtain(one.adapter, one.version or environments.newest(one.adapter))
+                added = environments.obtain(one.adapter, one.version or environments.newest(one.adapter))
             except environments.Unobtainable as error:
                 rows.append({"name": str(one), "failure": str(error)})
                 continue
             seconds = time.monotonic() - start
             progress(str(one))
-        row = {"name": f"{made.engine}@{made.version}", "seconds": seconds, "bytes": environments.size(made)}
-        rows.append({**row, "packages": environments.lock(made), **_checked(f"{made.engine}@{made.version}")})
+        row = {
+            "name": f"{added.engine}@{added.version}",
+            "seconds": seconds,
+            "bytes": environments.size(added),
+        }
+        rows.append({**row, "packages": environments.lock(added), **_checked(f"{added.engine}@{added.version}")})
     if json:
         terminal.print_json(rows)
     else:
@@ -136,10 +140,10 @@ def check(*names: str, json: Json = False) -> int:
     loaded = load_engines(names, dict.fromkeys(_all_names(), True))
     faults = smoke.check_all(tuple(loaded.records))
     if json:
-        terminal.print_json([{"name": name, "faults": found} for name, found in faults.items()])
+        terminal.print_json([{"name": name, "faults": reasons} for name, reasons in faults.items()])
     else:
-        for name, found in faults.items():
-            print("\n".join(found) if found else f"{name}: adapter check passed")
+        for name, reasons in faults.items():
+            print("\n".join(reasons) if reasons else f"{name}: adapter check passed")
     return FAILED if any(faults.values()) or loaded.missing else OK
 
 
@@ -148,12 +152,12 @@ def _all_names() -> tuple[str, ...]:
     from bodycheck.adapters import registry
     from bodycheck.environments import environments
 
-    found: list[str] = []
+    all_names: list[str] = []
     for name in registry.names():
-        found.append(name)
+        all_names.append(name)
         if registry.known_installation(name) is not None:
-            found += [f"{name}@{version}" for version in environments.cached(name)]
-    return tuple(found)
+            all_names += [f"{name}@{version}" for version in environments.cached(name)]
+    return tuple(all_names)
 
 
 def _refuse_unknown(asked: "Iterable[Any]") -> None:

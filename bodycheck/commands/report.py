@@ -1,15 +1,17 @@
-"""The command `bodycheck report`.
+"""The commands `bodycheck report` and `diff`.
 
-Its imports are inside the function, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bodycheck.console import arguments
-from bodycheck.console.options import Figures, JUnit
+from bodycheck.console.options import AS_USUAL, Figures, Json, JUnit, Viewed
 from bodycheck.errors import BAD_INPUT, FAILED, OK, BadInput
+from bodycheck.runner_log import print_command
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,7 +42,7 @@ def report(
         written into that folder.
     """
     from bodycheck.commands import saved
-    from bodycheck.console import unchecked
+    from bodycheck.console import results
     from bodycheck.judging import result_set
     from bodycheck.reports.study import StudyReport
     from bodycheck.studies.releases import rows as release_rows
@@ -52,14 +54,14 @@ def report(
     if all((folder / release_rows.RECORDS).is_file() for folder in folders):
         _refuse_cases(case, folders[0])
         return _report_releases(folders, into, figures, junit)
-    found = [saved.read(folder) for folder in folders]
+    contents = [saved.read(folder) for folder in folders]
     if case:
-        found = _of_cases(found, folders, case)
+        contents = _of_cases(contents, folders, case)
     arguments.make_folder("--out", into)
-    if isinstance(found[0], StudyReport) and len(found) == 1:
-        return _report_study(folders[0], found[0], into, figures, junit)
+    if isinstance(contents[0], StudyReport) and len(contents) == 1:
+        return _report_study(folders[0], contents[0], into, figures, junit)
     sets = []
-    for folder, label, one in zip(folders, result_set.labels(folders), found, strict=True):
+    for folder, label, one in zip(folders, result_set.labels(folders), contents, strict=True):
         if isinstance(one, StudyReport):
             raise BadInput(f"{folder}: contains a study; only folders of runs can be compared in one report")
         with saved.undamaged(folder):
@@ -74,7 +76,7 @@ def report(
         )
         return BAD_INPUT
     for judged in sets:
-        unchecked.show(judged.results.unchecked, sys.stderr)
+        results.print_unchecked(judged.results.unchecked, sys.stderr)
     return FAILED if any(judged.failed for judged in sets) else OK
 
 
@@ -85,16 +87,16 @@ def _refuse_cases(cases: tuple[str, ...], folder: Path) -> None:
 
 
 def _of_cases(
-    found: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
+    contents: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
 ) -> "list[Results | StudyReport]":
     """Return results of runs without all other cases. Raises `BadInput` for a study, and for a case that is in no folder."""
     from bodycheck.results.store import Results
     from bodycheck.suggestion import did_you_mean
 
-    for folder, one in zip(folders, found, strict=True):
+    for folder, one in zip(folders, contents, strict=True):
         if not isinstance(one, Results):
             _refuse_cases(cases, folder)
-    results = [one for one in found if isinstance(one, Results)]
+    results = [one for one in contents if isinstance(one, Results)]
     known = dict.fromkeys(entry["name"] for one in results for entry in one.header["cases"])
     for name in cases:
         if name not in known:
@@ -104,7 +106,7 @@ def _of_cases(
     return [one.only(cases) for one in results]
 
 
-def _report_study(folder: Path, found: "StudyReport", into: Path, figures: Figures, junit: JUnit) -> int:
+def _report_study(folder: Path, study: "StudyReport", into: Path, figures: Figures, junit: JUnit) -> int:
     """Write the report of a study."""
     from bodycheck import reports
     from bodycheck.commands import saved
@@ -112,7 +114,7 @@ def _report_study(folder: Path, found: "StudyReport", into: Path, figures: Figur
     if junit is not None:
         raise BadInput(f"--junit {junit}: {folder} contains a study, and studies have no expectations")
     with saved.undamaged(folder):
-        reports.write_study(found, into, figures)
+        reports.write_study(study, into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK
 
@@ -131,8 +133,8 @@ def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, ju
         reading.refuse_links(folder)
     arguments.make_folder("--out", into)
     with saved.undamaged(*folders):
-        found = release_rows.comparable([release_rows.read(folder) for folder in folders])
-        reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
+        measurements = release_rows.comparable([release_rows.read(folder) for folder in folders])
+        reports.write_study(present(dict(zip(release_rows.labels(measurements), measurements, strict=True))), into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK
 
@@ -159,3 +161,41 @@ def write(sets: "Sequence[ResultSet]", out: Path | None, figures: Figures, junit
         reports.write(sets, out, figures)
     if junit is not None:
         reports.write_junit(sets, junit)
+
+
+def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json = False, view: Viewed = AS_USUAL) -> int:
+    """Compare two baselines, and print the changes that exceed the effect of rounding and the error of the truth.
+
+    The worst change comes first; the last line summarises the changes, or says that there are none. A figure whose definition
+    has changed between the versions of bodycheck that made the baselines is named and not compared. The command also prints
+    improvements and new runs, which do not make it fail.
+
+    Exit codes: 0 nothing got worse; 1 an error or a status got worse, or a run is missing; 2 the files are not baselines of
+    the same cases, or a figure of --fail-on could not be compared.
+
+    Parameters
+    ----------
+    base
+        The older baseline: a file that `bodycheck run --save` wrote.
+    now
+        The newer baseline, made later, on another machine, or with other versions.
+    fail_on
+        A figure and by how much its error may grow, for example attitude_error:10%. May be given several times. Other figures
+        then do not make the command fail; a worse status and a missing run still do. Default: any growth of any figure fails.
+    """
+    from bodycheck.console import tables, terminal
+    from bodycheck.judging.baselines import baseline, difference
+    from bodycheck.reports.runs import github
+
+    allowed = difference.tolerances_of(fail_on)
+    tables.check(view, terminal.DIFFERENCES)
+    changed = difference.diff(baseline.read(base), baseline.read(now))
+    broken = difference.failing(changed, allowed)
+    summary = [changed.text, *((difference.summary(broken, allowed),) if allowed else ())]
+    if json:
+        terminal.print_json(difference.as_json(changed) | {"failed": len(broken)})
+    else:
+        terminal.print_difference(changed, summary, view)
+    if changed.changes and github.is_running(os.environ):
+        print_command(github.annotation("error" if broken else "notice", "; ".join(summary), "bodycheck diff"))
+    return FAILED if broken else OK

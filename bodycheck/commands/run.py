@@ -1,12 +1,14 @@
-"""The command `bodycheck run`.
+"""The commands `bodycheck run` and `export`.
 
-Its imports are inside the function, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import (
@@ -24,7 +26,7 @@ from bodycheck.console.options import (
     Timesteps,
     Viewed,
 )
-from bodycheck.errors import FAILED, OK
+from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
@@ -69,7 +71,7 @@ def run(
     """
     from bodycheck import reports
     from bodycheck.commands.report import write
-    from bodycheck.console import output, results, tables, terminal, unchecked
+    from bodycheck.console import output, results, tables, terminal
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
@@ -82,34 +84,80 @@ def run(
     names = arguments.case_names(cases)
     compared = judgement.Compared()
     selection = Selection(names, engine, integrator, timestep, jobs, allow_missing)
-    with ran(selection, plan, out, quiet, compared.meet) as made:
-        found = result_set.judged(made.results, compared=compared)
-        verdicts = found.verdicts
-        write([found], out, figures, junit)
-        reports.annotate_github(found, arguments.files_of(made.cases, names), os.environ)
+    with ran(selection, plan, out, quiet, compared.meet) as runs:
+        result = result_set.judged(runs.results, compared=compared)
+        verdicts = result.verdicts
+        write([result], out, figures, junit)
+        reports.annotate_github(result, arguments.files_of(runs.cases, names), os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts), quiet) as progress:
-                baseline.save(save, made.results, verdicts, arguments.processes(jobs), progress)
+                baseline.save(save, runs.results, verdicts, arguments.processes(jobs), progress)
         if json:
             terminal.print_json(judgement.records(verdicts))
         elif quiet:
-            results.print_failed(verdicts, made.results.files)
+            results.print_failed(verdicts, runs.results.files)
         else:
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
-            _print_summary(found, out)
+            _print_summary(result, out)
     if json or quiet:
-        unchecked.show(made.results.unchecked, sys.stderr)
+        results.print_unchecked(runs.results.unchecked, sys.stderr)
     output.say_where(out, quiet)
-    return FAILED if made.engine_failed or found.failed else OK
+    return FAILED if runs.engine_failed or result.failed else OK
 
 
-def _print_summary(found: "ResultSet", out: Path | None) -> None:
+def _print_summary(result: "ResultSet", out: Path | None) -> None:
     """Print the summary of judged results. out: the folder with their report; None if there is none."""
     from bodycheck import reports
     from bodycheck.console.summary import Summary, print_summary
 
-    told = reports.brief([found])
-    findings = [f"{finding.subject}: {finding.text}" for finding in (told.broken, *told.findings) if finding is not None]
+    brief = reports.brief([result])
+    findings = [f"{finding.subject}: {finding.text}" for finding in (brief.broken, *brief.findings) if finding is not None]
     more = [] if out is not None else ["--out FOLDER writes a report, and --table prints all runs."]
-    print_summary(Summary(told.headline, findings, told.counts, told.unsupported, [*told.limits, *more], told.steps))
+    print_summary(Summary(brief.headline, findings, brief.counts, brief.unsupported, [*brief.limits, *more], brief.steps))
+
+
+def export(
+    case: str,
+    /,
+    *,
+    engine: str,
+    integrator: str | None = None,
+    timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002.")] = None,
+    out: Path | None = None,
+) -> int:
+    """Write what a run does as a Python script for the engine alone.
+
+    The script builds the same model, takes the same steps and prints the same states, to the last bit, without bodycheck, so
+    that a finding can be shown to the authors of the engine. A script for MuJoCo contains the model as MJCF. Exit codes: 1 the
+    engine cannot model the case, or there is no script of this method; 2 bad input.
+
+    Parameters
+    ----------
+    case
+        The name of a shipped case, or the path of a case file.
+    engine
+        The engine.
+    integrator
+        The integrator. Default: the first one that the engine offers for the case.
+    out
+        The file for the script. Default: standard output.
+    """
+    from bodycheck.adapters.method import DEFAULT_TIMESTEP
+    from bodycheck.adapters.registry import EngineMissing
+    from bodycheck.files import writing
+    from bodycheck.running import exporting
+
+    arguments.check_engine(engine)
+    arguments.check_writable("--out", out)
+    loaded = arguments.load_case(case)
+    try:
+        script = exporting.script(loaded, engine, integrator, DEFAULT_TIMESTEP if timestep is None else timestep)
+    except EngineMissing as error:
+        raise BadInput(str(error)) from error
+    if out is None:
+        print(script, end="")
+    else:
+        writing.write_named(out, script.encode("utf-8"))
+        print(out)
+    return OK

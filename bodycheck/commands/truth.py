@@ -4,7 +4,6 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import closing
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -60,13 +59,13 @@ def truth(
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
     answered = _answered(Question(loaded, tuple(sorted(at)) or None, certify), limit)
     certificate = answered if isinstance(answered, Certificate) else None
-    found = answered.truth if isinstance(answered, Certificate) else answered
+    computed = answered.truth if isinstance(answered, Certificate) else answered
     if json:
         from bodycheck.running import truths  # which imports all ways to a truth
 
-        terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
+        terminal.print_json(truths.as_json(loaded, computed) | (truths.certificate_as_json(certificate) if certificate else {}))
     else:
-        printing.print_truth(found, len(at) or 11, view)
+        printing.print_truth(computed, len(at) or 11, view)
         if certificate:
             printing.print_certificate(certificate)
     for fault in certificate.faults if certificate else ():
@@ -85,10 +84,10 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
     from bodycheck.running import tasks
 
     home = pool.Home(prepare=tasks.leave_out_sympy)
-    with closing(pool.call_all(tasks.answer, [question], jobs=1, limit=limit, home=lambda group: home)) as answers:
-        ((_, found),) = answers
+    with pool.Workers(tasks.answer, 1, limit, home=lambda group: home) as workers:
+        answer = workers.call(question)
     name = question.case.name
-    match found:
+    match answer:
         case TimedOut():
             raise Failed(f"{name}: its truth takes longer than the limit of {limit:g} s; --limit sets another")
         case NoTruth(reason):
@@ -96,4 +95,4 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
         case Crashed(reason):
             raise Failed(f"{name}: the computation of its truth failed: {reason}")
         case _:
-            return found
+            return answer

@@ -214,15 +214,15 @@ def batch_sizes(option: str, texts: Iterable[str]) -> tuple[int, ...]:
 
     Raises `BadInput` for anything but whole numbers from 1 to `MOST_SCENES`.
     """
-    found = set()
+    sizes = set()
     for text in texts:
         for part in text.split(","):
             number = int(part) if part.strip().isdecimal() and part.isascii() else 0
             if not 1 <= number <= MOST_SCENES:
                 allowed = f"whole numbers from 1 to {MOST_SCENES}, with commas between them"
                 raise BadInput(f"{option} {text}: read {part.strip()!r}; allowed: {allowed}")
-            found.add(number)
-    return tuple(sorted(found))
+            sizes.add(number)
+    return tuple(sorted(sizes))
 
 
 def processes(jobs: int | None) -> int:

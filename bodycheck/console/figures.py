@@ -27,8 +27,8 @@ def error_text(row: Mapping[str, Any], *names: str) -> str:
     name = next((name for name in names if row.get(name) is not None), None)
     if name is None:
         return ""
-    own = within_truth(FIGURES[name], row)
-    return figure_text(row[name]) if own is None else f"{WITHIN_ASCII} {figure_text(rounded_up(own, 3))}"
+    bound = within_truth(FIGURES[name], row)
+    return figure_text(row[name]) if bound is None else f"{WITHIN_ASCII} {figure_text(rounded_up(bound, 3))}"
 
 
 def error_column(name: str, head: str, *instead: str, **options: Any) -> Column[Mapping[str, Any]]:
@@ -57,8 +57,8 @@ def bound_column(name: str, head: str, **options: Any) -> Column[Mapping[str, An
         return row.get(name)
 
     def text(row: Mapping[str, Any]) -> str:
-        own = value(row)
-        return "" if own is None else f"{rounded_up(own, 2):.2g}"
+        bound = value(row)
+        return "" if bound is None else f"{rounded_up(bound, 2):.2g}"
 
     return Column(name, head, text, value, **options)
 

@@ -54,7 +54,7 @@ Quiet = Annotated[bool, Parameter(help="Print only what failed, and errors: no p
 
 @dataclass(frozen=True)
 class View:
-    """Which columns of tables are printed, and in which order their rows.
+    """The printed columns of tables, and the order of their rows.
 
     Attributes
     ----------

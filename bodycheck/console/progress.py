@@ -21,7 +21,7 @@ INTERVAL_S = 10.0
 
 @dataclass
 class Count:
-    """How much of some work is done, for lines in a file or in the log of a CI job.
+    """The completed part of some work, for lines in a file or in the log of a CI job.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Count:
 
     @property
     def text(self) -> str:
-        """How much is done after how long, in one line."""
+        """The completed part and the elapsed time, in one line."""
         after = f"{self.title}: {self.done} of {self.total} after {self.clock() - self.start:.0f} s"
         return f"{after}, last {self.last}" if self.last else after
 

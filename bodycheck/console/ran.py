@@ -118,8 +118,8 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False,
         If all engines that the user named fail when they are loaded.
     """
     names = case_names(selection.cases)
-    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet, meet) as made:
-        yield made
+    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet, meet) as results:
+        yield results
 
 
 @contextmanager
@@ -160,11 +160,11 @@ def ran_of(
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:
     """Return the releases, each `NAME@VERSION`, of which cases expect something, and whether their absence is tolerated."""
-    found: dict[str, bool] = {}
+    releases: dict[str, bool] = {}
     for case in cases:
         for name in {expectation.engine for expectation in case.expectations if EngineName.parse(expectation.engine).version}:
-            found[name] = found.get(name, True) and bool(tolerated(case))
-    return found
+            releases[name] = releases.get(name, True) and bool(tolerated(case))
+    return releases
 
 
 def _tolerated(allow_missing: bool, shipped: Collection[str]) -> Callable[[Case], str]:

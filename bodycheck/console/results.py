@@ -1,7 +1,7 @@
-"""Print the runs of a set of results to stdout."""
+"""Print the runs of a set of results, and the expectations that no run could check."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 from bodycheck.console.figures import bound_column, error_column, microseconds
 from bodycheck.console.options import View
@@ -11,6 +11,7 @@ from bodycheck.console.terminal import print_errors
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
+from bodycheck.results.unchecked import Unchecked, sentences
 from bodycheck.results.verdicts import PASSED
 
 Row = Mapping[str, Any]
@@ -72,3 +73,9 @@ def print_failed(verdicts: Sequence[Verdict], files: Mapping[str, str]) -> None:
             tell(f"FAILED {run.case}, {run.engine} {run.method.name} at {run.method.timestep:g} s: {verdict.reason}")
             for line in advice.lines(verdict, files.get(run.case, run.case)):
                 say(f"  {line}")
+
+
+def print_unchecked(unchecked: Sequence[Unchecked], stream: TextIO) -> None:
+    """Print the expectations whose engines cannot be used: a sentence for each engine and reason."""
+    for sentence in sentences(unchecked):
+        print(sentence, file=stream)

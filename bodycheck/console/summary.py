@@ -21,7 +21,7 @@ MORE = "…"
 
 @dataclass(frozen=True)
 class Summary:
-    """What a summary says.
+    """The contents of a summary.
 
     Attributes
     ----------
@@ -76,21 +76,21 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
             room -= taken
             steps.append(text)
     middle: list[str] = []
-    for place, text in enumerate(findings):
-        left = room - len(middle) - (len(findings) - 1 - place)  # a line for each of the others
+    for index, text in enumerate(findings):
+        left = room - len(middle) - (len(findings) - 1 - index)  # a line for each of the others
         if left > 0:
             middle += _shortened(text, left, width)
-    told = [line for part in (middle, steps) if part for line in ("", *part)]
-    return [*first, *told, *([""] if told else []), *last]
+    indented = [line for part in (middle, steps) if part for line in ("", *part)]
+    return [*first, *indented, *([""] if indented else []), *last]
 
 
 def _shortened(text: str, most: int, width: int | None) -> list[str]:
     """Return a text as at most so many lines; an ellipsis stands for the rest."""
-    found = output.lines(text, width, "  ")
-    if len(found) <= most:
-        return found
+    lines = output.lines(text, width, "  ")
+    if len(lines) <= most:
+        return lines
     assert width is not None  # a text on one line is never too long
-    end = found[most - 1]
+    end = lines[most - 1]
     while len(end) + 2 > width and " " in end.strip():
         end = end.rpartition(" ")[0]
-    return [*found[: most - 1], f"{end} {MORE}"]
+    return [*lines[: most - 1], f"{end} {MORE}"]

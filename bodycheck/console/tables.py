@@ -93,7 +93,7 @@ def _of(get: Callable[[Any], Any], name: str, head: str, form: str, options: dic
 
 @dataclass(frozen=True)
 class Layout:
-    """How a table is laid out; columns are given by their places.
+    """The layout of a table; columns are given by their indices.
 
     Attributes
     ----------
@@ -149,25 +149,25 @@ def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_US
     else:
         columns = [column for column in columns if not column.asked]
     cells = [[_plain(column.text(row)) for column in columns] for row in ordered]
-    found = layout(columns, cells, None if view.wide or view.names else output.width())
-    if found.listed:
+    table = layout(columns, cells, None if view.wide or view.names else output.width())
+    if table.listed:
         _print_lists(columns, cells)
         return
-    if found.common:
-        told = ", ".join(f"{columns[place].head} {cells[0][place]}" for place in found.common)
-        tell(f"in every row: {told}")
-    bold(_line([columns[place].head for place in found.shown], found.widths))
+    if table.common:
+        shared = ", ".join(f"{columns[index].head} {cells[0][index]}" for index in table.common)
+        tell(f"in every row: {shared}")
+    bold(_line([columns[index].head for index in table.shown], table.widths))
     for row in cells:
-        for line in _lines([row[place] for place in found.shown], found.widths):
+        for line in _lines([row[index] for index in table.shown], table.widths):
             say(line)
-    if found.left_out:
-        names = ", ".join(columns[place].name for place in found.left_out)
+    if table.left_out:
+        names = ", ".join(columns[index].name for index in table.left_out)
         tell(f"not shown, for want of width: {names} (--wide shows all, --columns A,B,C those that you name)")
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table of texts. The first column stays on a narrow terminal, and the others go from the right."""
-    show([Column(head, head, itemgetter(place), goes=place) for place, head in enumerate(header)], rows)
+    show([Column(head, head, itemgetter(index), goes=index) for index, head in enumerate(header)], rows)
 
 
 def layout(columns: Sequence[Column[Any]], cells: Sequence[Sequence[str]], width: int | None) -> Layout:
@@ -214,15 +214,15 @@ def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
 
 def _sorted(columns: Sequence[Column[Row]], rows: Iterable[Row], name: str) -> list[Row]:
     """Return rows in ascending order of a column, those without a value at the end; as they are if there is no such column."""
-    found = list(rows)
+    table_rows = list(rows)
     by = next((column for column in columns if column.name == name), None)
     if by is None:
-        return found
+        return table_rows
     value = by.value or by.text
-    values = [value(row) for row in found]
+    values = [value(row) for row in table_rows]
     known = [i for i, one in enumerate(values) if one is not None and one == one and one != ""]  # a NaN differs from itself
     order: list[int] = sorted(known, key=lambda i: values[i])  # type: ignore[arg-type, return-value]
-    return [found[i] for i in (*order, *(i for i in range(len(found)) if i not in set(known)))]
+    return [table_rows[i] for i in (*order, *(i for i in range(len(table_rows)) if i not in set(known)))]
 
 
 def _plain(text: str) -> str:

@@ -13,7 +13,7 @@ from bodycheck.console.tables import Column, Row, attribute, print_table, show
 from bodycheck.results.verdicts import WITHIN_ASCII
 
 if TYPE_CHECKING:
-    from bodycheck.judging.baselines.baseline import Difference
+    from bodycheck.judging.baselines.difference import Difference
     from bodycheck.judging.expectation_writer import Change
 
 __all__ = ["print_changes", "print_difference", "print_errors", "print_json", "print_requirements", "print_table", "progress"]
@@ -27,8 +27,8 @@ CASES: tuple[Column[Any], ...] = (
 
 #: The columns of `bodycheck engines`, whose rows are four texts.
 ENGINES = tuple(
-    Column(name, name, itemgetter(place), wraps=name == "integrators")
-    for place, name in enumerate(("engine", "version", "installed", "integrators"))
+    Column(name, name, itemgetter(index), wraps=name == "integrators")
+    for index, name in enumerate(("engine", "version", "installed", "integrators"))
 )
 
 #: The columns of `bodycheck expect`.
@@ -92,7 +92,7 @@ def requirement_columns(names: Iterable[str]) -> tuple[Column[Mapping[str, bool 
 
         return Column(name, name.replace("_", " "), text, lambda row: row[name], goes)
 
-    return tuple(column(name, place) for place, name in enumerate(("case", *names)))
+    return tuple(column(name, index) for index, name in enumerate(("case", *names)))
 
 
 def print_changes(changes: "Sequence[Change]", view: View = AS_USUAL) -> None:
@@ -100,12 +100,12 @@ def print_changes(changes: "Sequence[Change]", view: View = AS_USUAL) -> None:
     show(WRITTEN, changes, view)
 
 
-def print_difference(found: "Difference", summary: Sequence[str], view: View = AS_USUAL) -> None:
+def print_difference(difference: "Difference", summary: Sequence[str], view: View = AS_USUAL) -> None:
     """Print one line per change, what could not be compared, and a summary, which is given in sentences."""
-    if found.changes:
-        show(DIFFERENCES, found.changes, view)
-    if found.redefined:
-        tell(f"not compared, since their definition has changed (save a new baseline): {', '.join(found.redefined)}")
+    if difference.changes:
+        show(DIFFERENCES, difference.changes, view)
+    if difference.redefined:
+        tell(f"not compared, since their definition has changed (save a new baseline): {', '.join(difference.redefined)}")
     for text in summary:
         tell(text)
 

@@ -94,7 +94,7 @@ def _print_events(truth: Truth) -> None:
     if (more := len(truth.events) - MOST_EVENTS) > 0:
         tell(f"{more} more up to t = {truth.events[-1].time:.9g} s, --json prints all")
     for pair in truth.interfaces:
-        one, other = ("the plane" if place == WORLD else names[place] for place in pair.bodies)
+        one, other = ("the plane" if index == WORLD else names[index] for index in pair.bodies)
         tell(f"{one} bears {other} with {pair.load:.9g} N")
     lost = np.flatnonzero(np.isnan(truth.bounds.position_error))
     if touches(scene) and len(lost):
@@ -120,7 +120,7 @@ def print_certificate(certificate: Certificate) -> None:
         ("certified bound", *figures(certificate.bound)),
     ]
     heads = [f"until {t[i]:g} s" for i in chosen]
-    columns = [Column(head, head, itemgetter(place), goes=len(heads) - place) for place, head in enumerate(heads, start=1)]
+    columns = [Column(head, head, itemgetter(index), goes=len(heads) - index) for index, head in enumerate(heads, start=1)]
     show([Column("ways", "ways", itemgetter(0), wraps=True), *columns], rows)
     if certificate.certified:
         tell(f"certified: {certificate.bound[-1]:.1e} rad, measured against arithmetic of {certificate.digits} digits")

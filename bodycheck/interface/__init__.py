@@ -3,12 +3,12 @@
 The functions have the arguments of the commands of these names, with their defaults, and raise `BadInput` with their texts.
 
 - `runs` has `bodycheck.run` and its results. The other functions are in the folders of their studies, in `interface`.
-- `results`: what all results have: a headline, tables as data frames, and plots. `plots`: a chart of the report, which a
-  notebook shows. `html`: results as a part of a page, for a notebook.
-- `arguments`: cases, names and numbers as Python gives them. `folders`: where results are.
+- `results`: the properties of all results: a headline, tables as data frames, plots, and a part of a page for a notebook.
+  `plots`: a chart of the report, which a notebook shows.
+- `arguments`: cases, names and numbers as Python gives them.
 
 >>> import bodycheck
 >>> for timestep in (0.004, 0.002, 0.001):
-...     found = bodycheck.run("free-brick", engine="mujoco", integrator="Euler", timestep=timestep)
-...     print(timestep, found.to_frame()["attitude_error"].max())
+...     results = bodycheck.run("free-brick", engine="mujoco", integrator="Euler", timestep=timestep)
+...     print(timestep, results.to_frame()["attitude_error"].max())
 """

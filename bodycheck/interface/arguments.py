@@ -91,8 +91,8 @@ def command(function: str, cases: Sequence[OneCase], **options: object) -> list[
     shown = [repr(one.name if isinstance(one, Case) else str(one)) for one in cases]
     if len(shown) != 1:
         shown = [f"[{', '.join(shown)}]"] if shown else []
-    told = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), "", False)]
-    return [f"bodycheck.{function}({', '.join([*shown, *told])})"]
+    options_given = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), "", False)]
+    return [f"bodycheck.{function}({', '.join([*shown, *options_given])})"]
 
 
 def _several(option: str, given: object, allowed: str) -> tuple[object, ...]:
@@ -103,11 +103,11 @@ def _several(option: str, given: object, allowed: str) -> tuple[object, ...]:
 
 def _distinct(cases: list[Case]) -> list[Case]:
     """Return different cases once each. Raises `BadInput` for two different ones of one name."""
-    found: dict[str, Case] = {}
+    by_name: dict[str, Case] = {}
     for case in cases:
-        if found.setdefault(case.name, case) != case:
+        if by_name.setdefault(case.name, case) != case:
             raise BadInput(f"{case.name}: another of these cases also has the name {case.name!r}")
-    return list(found.values())
+    return list(by_name.values())
 
 
 def _check_unchanged(case: Case) -> None:

@@ -65,10 +65,10 @@ def chosen(plots: Sequence[Plot], quantity: str, case: str) -> Plot:
     cases = list(dict.fromkeys(plot.case for plot in plots))
     if case and case not in cases:
         raise BadInput(f"there is no plot of the case {case!r}; there are: {', '.join(cases)}{did_you_mean(case, cases)}")
-    own = [plot for plot in plots if plot.case == (case or plot.case)]
+    candidates = [plot for plot in plots if plot.case == (case or plot.case)]
     wanted = quantity.replace("_", " ").lower()
-    found = next((plot for plot in own if plot.title.lower().startswith(wanted)), None)
-    if found is None:
-        titles = list(dict.fromkeys(plot.title for plot in own))
+    matching = next((plot for plot in candidates if plot.title.lower().startswith(wanted)), None)
+    if matching is None:
+        titles = list(dict.fromkeys(plot.title for plot in candidates))
         raise BadInput(f"there is no plot of {quantity!r}; there are: {', '.join(titles)}{did_you_mean(quantity, titles)}")
-    return found
+    return matching

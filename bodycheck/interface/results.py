@@ -1,13 +1,15 @@
-"""What the results of every function of the Python interface have in common."""
+"""The common base of the results of all functions of the Python interface."""
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
+from itertools import islice
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.errors import BadInput
-from bodycheck.interface.html import shown
 from bodycheck.interface.plots import Plot, chosen
 from bodycheck.reports import plot_files
 from bodycheck.reports.study import StudyReport
@@ -20,6 +22,44 @@ if TYPE_CHECKING:
 
 #: Units of columns: none.
 NO_UNITS: Mapping[str, str] = MappingProxyType({})
+
+
+#: Most rows of a table that are shown, and the significant digits of its numbers.
+MOST_ROWS, DIGITS = 12, 4
+
+
+def shown(
+    headline: str, sentences: Iterable[str], rows: Sequence[Mapping[str, Any]], columns: Sequence[str], units: Mapping[str, str]
+) -> str:
+    """Return HTML.
+
+    Parameters
+    ----------
+    headline, sentences
+        What the results say.
+    rows, columns
+        The table, and the columns of it that are shown where any row has a value.
+    units
+        The units of columns.
+    """
+    used = [name for name in columns if any(row.get(name) not in (None, "") for row in rows)]
+    heads = "".join(f"<th>{escape(f'{name} {units.get(name, str())}'.rstrip())}</th>" for name in used)
+    body = "".join(
+        f"<tr>{''.join(f'<td>{escape(_text(row.get(name)))}</td>' for name in used)}</tr>" for row in islice(rows, MOST_ROWS)
+    )
+    left = len(rows) - MOST_ROWS
+    more = f"<p>{left} more rows are in <code>to_frame()</code>.</p>" if left > 0 else ""
+    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    return (
+        f"<p><b>{escape(headline)}</b></p>{f'<ul>{said}</ul>' if said else ''}"
+        f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>{more}"
+    )
+
+
+def _text(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "–"
+    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
 
 
 @dataclass(frozen=True)
@@ -92,7 +132,7 @@ class Results(ABC):
     @property
     @abstractmethod
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
+        """Further findings, in sentences."""
 
     @property
     @abstractmethod
@@ -166,12 +206,12 @@ class StudyResults(Results):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
+        """Further findings, in sentences."""
         return tuple(f"{finding.subject}: {finding.text}" for finding in self.report.findings)
 
     @property
     def plots(self) -> tuple[Plot, ...]:
         """The charts of the report."""
         parts = [(part.name, chart.title) for part in self.report.parts for chart in part.charts]
-        made = plot_files.of_study(self.report)
-        return tuple(Plot(*told, chart) for told, (_, chart) in zip(parts, made, strict=True))
+        charts = plot_files.of_study(self.report)
+        return tuple(Plot(*heading, chart) for heading, (_, chart) in zip(parts, charts, strict=True))

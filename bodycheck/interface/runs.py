@@ -1,6 +1,8 @@
 """`bodycheck.run`: run cases in engines, and compare the motions with exact mechanics."""
 
-from collections.abc import Sequence
+import weakref
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -9,9 +11,9 @@ from typing import TYPE_CHECKING
 from bodycheck import reports
 from bodycheck.console.ran import Selection, ran_of
 from bodycheck.errors import BadInput
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
-from bodycheck.interface.folders import kept
 from bodycheck.interface.plots import Plot, chosen
 from bodycheck.interface.results import Results, Table
 from bodycheck.judging import judgement, result_set
@@ -25,6 +27,25 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from bodycheck.reports.runs.brief import Brief
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A folder, and what removes it if it is temporary."""
+
+    folder: Path
+    stack: ExitStack
+
+    def keep_for(self, owner: object) -> None:
+        """Keep the folder until an object is collected, or this process ends."""
+        weakref.finalize(owner, self.stack.pop_all().close)
+
+
+@contextmanager
+def _kept(out: Path | None) -> Iterator[_Kept]:
+    """Provide a folder. A temporary one is removed at the end of the context, unless it is kept with an object."""
+    with ExitStack() as stack:
+        yield _Kept(out or stack.enter_context(temporary_folder()), stack)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,9 +78,9 @@ class RunResults(Results):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What else stands out, in sentences."""
-        told = (self._brief.broken, *self._brief.findings)
-        return (*(f"{one.subject}: {one.text}" for one in told if one is not None), *self._brief.notices)
+        """Further findings, in sentences."""
+        noteworthy = (self._brief.broken, *self._brief.findings)
+        return (*(f"{one.subject}: {one.text}" for one in noteworthy if one is not None), *self._brief.notices)
 
     @property
     def tables(self) -> dict[str, Table]:
@@ -112,9 +133,9 @@ class RunResults(Results):
         from bodycheck.reports.runs.contents import gather
 
         parts = self.found.parts_by_case.get(case, ())
-        own = replace(self.found, verdicts=self.found.verdicts_by_case[case], parts=parts)
-        made = plots.of_runs(gather([own]))
-        return tuple(Plot(case, chart["title"]["subtitle"], chart) for _, chart in made)
+        part = replace(self.found, verdicts=self.found.verdicts_by_case[case], parts=parts)
+        charts = plots.of_runs(gather([part]))
+        return tuple(Plot(case, chart["title"]["subtitle"], chart) for _, chart in charts)
 
 
 def run(
@@ -168,12 +189,12 @@ def run(
         "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
     )
     folder, compared = arguments.path("--out", out), judgement.Compared()
-    with kept(folder) as place:
-        with ran_of(given, selection, plan, place.folder, command, quiet=True, meet=compared.meet) as made:
-            found = result_set.judged(made.results, compared=compared)
+    with _kept(folder) as kept:
+        with ran_of(given, selection, plan, kept.folder, command, quiet=True, meet=compared.meet) as runs:
+            judged = result_set.judged(runs.results, compared=compared)
             if folder is not None:
-                result_set.write([found], folder)
-                reports.write([found], folder)
-        results = RunResults(found, passed=not (made.engine_failed or found.failed))
-        place.keep_for(results)
+                result_set.write([judged], folder)
+                reports.write([judged], folder)
+        results = RunResults(judged, passed=not (runs.engine_failed or judged.failed))
+        kept.keep_for(results)
     return results

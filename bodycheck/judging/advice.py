@@ -16,13 +16,13 @@ EARLIER = "EARLIER_VERSION"
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do. why: a phrase with what it is good for; what: a command, or what to write into the case file."""
+    """One thing to do. why: its purpose, as a phrase; what: a command, or text for the case file."""
 
     why: str
     what: str
 
 
-def steps(verdict: Verdict, judged: Judged, file: str, place: str) -> Iterator[Step]:
+def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[Step]:
     """Yield what to do about an expectation that does not hold.
 
     Parameters
@@ -33,31 +33,31 @@ def steps(verdict: Verdict, judged: Judged, file: str, place: str) -> Iterator[S
         The judgement on the expectation.
     file
         The path of the case file, or the name of a shipped case.
-    place
-        Where the expectation is in the file, for the reader.
+    where
+        The position of the expectation in the file, in words.
     """
     limits = [limit for limit in judged.expectation.limits if limit.name in FIGURES]
     broken = {breach.name for breach in judged.breaches}
     figures = [limit for limit in limits if limit.name in broken]
     # A run that fails exceeds every limit, so that any of them finds the release in which it began to fail.
-    asked = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
-    if asked and judged.expectation.version != verdict.run.version:
-        yield Step("which release of the engine changed it", _bisect(verdict, judged, asked[0], file))
+    bisectable = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
+    if bisectable and judged.expectation.version != verdict.run.version:
+        yield Step("which release of the engine changed it", _bisect(verdict, judged, bisectable[0], file))
     numbers = [limit.name for limit in figures if limit.at_least is None]
     if numbers and not is_shipped(file):
         named = [word for name in numbers for word in ("--figure", name)]
         yield Step("if what is measured now is right", shlex.join(["bodycheck", "expect", file, *_method(verdict), *named]))
     if judged.expectation.known:
-        yield Step(f"to tolerate it longer, in {place}", 'until = "YYYY-MM-DD"')
+        yield Step(f"to tolerate it longer, in {where}", 'until = "YYYY-MM-DD"')
     else:
-        yield Step(f"to tolerate it until a day, in {place}", 'known = "where it is discussed" and until = "YYYY-MM-DD"')
+        yield Step(f"to tolerate it until a day, in {where}", 'known = "where it is discussed" and until = "YYYY-MM-DD"')
 
 
 def of_run(verdict: Verdict, file: str) -> tuple[Step, ...]:
     """Return what to do about all expectations of a run that do not hold; file: as `steps` takes it."""
     broken = [judged for judged in verdict.judged if not judged.held]
-    found = [step for judged in broken for step in steps(verdict, judged, file, f"its [[expect]] in {file}")]
-    return tuple(dict.fromkeys(found))
+    advised = [step for judged in broken for step in steps(verdict, judged, file, f"its [[expect]] in {file}")]
+    return tuple(dict.fromkeys(advised))
 
 
 def lines(verdict: Verdict, file: str) -> list[str]:
@@ -68,7 +68,8 @@ def lines(verdict: Verdict, file: str) -> list[str]:
 def _bisect(verdict: Verdict, judged: Judged, limit: Limit, file: str) -> str:
     """Return the command that finds the release in which a figure passed one end of its range.
 
-    A release is good to it that stays below the end, so that of a figure that has become too small the new one is.
+    The command calls a release good if the figure is at most the limit. If the figure has become too small, the limit is the
+    lower end of the range; the new release is then the good one, and the earlier release the bad one.
     """
     before, now = judged.expectation.version or EARLIER, verdict.run.version
     measured = {} if verdict.discrepancy is None else verdict.discrepancy.maxima()
@@ -77,8 +78,8 @@ def _bisect(verdict: Verdict, judged: Judged, limit: Limit, file: str) -> str:
     )
     good, bad, end = (now, before, limit.at_least) if too_small else (before, now, limit.at_most)
     method = ("--integrator", verdict.run.method.name, "--timestep", repr(verdict.run.method.timestep))
-    asked = ("--case", file, "--quantity", limit.name, "--limit", repr(end), *method)
-    return shlex.join(["bodycheck", "bisect", EngineName.parse(verdict.run.engine).adapter, good, bad, *asked])
+    options = ("--case", file, "--quantity", limit.name, "--limit", repr(end), *method)
+    return shlex.join(["bodycheck", "bisect", EngineName.parse(verdict.run.engine).adapter, good, bad, *options])
 
 
 def _method(verdict: Verdict) -> tuple[str, ...]:

@@ -102,7 +102,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
         scene = results.cases[run.case].scene
         if slides(scene):
             methods[run.key.over_steps][run.method.timestep] = run
-    found: list[Attribution] = []
+    attributions: list[Attribution] = []
     for key, by_step in methods.items():
         case = key.case
         scene = alone(results.cases[case].scene)
@@ -122,7 +122,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
                 slope = (seen[coarse][quantity] - seen[fine][quantity]) / (coarse - fine)
                 limit = seen[fine][quantity] - slope * fine
             for step in steps:
-                found.append(
+                attributions.append(
                     Attribution(
                         *(case, key.engine, by_step[step].version, key.method.name, step, quantity),
                         total=seen[step][quantity] - asked[quantity],
@@ -131,7 +131,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
                         time_step=None if limit is None else seen[step][quantity] - limit,
                     )
                 )
-    return found
+    return attributions
 
 
 def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path, origins: Origins) -> None:

@@ -140,15 +140,15 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
     """
     if not files:
         raise BadInput("expect: give at least one case file")
-    found = {}
+    paths = {}
     for file, case in zip(dict.fromkeys(files), cases, strict=True):
         if file in shipped():
             raise BadInput(f"{file}: the name of a shipped case; give the path of a file, which will be written to")
         expect = entries(file_text(case), [("expect",)]).get(("expect",))
         if expect is not None and expect.value is not None:
             raise BadInput(f"{file}: expect: an array; write its elements as [[expect]] tables, to which others can be added")
-        found[case.name] = Path(file)
-    return found
+        paths[case.name] = Path(file)
+    return paths
 
 
 def plan(
@@ -182,9 +182,11 @@ def write(
     for verdict in verdicts:
         by_case[verdict.run.case].append(verdict)
     for name, case in results.cases.items():
-        file, own = places[name], by_case[name]
-        measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in own]
-        text, made = rewrite(case, measurements, margin)
+        file, verdicts_of_case = places[name], by_case[name]
+        measurements = [
+            measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in verdicts_of_case
+        ]
+        text, changes_of_case = rewrite(case, measurements, margin)
         parse(text + case.text.removeprefix(file_text(case)), str(file))
         try:
             if file.read_bytes() != file_text(case).encode():
@@ -192,7 +194,7 @@ def write(
         except OSError as error:
             raise BadInput(f"{file}: cannot be read: {error.strerror}") from error
         writing.write_named(file, text.encode("utf-8"))
-        changes += made
+        changes += changes_of_case
     return changes
 
 
@@ -208,12 +210,12 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
     tables: list[str] = []
     for measurement in measurements:
         run = measurement.verdict.run
-        places = [place for place, expectation in enumerate(case.expectations) if expectation.concerns(run.engine, run.method)]
+        places = [index for index, expectation in enumerate(case.expectations) if expectation.concerns(run.engine, run.method)]
         if not places:
             table, change = _table(measurement, margin)
             tables += table
             changes.append(change)
-        changes += [_renew(lines, case, place, measurement, margin) for place in places]
+        changes += [_renew(lines, case, index, measurement, margin) for index in places]
     text = "\n".join(lines)
     if tables and not text.endswith("\n"):
         text += newline
@@ -239,38 +241,38 @@ def _table(measurement: Measurement, margin: float) -> tuple[list[str], Change]:
     return lines, Change(verdict, "; ".join(filter(None, ("written", idle))))
 
 
-def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, margin: float) -> Change:
+def _renew(lines: list[str], case: Case, index: int, measurement: Measurement, margin: float) -> Change:
     """Renew the numbers of one of a case's expectations in the lines of its file, and return what was done.
 
     Lines are edited one by one because tomlkit moves the tables of an array together where others stand between them, as in a
     file to which `rewrite` has added tables.
     """
-    verdict, expectation = measurement.verdict, case.expectations[place]
+    verdict, expectation = measurement.verdict, case.expectations[index]
     outcome = verdict.outcome
     if expectation.known:
         return Change(verdict, f"left as it is: known to fail ({expectation.known})")
     if outcome.status != expectation.status:
-        found = f"{outcome.status}: {outcome.reason}".removesuffix(": ")
-        return Change(verdict, f"left as it is: {expectation.status} is expected, found is {found}", done=False)
-    numbers = _numbers(case, place)
+        outcome_text = f"{outcome.status}: {outcome.reason}".removesuffix(": ")
+        return Change(verdict, f"left as it is: {expectation.status} is expected, found is {outcome_text}", done=False)
+    numbers = _numbers(case, index)
     limits = {name: _limit(measurement, name, margin) for name in measurement.figures if name in numbers}
     renewed = {name: limit for name, limit in limits.items() if not limit.idle}
-    there = positions(file_text(case), [("expect", place, name) for name in (*renewed, "timestep", "version")])
+    there = positions(file_text(case), [("expect", index, name) for name in (*renewed, "timestep", "version")])
     for name, limit in renewed.items():
-        at = there["expect", place, name].line - 1
+        at = there["expect", index, name].line - 1
         lines[at] = _with_value(lines[at], name, tomlkit.value(limit.number), limit.comment)
     if renewed and renewed.keys() == numbers:
-        version = there.get(("expect", place, "version"))
-        _set_version(lines, version, there["expect", place, "timestep"], verdict.run.version)
+        version = there.get(("expect", index, "version"))
+        _set_version(lines, version, there["expect", index, "timestep"], verdict.run.version)
     idle = _told_idle(limits.values())
     nothing = "left as it is" if numbers else "left as it is: it has no numbers"
     text = "; ".join(filter(None, ("renewed" if renewed else nothing, idle)))
     return Change(verdict, text, done=not idle)
 
 
-def _numbers(case: Case, place: int) -> set[str]:
+def _numbers(case: Case, index: int) -> set[str]:
     """The names of the figures that one of a case's expectations limits by a number, and not by a range."""
-    table = tomllib.loads(file_text(case))["expect"][place]
+    table = tomllib.loads(file_text(case))["expect"][index]
     return {name for name in FIGURES if isinstance(table.get(name), int | float)}
 
 
@@ -314,10 +316,10 @@ def _quoted(text: str) -> str:
 def _limit(measurement: Measurement, name: str, margin: float) -> Limited:
     """The limit of a figure, and the comment on it."""
     value, floor, run = measurement.figures[name], measurement.floors[name], measurement.verdict.run
-    found = f"{value:.3g} measured with {in_words(run.engine, run.version)}"
-    number, comment = _rounded_down(margin * value), f"# {margin:g} x {found}"
+    measured = f"{value:.3g} measured with {in_words(run.engine, run.version)}"
+    number, comment = _rounded_down(margin * value), f"# {margin:g} x {measured}"
     if value < floor:
-        number, comment = _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {found} is rounding"
+        number, comment = _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {measured} is rounding"
     most = measurement.most[name]
     beyond = f"{margin:g} x {value:.3g} is not below {most:.4g}{unit(name)}, the most possible"
     idle = f"no limit of {name}, about which the method says nothing here: {beyond}"

@@ -181,19 +181,19 @@ def judge(results: Results, today: date | None = None, compared: Compared | None
     """
     known = compared.summaries if compared is not None else {}
     groups: dict[tuple[str, float], list[tuple[int, Run]]] = defaultdict(list)
-    for place, run in enumerate(results.runs()):
-        groups[run.case, run.method.timestep].append((place, run))
-    found: dict[int, Verdict] = {}
+    for index, run in enumerate(results.runs()):
+        groups[run.case, run.method.timestep].append((index, run))
+    verdicts: dict[int, Verdict] = {}
     for (name, timestep), runs in groups.items():
         case, truth = results.cases[name], None
-        for place, run in runs:
+        for index, run in runs:
             ordered = any(e.needs_order for e in _concerning(case, run))
             if not ordered and (summary := known.get(run.key)) is not None:
-                found[place] = _verdict(case, run, run.outcome, summary, None, today)
+                verdicts[index] = _verdict(case, run, run.outcome, summary, None, today)
                 continue
             truth = truth or results.truth(name, timestep)
-            found[place] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
-    return [found[place] for place in range(len(found))]
+            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
+    return [verdicts[index] for index in range(len(verdicts))]
 
 
 def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
@@ -234,13 +234,13 @@ def _verdict(
 ) -> Verdict:
     """Return the verdict on a run with its outcome, figures and observed order."""
     expectations = _concerning(case, run)
-    told: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags}
+    common: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags}
     if not expectations:
-        return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **told)
+        return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **common)
     bounds = {} if discrepancy is None else largest_bounds(discrepancy.largest)
     judged, reason = settled(expectations, outcome, discrepancy, order, bounds, today or this_day(), run)
     known = any(expectation.known for expectation in expectations)
-    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), reason, known, judged, **told)
+    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), reason, known, judged, **common)
 
 
 def this_day() -> date:
@@ -368,8 +368,8 @@ def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, 
         return Judged(expectation, breaches, True, f"what is known to fail ({expectation.known}) holds now")
     assert expectation.until is not None  # the grammar requires it
     tolerated = today <= expectation.until
-    told = "known until" if tolerated else "no longer tolerated since"
-    return Judged(expectation, breaches, tolerated, f"{told} {expectation.until.isoformat()} ({expectation.known}): {text}")
+    state = "known until" if tolerated else "no longer tolerated since"
+    return Judged(expectation, breaches, tolerated, f"{state} {expectation.until.isoformat()} ({expectation.known}): {text}")
 
 
 def _concerning(case: Case, run: Run) -> list[Expectation]:

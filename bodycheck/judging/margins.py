@@ -31,9 +31,9 @@ class Margin:
     @property
     def limit(self) -> float:
         """The largest allowed value, or the smallest one of a figure that has no largest."""
-        found = self.at_least if self.at_most is None else self.at_most
-        assert found is not None
-        return found
+        end = self.at_least if self.at_most is None else self.at_most
+        assert end is not None
+        return end
 
     @property
     def factor(self) -> float | None:
@@ -57,8 +57,8 @@ class Margin:
 
     def columns(self) -> dict[str, float]:
         """Return the values of the columns of the limit and, if there is one, the margin."""
-        found = {self.name + LIMIT: self.limit}
-        return found if self.factor is None else found | {self.name + MARGIN: self.factor}
+        columns = {self.name + LIMIT: self.limit}
+        return columns if self.factor is None else columns | {self.name + MARGIN: self.factor}
 
 
 def margins(expectations: Iterable[Expectation], discrepancy: Summary | None) -> tuple[Margin, ...]:
@@ -75,13 +75,13 @@ def margins(expectations: Iterable[Expectation], discrepancy: Summary | None) ->
         return ()
     limits = [limit for expectation in expectations for limit in expectation.limits]
     limited = {limit.name for limit in limits}
-    found = []
+    margins = []
     for name in (name for name in FIGURES if name in limited and name in discrepancy.largest):
         least = [limit.at_least for limit in limits if limit.name == name and limit.at_least is not None]
         most = [limit.at_most for limit in limits if limit.name == name and limit.at_most is not None]
         if least or most:
-            found.append(Margin(name, max(least, default=None), min(most, default=None), discrepancy.largest[name]))
-    return tuple(found)
+            margins.append(Margin(name, max(least, default=None), min(most, default=None), discrepancy.largest[name]))
+    return tuple(margins)
 
 
 def _quotient(above: float, below: float) -> float:

@@ -69,14 +69,14 @@ def judged(
     others = _other_outcomes(scenes, flown, measured.doubtful)
     columns: Columns = {name: np.full(len(scenes), value, dtype=object) for name, value in (("status", OK), ("reason", ""))}
     columns["passed"] = np.full(len(scenes), None, dtype=object)
-    for place, outcome in others.items():
-        columns["status"][place], columns["reason"][place] = outcome.status, outcome.reason
+    for index, outcome in others.items():
+        columns["status"][index], columns["reason"][index] = outcome.status, outcome.reason
         for values in measured.largest.values():
-            values[place] = np.nan
+            values[index] = np.nan
     if concerned:
         _settle(columns, measured, flown, concerned, others, today or this_day())
     else:
-        columns["passed"][[place for place, outcome in others.items() if outcome.failed]] = False
+        columns["passed"][[index for index, outcome in others.items() if outcome.failed]] = False
     missing = np.full(len(scenes), np.nan)
     return columns | {name: measured.largest.get(name, missing) for name in FIGURES}
 
@@ -87,8 +87,8 @@ def one_by_one(cases: Sequence[Case], truths: Sequence[Truth | NoTruth], flown: 
     The runs are those of these cases, or those of scenes that the cases have.
     """
     rows = []
-    for place, (case, truth) in enumerate(zip(cases, truths, strict=True)):
-        outcome = _outcome(flown, place, case.scene)
+    for index, (case, truth) in enumerate(zip(cases, truths, strict=True)):
+        outcome = _outcome(flown, index, case.scene)
         run = Run(case.name, flown.engine, flown.version, flown.method, outcome, scene=case.scene)
         rows.append(verdict(case, truth, run, today=today).row())
     columns: Columns = {name: np.array([row[name] for row in rows], dtype=object) for name in ("status", "reason", "passed")}
@@ -156,8 +156,8 @@ def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]
 def _together(parts: Sequence[_Measured]) -> _Measured:
     """Return what was computed of all members."""
 
-    def column(own: Callable[[_Measured], Mapping[str, Array]], name: str) -> Array:
-        return np.concatenate([own(part).get(name, np.full(len(part.doubtful), np.nan)) for part in parts])
+    def column(columns_of: Callable[[_Measured], Mapping[str, Array]], name: str) -> Array:
+        return np.concatenate([columns_of(part).get(name, np.full(len(part.doubtful), np.nan)) for part in parts])
 
     measured = {name for part in parts for name in part.largest}
     return _Measured(
@@ -169,22 +169,22 @@ def _together(parts: Sequence[_Measured]) -> _Measured:
 
 def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -> dict[int, Outcome]:
     """Return how the runs ended that have not completed, by the places of their scenes."""
-    found = dict(flown.ended)
-    for place in np.flatnonzero(doubtful).tolist():
-        if place not in found and not isinstance(outcome := _outcome(flown, place, scenes.scene(place)), Completed):
-            found[place] = outcome
-    return found
+    outcomes = dict(flown.ended)
+    for index in np.flatnonzero(doubtful).tolist():
+        if index not in outcomes and not isinstance(outcome := _outcome(flown, index, scenes.scene(index)), Completed):
+            outcomes[index] = outcome
+    return outcomes
 
 
-def _outcome(flown: Flown, place: int, scene: AnyScene) -> Outcome:
+def _outcome(flown: Flown, index: int, scene: AnyScene) -> Outcome:
     """Return how the run of a member ended, whose scene is given."""
-    if place in flown.ended:
-        return flown.ended[place]
-    seconds, normalised = flown.wall_time / len(flown), NormError(float(flown.norm_error[place]))
+    if index in flown.ended:
+        return flown.ended[index]
+    seconds, normalised = flown.wall_time / len(flown), NormError(float(flown.norm_error[index]))
     try:
-        return simulation.outcome_of(flown.states[place], normalised, scene, flown.method, flown.steps, seconds)
+        return simulation.outcome_of(flown.states[index], normalised, scene, flown.method, flown.steps, seconds)
     except simulation.AdapterFault as fault:
-        return simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[place])
+        return simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[index])
 
 
 def _settle(
@@ -198,16 +198,16 @@ def _settle(
     """Fill in whether the runs meet the expectations that concern them, and what is said of those that do not."""
     met = _surely_met(columns["status"], measured.largest, expectations)
     columns["passed"][met] = True
-    for place in np.flatnonzero(~met).tolist():
-        values = {name: float(column[place]) for name, column in measured.largest.items()}
-        summary = Summary(values, {name: float(column[place]) for name, column in measured.instants.items()})
+    for index in np.flatnonzero(~met).tolist():
+        values = {name: float(column[index]) for name, column in measured.largest.items()}
+        summary = Summary(values, {name: float(column[index]) for name, column in measured.instants.items()})
         bounds = {figure.name: values.get(figure.bounded_by, np.nan) for figure in FIGURES.values() if figure.bounded_by}
         known = {name: bound for name, bound in bounds.items() if not np.isnan(bound)}
-        outcome = others.get(place) or _completed(flown, place)
+        outcome = others.get(index) or _completed(flown, index)
         discrepancy = summary if isinstance(outcome, Completed) else None
-        run = Run(flown.names[place], flown.engine, flown.version, flown.method, outcome)
-        found, columns["reason"][place] = settled(expectations, outcome, discrepancy, None, known, today, run)
-        columns["passed"][place] = all(one.held for one in found)
+        run = Run(flown.names[index], flown.engine, flown.version, flown.method, outcome)
+        judgements, columns["reason"][index] = settled(expectations, outcome, discrepancy, None, known, today, run)
+        columns["passed"][index] = all(one.held for one in judgements)
 
 
 def _surely_met(status: NDArray[Any], largest: Mapping[str, Array], expectations: Sequence[Expectation]) -> NDArray[np.bool_]:
@@ -227,6 +227,6 @@ def _within(limit: Limit, values: Array) -> NDArray[np.bool_]:
     return np.asarray((values >= above) & (values <= below))
 
 
-def _completed(flown: Flown, place: int) -> Completed:
-    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[place])
+def _completed(flown: Flown, index: int) -> Completed:
+    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[index])
     return Completed(trajectory, int(flown.steps[-1]), flown.wall_time / len(flown))

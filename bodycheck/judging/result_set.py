@@ -1,5 +1,6 @@
 """Sets of results with their verdicts, from which reports of one set or of several compared sets are made."""
 
+import io
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,16 +8,21 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 from bodycheck.adapters.contract import Kind
 from bodycheck.errors import BadInput
-from bodycheck.judging import attribution, judgement, result_files
+from bodycheck.files import writing
+from bodycheck.judging import attribution, judgement
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.judgement import Compared, Verdict
 from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.judging.schemes.run_classes import classes_of
-from bodycheck.results import origin
+from bodycheck.results import csv_tables, origin
+from bodycheck.results.origin import Origins, with_origin
 from bodycheck.results.store import Results
+from bodycheck.results.tables import RESULTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +55,10 @@ class ResultSet:
     @cached_property
     def verdicts_by_case(self) -> Mapping[str, Sequence[Verdict]]:
         """The verdicts on the runs of each case, by its name."""
-        found: dict[str, list[Verdict]] = defaultdict(list)
+        by_case: dict[str, list[Verdict]] = defaultdict(list)
         for verdict in self.verdicts:
-            found[verdict.run.case].append(verdict)
-        return found
+            by_case[verdict.run.case].append(verdict)
+        return by_case
 
     @cached_property
     def classes(self) -> Mapping[Kind, tuple[MethodClass, ...]]:
@@ -62,10 +68,10 @@ class ResultSet:
     @cached_property
     def parts_by_case(self) -> Mapping[str, Sequence[Attribution]]:
         """The parts of the discrepancies of contact of each case, by its name."""
-        found: dict[str, list[Attribution]] = defaultdict(list)
+        by_case: dict[str, list[Attribution]] = defaultdict(list)
         for part in self.parts:
-            found[part.case].append(part)
-        return found
+            by_case[part.case].append(part)
+        return by_case
 
 
 def judged(results: Results, label: str = "", compared: Compared | None = None) -> ResultSet:
@@ -89,14 +95,23 @@ def labels(folders: Sequence[Path]) -> list[str]:
             raise BadInput(f"{folder}: is given twice")
     deepest = max(len(path.parts) for path in paths)
     ends = [["/".join(path.parts[-parts:]) for path in paths] for parts in range(1, deepest + 1)]
-    return next(found for found in ends if len(set(found)) == len(found))
+    return next(names for names in ends if len(set(names)) == len(names))
 
 
 def write(sets: Sequence[ResultSet], folder: Path) -> None:
     """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder.
 
-    All of them say where their numbers come from; beside a CSV file is a file with its metadata.
+    All of them say where their numbers come from; beside a CSV file is a file with its metadata. Raises `NotWritten`.
     """
     origins = [origin.stored(one.results.header, one.label) for one in sets]
-    result_files.write([verdict for one in sets for verdict in one.verdicts], folder, origins)
+    verdicts = [verdict for one in sets for verdict in one.verdicts]
+    table = judgement.arrow(verdicts)
+    csv_tables.write(folder, RESULTS, judgement.records(verdicts), origins, table.column_names)
+    writing.write(folder / "results.parquet", _parquet(table, origins))
     attribution.write({one.label: one.parts for one in sets}, folder, origins)
+
+
+def _parquet(table: pa.Table, origins: Origins) -> bytes:
+    content = io.BytesIO()
+    pq.write_table(with_origin(table, origins), content)
+    return content.getvalue()

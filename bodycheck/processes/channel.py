@@ -119,13 +119,13 @@ class Worker:
         self._socket.close()
 
     def _read(self, length: int) -> bytes:
-        found = bytearray()
-        while len(found) < length:
-            chunk = self._socket.recv(min(length - len(found), CHUNK_BYTES))
+        received = bytearray()
+        while len(received) < length:
+            chunk = self._socket.recv(min(length - len(received), CHUNK_BYTES))
             if not chunk:
                 raise EOFError
-            found += chunk
-        return bytes(found)
+            received += chunk
+        return bytes(received)
 
 
 def _framed(mark: bytes, number: int, message: bytes) -> bytes:

@@ -90,23 +90,23 @@ def _ending(worker: int) -> int:
 
 def _reaped() -> dict[int, int]:
     """The statuses of the children that have ended. Raises `ChildProcessError` if there is none, ended or not."""
-    found = dict([os.waitpid(-1, os.WNOHANG)])
-    while 0 not in found:
+    statuses = dict([os.waitpid(-1, os.WNOHANG)])
+    while 0 not in statuses:
         try:
-            found.update([os.waitpid(-1, os.WNOHANG)])
+            statuses.update([os.waitpid(-1, os.WNOHANG)])
         except ChildProcessError:  # those were all
             break
-    return found
+    return statuses
 
 
 def _children() -> list[int]:
     """The processes whose parent is this one, those that have been adopted included."""
-    own, found = str(os.getpid()), []
+    guard, children = str(os.getpid()), []
     for process in Path("/proc").iterdir():
         with contextlib.suppress(OSError):  # gone meanwhile
-            if process.name.isdigit() and (process / "stat").read_bytes().rpartition(b")")[2].split()[1] == own.encode():
-                found.append(int(process.name))
-    return found
+            if process.name.isdigit() and (process / "stat").read_bytes().rpartition(b")")[2].split()[1] == guard.encode():
+                children.append(int(process.name))
+    return children
 
 
 def _end_as(status: int) -> None:

@@ -72,7 +72,7 @@ class Interpreter:
             start_new_session=True,
             pass_fds=() if sys.platform == "win32" else (theirs.fileno(),),
         )
-        told = {
+        settings = {
             "path": None if self.apart else sys.path,
             "bytecode": bytecode_folder(),
             "parent": os.getpid(),
@@ -83,7 +83,7 @@ class Interpreter:
         }
         assert process.stdin is not None
         with contextlib.suppress(OSError), process.stdin as stdin:  # a process that has ended already is seen by its channel
-            stdin.write(json.dumps(told).encode("utf-8") + b"\n")
+            stdin.write(json.dumps(settings).encode("utf-8") + b"\n")
         return process
 
 

@@ -12,10 +12,11 @@ import subprocess
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import wait
-from typing import Any, NamedTuple, TypeVar
+from threading import Event
+from time import perf_counter
+from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.processes import channel, guard
@@ -27,6 +28,9 @@ Result = TypeVar("Result")
 
 #: Interval at which silent processes are checked for being alive.
 POLL_INTERVAL_S = 1.0
+
+#: Time for which the first worker of a group is alone. A start costs more than a few short calls, which it makes meanwhile.
+ALONE_S = 1.0
 
 #: Interval at which the rest of a message is sent that a socket did not take at once.
 SENDING_INTERVAL_S = 0.01
@@ -60,180 +64,156 @@ class Home:
 
 
 def _one_group(argument: object) -> None:
-    """All calls belong to one group."""
+    """Return the group of all calls."""
 
 
 def _here(group: object) -> Home:
-    """All processes live in this interpreter."""
+    """Return this interpreter as the home of all processes."""
     return Home()
 
 
-def call_all(
-    function: Callable[[Argument], Result],
-    arguments: Sequence[Argument],
-    jobs: int,
-    limit: float,
-    memory: int = MEMORY_LIMIT_BYTES,
-    group: Callable[[Argument], Hashable] = _one_group,
-    home: Callable[[Any], Home] = _here,
-) -> Generator[tuple[Argument, Result | Crashed | TimedOut], None, None]:
-    """Yield every argument with the result of function(argument), in the order in which the calls finish.
+class Cancelled(Exception):
+    """The calls of some workers are not needed any more."""
+
+
+@dataclass(eq=False)
+class Workers(Generic[Argument, Result]):
+    """Worker processes that call one function. They end with the context that this is.
 
     The result of a call that raises an exception, including `SystemExit`, or whose process dies is `Crashed`. If a process dies
     after earlier calls, the last call is repeated in a new process, because an earlier call may have caused the failure.
 
-    The generator must be iterated by one thread; the processes end with that thread.
+    One thread must make all calls; the processes end with that thread. Several threads may each have workers at the same time.
 
     Parameters
     ----------
     function
         The function. It must be importable by name, and its arguments and results must be picklable.
-    arguments
-        The arguments of the calls.
     jobs
-        The number of processes.
+        The number of processes that make calls at the same time.
     limit
         The time limit of one call (s). A call that exceeds it is killed, and its result is `TimedOut`.
     memory
         The memory limit of one call (bytes), where the operating system supports it (see `limits`).
     group
-        What a call belongs to; calls of different groups are made in different processes.
+        The group of a call; calls of different groups are made in different processes.
     home
-        Where the processes of a group live.
-    """
-    with closing(_Calls(function, jobs, limit, memory, group, home).results(arguments)) as results:
-        for place, result in results:
-            yield arguments[place], result
-
-
-@contextmanager
-def caller(
-    function: Callable[[Argument], Result],
-    limit: float,
-    memory: int = MEMORY_LIMIT_BYTES,
-    group: Callable[[Argument], Hashable] = _one_group,
-    home: Callable[[Any], Home] = _here,
-) -> Iterator[Callable[[Argument], Result | Crashed | TimedOut]]:
-    """Provide a function that calls `function` in the worker process of the call's group, which is kept between calls.
-
-    Failures, limits and parameters are those of `call_all`. Several threads may each have a caller of their own at the same
-    time; the processes of a caller end with the thread that made its first call.
-    """
-    with crew(function, 1, limit, memory, group, home) as call_each:
-        yield lambda argument: call_each([argument])[0]
-
-
-@contextmanager
-def crew(
-    function: Callable[[Argument], Result],
-    jobs: int,
-    limit: float,
-    memory: int = MEMORY_LIMIT_BYTES,
-    group: Callable[[Argument], Hashable] = _one_group,
-    home: Callable[[Any], Home] = _here,
-) -> Iterator[Callable[[Sequence[Argument]], list[Result | Crashed | TimedOut]]]:
-    """Provide a function that calls `function` with each of some arguments and returns the results in their order.
-
-    Each group has one worker process, which is kept between calls and makes the calls of its group in turn. Those of different
-    groups are made at the same time, at most `jobs` of them. Failures, limits and parameters are those of `call_all`.
-    """
-    with closing(_Calls(function, jobs, limit, memory, group, home, kept={})) as calls:
-
-        def call_each(arguments: Sequence[Argument]) -> list[Result | Crashed | TimedOut]:
-            results = dict(calls.results(arguments))
-            return [results[place] for place in range(len(arguments))]
-
-        yield call_each
-
-
-@dataclass(eq=False)
-class _Calls:
-    """The function and limits of calls, and the worker processes that are kept for further calls.
-
-    `kept` has the idle worker of each group; a group then has one worker at most. It is None if a worker ends when there is no
-    call left for it, and a group may then have as many workers as there are processes.
+        The interpreter and the preparation of the processes of a group.
+    kept
+        Whether each group has one process, which lives until the context ends. Otherwise a group has as many as there are free,
+        and a process ends when `map` has no further calls for it.
+    cancelled
+        An event that another thread sets when nobody waits for the calls any more.
     """
 
-    function: Callable[[Any], Any]
+    function: Callable[[Argument], Result]
     jobs: int
     limit: float
-    memory: int
-    group: Callable[[Any], Hashable]
-    home: Callable[[Any], Home]
-    kept: "dict[Hashable, _Worker] | None" = None
+    memory: int = MEMORY_LIMIT_BYTES
+    group: Callable[[Argument], Hashable] = _one_group
+    home: Callable[[Any], Home] = _here
+    kept: bool = False
+    cancelled: Event = field(default_factory=Event)
+    _busy: "list[_Worker]" = field(default_factory=list, init=False)
+    _idle: "dict[Hashable, _Worker]" = field(default_factory=dict, init=False)
 
-    def results(self, arguments: Sequence[Any]) -> Generator[tuple[int, Any], None, None]:
-        """Make the calls and yield the place of each argument with its result, in the order in which the calls finish."""
-        queue = _Queue(list(map(self.group, arguments)), self.jobs if self.kept is None else 1)
-        busy: list[_Worker] = []
-        try:
-            while queue or busy:
-                yield from self._staff(queue, busy, arguments)
-                wait([worker.channel.socket for worker in busy], _poll_timeout(busy))
-                for worker in tuple(busy):
-                    if (answer := _answer(worker)) is not None:
-                        yield from self._settle(worker, answer, queue, busy, arguments)
-        finally:
-            for worker in busy:
-                worker.stop()
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
 
     def close(self) -> None:
-        """Stop the workers that were kept."""
-        for worker in (self.kept or {}).values():
-            worker.stop()
+        """End all processes."""
+        self._stop_busy()
+        while self._idle:
+            self._idle.popitem()[1].stop()
 
-    def _staff(self, queue: "_Queue", busy: "list[_Worker]", arguments: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def call(self, argument: Argument) -> Result | Crashed | TimedOut:
+        """Call the function. Raises `Cancelled`."""
+        ((_, result),) = self.map([argument])
+        return result
+
+    def map(self, arguments: Sequence[Argument]) -> Generator[tuple[Argument, Result | Crashed | TimedOut], None, None]:
+        """Yield every argument with the result of function(argument), in the order in which the calls finish.
+
+        The generator must be finished or closed before the next call. Raises `Cancelled` at most `POLL_INTERVAL_S` after the
+        event.
+        """
+        queue = _Queue(arguments, self.group, 1 if self.kept else self.jobs)
+        try:
+            while queue or self._busy:
+                if self.cancelled.is_set():
+                    raise Cancelled
+                for index, result in self._step(queue):
+                    yield arguments[index], result
+        finally:
+            self._stop_busy()
+
+    def _step(self, queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
+        """Start workers that calls lack, wait for answers, and yield the index of each call that is done with its result."""
+        yield from self._staff(queue)
+        wait([worker.channel.socket for worker in self._busy], _poll_timeout(self._busy))
+        for worker in tuple(self._busy):
+            if (answer := _answer(worker)) is not None:
+                yield from self._settle(worker, answer, queue)
+
+    def _staff(self, queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
         """Add workers to the busy ones while calls lack them, and yield the calls for which no process can be started."""
-        while len(busy) < self.jobs and queue.wants(busy):
-            following = queue.group_for(busy)
-            if self.kept and following in self.kept:
-                busy.append(self.kept.pop(following))
-                self._continue(busy[-1], queue, arguments)
+        while len(self._busy) < self.jobs and queue.wants(self._busy):
+            group = queue.group_for(self._busy)
+            if group in self._idle:
+                self._busy.append(self._idle.pop(group))
+                self._continue(self._busy[-1], queue)
                 continue
             try:
-                busy.append(_start(following, self.home(following), self.memory))
+                self._busy.append(_start(group, self.home(group), self.memory))
             except OSError as error:
-                yield from ((left, _no_process(error)) for left in queue.take(following))
+                failure = Crashed(f"its process cannot be started: {error}")
+                yield from ((index, failure) for index in queue.take(group))
 
-    def _settle(
-        self, worker: "_Worker", answer: "_Answer", queue: "_Queue", busy: "list[_Worker]", arguments: Sequence[Any]
-    ) -> Iterator[tuple[int, Any]]:
-        """Let a worker that has answered make its next call or dismiss it, and yield what is known of its calls by now."""
-        place = worker.place
-        if not (answer.reusable and self._continue(worker, queue, arguments)):
-            busy.remove(worker)
-            if answer.reusable and self.kept is not None:
-                self.kept[worker.group] = worker
+    def _settle(self, worker: "_Worker", answer: "_Answer", queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
+        """Let a worker that has answered make its next call or dismiss it, and yield the calls that are done thereby."""
+        index = worker.index
+        if not (answer.reusable and self._continue(worker, queue)):
+            self._busy.remove(worker)
+            if answer.reusable and self.kept:
+                self._idle[worker.group] = worker
             else:
                 worker.stop()
-        if place is None:
+        if index is None:
             if not answer.reusable:  # its preparation failed
                 yield from ((left, answer.result) for left in queue.take(worker.group))
         elif answer.died and worker.calls > 1:
-            queue.repeat(place)
+            queue.repeat(index)
         else:
-            yield place, answer.result
+            yield index, answer.result
 
-    def _continue(self, worker: "_Worker", queue: "_Queue", arguments: Sequence[Any]) -> bool:
+    def _continue(self, worker: "_Worker", queue: "_Queue[Argument]") -> bool:
         """Let a worker make the next call that it may make; return whether there is one."""
-        if (place := queue.following(worker)) is None:
+        if (index := queue.following(worker)) is None:
             return False
-        worker.call(place, self.function, arguments[place], self.limit)
+        worker.call(index, self.function, queue.arguments[index], self.limit)
         return True
 
+    def _stop_busy(self) -> None:
+        while self._busy:
+            self._busy.pop().stop()
 
-class _Queue:
-    """The places of the calls that are to be made, by group, and of those that are repeated in a fresh process.
 
-    A group is served by at most `most` workers at the same time.
+class _Queue(Generic[Argument]):
+    """The indices of the calls that are to be made, by group, and of those that are repeated in a fresh process.
+
+    A group is served by at most `most` workers at the same time, and by one in the first `ALONE_S`.
     """
 
-    def __init__(self, groups: Sequence[Hashable], most: int) -> None:
-        self._groups, self._most = groups, most
+    def __init__(self, arguments: Sequence[Argument], group: Callable[[Argument], Hashable], most: int) -> None:
+        self.arguments, self._groups, self._most = arguments, list(map(group, arguments)), most
         self._waiting: dict[Hashable, deque[int]] = {}
         self._suspects: dict[Hashable, deque[int]] = {}
-        for place, group in enumerate(groups):
-            self._waiting.setdefault(group, deque()).append(place)
+        self._begun: dict[Hashable, float] = {}
+        for index, name in enumerate(self._groups):
+            self._waiting.setdefault(name, deque()).append(index)
 
     def __bool__(self) -> bool:
         return bool(self._waiting or self._suspects)
@@ -252,24 +232,26 @@ class _Queue:
         """Take and return the next call for a worker; None if it must not make any that is left."""
         for calls in (self._suspects, self._waiting) if worker.fresh else (self._waiting,):
             if worker.group in calls:
-                place = calls[worker.group].popleft()
+                index = calls[worker.group].popleft()
                 if not calls[worker.group]:
                     del calls[worker.group]
-                return place
+                return index
         return None
 
-    def repeat(self, place: int) -> None:
+    def repeat(self, index: int) -> None:
         """Put a call back, to be made in a fresh process."""
-        self._suspects.setdefault(self._groups[place], deque()).append(place)
+        self._suspects.setdefault(self._groups[index], deque()).append(index)
 
     def take(self, group: Hashable) -> list[int]:
         """Take and return all calls of a group."""
         return [*self._suspects.pop(group, ()), *self._waiting.pop(group, ())]
 
     def _lacks(self, group: Hashable, workers: "Sequence[_Worker]") -> bool:
-        own = [worker for worker in workers if worker.group == group]
+        serving = [worker for worker in workers if worker.group == group]
         left = len(self._suspects.get(group, ())) + len(self._waiting.get(group, ()))
-        return len(own) < self._most and left > sum(worker.fresh for worker in own)
+        if len(serving) >= self._most or left <= sum(worker.fresh for worker in serving):
+            return False
+        return not serving or perf_counter() > self._begun.setdefault(group, perf_counter()) + ALONE_S
 
 
 class _Answer(NamedTuple):
@@ -284,7 +266,7 @@ class _Answer(NamedTuple):
 class _Worker:
     """A worker process of a group and this end of its channel.
 
-    `place` is the index of the argument of its present call; None while it starts and is prepared. `number` is that of the
+    `index` is that of the argument of its present call; None while it starts and is prepared. `number` is that of the
     message which it is to answer, and `calls` how many calls it was given.
     """
 
@@ -294,7 +276,7 @@ class _Worker:
     home: Home
     limit: float
     deadline: float
-    place: int | None = None
+    index: int | None = None
     number: int = 0
     calls: int = 0
 
@@ -306,8 +288,8 @@ class _Worker:
     def to_prepare(self) -> bool:
         return self.number == 0 and self.home.prepare is not None
 
-    def call(self, place: int, function: Callable[[Any], Any], argument: Any, limit: float) -> None:
-        self.place, self.calls = place, self.calls + 1
+    def call(self, index: int, function: Callable[[Any], Any], argument: Any, limit: float) -> None:
+        self.index, self.calls = index, self.calls + 1
         self._send(function, argument, False, limit)
 
     def prepare(self) -> None:
@@ -333,10 +315,6 @@ def _start(group: Hashable, home: Home, memory: int) -> _Worker:
     return _Worker(process, ours, group, home, home.limit, time.monotonic() + home.limit)
 
 
-def _no_process(error: OSError) -> Crashed:
-    return Crashed(f"its process cannot be started: {error}")
-
-
 def _poll_timeout(workers: Sequence[_Worker]) -> float:
     nearest = min((worker.deadline for worker in workers), default=0.0) - time.monotonic()
     longest = SENDING_INTERVAL_S if any(worker.channel.busy for worker in workers) else POLL_INTERVAL_S
@@ -355,7 +333,7 @@ def _answer(worker: _Worker) -> _Answer | None:
                         worker.prepare()
                         return None
                     answer = _Answer(*pickle.loads(message))
-                    failed = worker.place is None and isinstance(answer.result, Crashed)
+                    failed = worker.index is None and isinstance(answer.result, Crashed)
                     return answer._replace(reusable=answer.reusable and not failed)
             if not (ended and more):
                 break

@@ -31,7 +31,7 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
     """
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
-    served, own = channel.Worker(inherited(descriptor), bytes.fromhex(mark)), os.getpid()
+    served, process = channel.Worker(inherited(descriptor), bytes.fromhex(mark)), os.getpid()
     if hasattr(os, "register_at_fork"):
         os.register_at_fork(after_in_child=served.close)
     limits.allow_memory(memory)
@@ -42,7 +42,7 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
         while True:
             number, message = served.receive()
             result, preparing = _made(message)
-            if os.getpid() != own:  # the engine has made a copy of the process, and the copy must not answer
+            if os.getpid() != process:  # the engine has made a copy of the process, and the copy must not answer
                 os._exit(0)
             if preparing:
                 limits.allow_memory(memory)

@@ -4,5 +4,5 @@
   of truths, `trajectory_files` the states, and `csv_tables` the tables.
 - `key` identifies a run, and `outcome` defines how a run may end. `unchecked` reads records without checking all of them.
 - `verdicts` is the vocabulary of verdicts: their words, marks and meanings.
-- `origin`, `machine` and `versions` describe where and with what results were made.
+- `origin` and `versions` describe where and with what results were made.
 """

@@ -153,12 +153,12 @@ def header(path: Path) -> Record:
     """Return the header of a journal, of which nothing else is read. Raises `BadJournal`."""
     try:
         line = reading.content(path, MAX_BYTES).partition(b"\n")[0]
-        found = _record(line, 1, CHECKED_LINE.fullmatch(line) is not None)
-        if found.get("record") != "header":
+        record = _record(line, 1, CHECKED_LINE.fullmatch(line) is not None)
+        if record.get("record") != "header":
             raise ValueError("the first line must be a header")
     except (OSError, ValueError, RecursionError) as error:
         raise BadJournal(f"{path}: not a journal: {error}") from error
-    return found
+    return record
 
 
 def _lock(path: Path) -> BaseFileLock:
@@ -209,8 +209,8 @@ def _line(record: Record) -> bytes:
 
 def _record(line: bytes, number: int, checked: bool) -> Record:
     """Return the record in a line. Raises `ValueError` if its checksum is wrong, or missing although it must be there."""
-    found = CHECKED_LINE.fullmatch(line)
-    if checked and (found is None or _checksum(found[1]) != found[2]):
+    match = CHECKED_LINE.fullmatch(line)
+    if checked and (match is None or _checksum(match[1]) != match[2]):
         raise ValueError(f"line {number} was changed after it was written: its checksum is wrong")
     record: Any = json.loads(line)
     if not isinstance(record, dict):

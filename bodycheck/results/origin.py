@@ -1,4 +1,4 @@
-"""Where the numbers of a table come from, for the tables themselves: versions, machine, command, and a hash of each case.
+"""The origin of the numbers of a table, for the tables themselves: versions, machine, command, and a hash of each case.
 
 Parquet files have it in the metadata of their schema, with the unit and the meaning of each column in the metadata of its
 field. A CSV file has no place for it: a comment before the header, or a second header with units, is taken for data by most
@@ -77,8 +77,8 @@ def with_origin(table: Any, origins: Origins) -> Any:
     fields = []
     for field in table.schema:
         column = COLUMNS.get(field.name)
-        told = {"description": column.told, "unit": column.unit or column.counts} if column is not None else {}
-        fields.append(field.with_metadata({name: value for name, value in told.items() if value}))
+        described = {"description": column.told, "unit": column.unit or column.counts} if column is not None else {}
+        fields.append(field.with_metadata({name: value for name, value in described.items() if value}))
     metadata = {**(table.schema.metadata or {}), KEY.encode(): json.dumps(list(origins), ensure_ascii=False).encode()}
     return table.cast(pa.schema(fields, metadata))
 

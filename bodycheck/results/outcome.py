@@ -13,7 +13,7 @@ from bodycheck.results.key import RunKey
 
 
 class AdapterFault(Exception):
-    """What an adapter returned cannot be the states of its engine; the text says why."""
+    """An adapter returned values that cannot be the states of its engine; the text says why."""
 
 
 class Stored(Protocol):

@@ -1,4 +1,6 @@
-"""What the records of saved results must hold. They are checked when they are read, since a folder may come from anyone."""
+"""The required contents of the records of saved results.
+
+Records are checked when they are read, since a folder may come from anyone."""
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
@@ -42,7 +44,7 @@ Place = Annotated[int, Field(strict=True, ge=-1)]
 
 @dataclass(frozen=True)
 class HeaderRecord:
-    """What every report tells of the origin of results; see `bodycheck.results.header`."""
+    """The origin of results, which every report tells; see `bodycheck.results.header`."""
 
     bodycheck: Printable
     command: list[str]
@@ -105,7 +107,7 @@ class LawRecord:
 
 @dataclass(frozen=True)
 class StopRecord:
-    """Where and when a body stops."""
+    """The position and the time at which a body stops."""
 
     time: Duration
     position: tuple[Finite, Finite, Finite]
@@ -137,7 +139,7 @@ class EventRecord:
 
 @dataclass(frozen=True)
 class InterfaceRecord:
-    """What two bodies at rest bear on each other."""
+    """The load between two bodies at rest."""
 
     bodies: tuple[Place, Place]
     load: Finite
@@ -145,7 +147,7 @@ class InterfaceRecord:
 
 @dataclass(frozen=True)
 class BorneRecord(InterfaceRecord):
-    """What two bodies bore on each other in a run."""
+    """The load between two bodies in a run."""
 
     losses: Count
 
@@ -218,7 +220,7 @@ class FailedRecord(RunRecord):
 
 @dataclass(frozen=True)
 class StoppedRecord:
-    """Where the body of a case stops under a law of friction."""
+    """The stop of the body of a case under a law of friction."""
 
     case: Name
     law: LawRecord
@@ -236,13 +238,13 @@ RUNS: dict[str, type[RunRecord]] = {
 def typed(kind: type[T], values: Any) -> T:
     """Return an instance of a dataclass with the values of a JSON object. Raises `ValueError` naming what does not fit."""
     try:
-        made: T = _adapter(cast(Hashable, kind)).validate_python(values)
+        instance: T = _adapter(cast(Hashable, kind)).validate_python(values)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         names = [repr(name) for name in fault["loc"]]
         read = "" if fault["type"] == "missing" else f", read {fault['input']!r:.60}"
         raise ValueError(f"{', '.join(names) or 'a record'}: {fault['msg']}{read}") from error
-    return made
+    return instance
 
 
 def check(record: dict[str, Any]) -> None:

@@ -176,11 +176,11 @@ class Results:
     @cached_property
     def cases(self) -> dict[str, Case]:
         """The cases that were run, by name. Raises `CaseFaults` or `BadFolder` if their texts are damaged."""
-        found = {entry["name"]: self._case(entry["name"], entry["text"]) for entry in self.header["cases"]}
-        for name, case in found.items():
+        cases = {entry["name"]: self._case(entry["name"], entry["text"]) for entry in self.header["cases"]}
+        for name, case in cases.items():
             if case.name != name:
                 raise BadFolder(f"{self.folder}: damaged: the case {name} is called {case.name} in its own text")
-        return found
+        return cases
 
     def only(self, names: Collection[str]) -> "Results":
         """Return the results of the cases with some names alone."""
@@ -208,8 +208,8 @@ class Results:
     def run(self, key: RunKey) -> Run | None:
         """Return the run with a key, or None if there is none; its time step may differ by the rounding of a quotient."""
         steps, runs = self._by_method.get(key.over_steps, ((), ()))
-        place = bisect_left(steps, key.method.timestep)
-        near = range(max(place - 1, 0), min(place + 1, len(steps)))
+        index = bisect_left(steps, key.method.timestep)
+        near = range(max(index - 1, 0), min(index + 1, len(steps)))
         return next((runs[at] for at in near if key.method.is_at(steps[at])), None)
 
     def truth(self, case: str, timestep: float) -> Truth | NoTruth:
@@ -238,12 +238,12 @@ class Results:
 
     def stop_of(self, case: str) -> Stop | None:
         """Return where and when the body of a case stops, by its truths; None if it still moves at their last instants."""
-        own = [record for (name, _), record in self._truths.items() if name == case]
-        return next((truth_records.stop(record["stop"]) for record in own if record.get("stop") is not None), None)
+        records = [record for (name, _), record in self._truths.items() if name == case]
+        return next((truth_records.stop(record["stop"]) for record in records if record.get("stop") is not None), None)
 
     @cached_property
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
-        """Where and when the body of a case stops under a law of friction, by the case's name and the plane with the law.
+        """The stop of the body of a case under a law of friction, by the case's name and the plane with the law.
 
         An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
         """
@@ -266,10 +266,10 @@ class Results:
     @cached_property
     def _by_method(self) -> dict[RunKey, tuple[list[float], list[Run]]]:
         """The time steps (s) of each method on each case, ascending, and the runs with them."""
-        found: dict[RunKey, list[Run]] = defaultdict(list)
+        runs_by_method: dict[RunKey, list[Run]] = defaultdict(list)
         for run in sorted(self._runs, key=lambda run: run.method.timestep):
-            found[run.key.over_steps].append(run)
-        return {key: ([run.method.timestep for run in runs], runs) for key, runs in found.items()}
+            runs_by_method[run.key.over_steps].append(run)
+        return {key: ([run.method.timestep for run in runs], runs) for key, runs in runs_by_method.items()}
 
     def _run_of(self, record: dict[str, Any]) -> Run:
         key = RunKey.of_row(record)
@@ -304,11 +304,11 @@ def read(folder: Path) -> Results:
     return Results(folder, cast(StoredHeader, LATER | contents.header), tuple(latest.values()), contents.complete)
 
 
-def _check(header: dict[str, Any], found: Sequence[dict[str, Any]]) -> None:
+def _check(header: dict[str, Any], entries: Sequence[dict[str, Any]]) -> None:
     """Raise `ValueError` unless the header and the records of a results folder have what is read of them."""
     records.typed(records.HeaderRecord, header)
     names = {case.name for case in records.typed(records.CasesRecord, header).cases}
-    for record in found:
+    for record in entries:
         records.check(record)
         if record["case"] not in names:
             raise ValueError(f"a {record['record']} of the case {record['case']!r}, which the header does not contain")
@@ -366,9 +366,9 @@ def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
         for path in folder.rglob("*"):
             if writing.is_part(path):
                 path.unlink()
-        for place, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
-            for path in (Path(place, name) for name in names):
+        for subfolder, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
+            for path in (Path(subfolder, name) for name in names):
                 if path.relative_to(folder) not in kept:
                     path.unlink()
             with contextlib.suppress(OSError):  # it is not empty
-                os.rmdir(place)
+                os.rmdir(subfolder)

@@ -154,10 +154,10 @@ def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict
         for field in table.schema:
             if field.type != pa.float64() or table[field.name].null_count:
                 raise ValueError(f"its column {field.name} does not hold numbers alone")
-        found = {name: columns.numbers_of(table[name]) for name in table.column_names}
+        numbers = {name: columns.numbers_of(table[name]) for name in table.column_names}
     except (OSError, pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError) as error:
         raise BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}") from error
-    return found
+    return numbers
 
 
 def _columns_of(bodies: Sequence[str]) -> tuple[str, ...]:

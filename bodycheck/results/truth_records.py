@@ -1,4 +1,4 @@
-"""How a truth stands in a record of the journal, apart from its trajectory: how it was found, and what happens in it."""
+"""The record of a truth in the journal, apart from its trajectory: the methods that computed it, and its events."""
 
 import math
 from collections.abc import Mapping
@@ -43,23 +43,23 @@ def ways(record: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def stop(found: Mapping[str, Any] | None) -> Stop | None:
+def stop(record: Mapping[str, Any] | None) -> Stop | None:
     """Return the stop in a record of a truth or of a stop."""
-    return None if found is None else Stop(found["time"], tuple(found["position"]), found["yaw"])
+    return None if record is None else Stop(record["time"], tuple(record["position"]), record["yaw"])
 
 
 def loads(record: Mapping[str, Any]) -> tuple[InterfaceLoad, ...] | None:
     """Return the loads between bodies at rest in the record of a run; earlier versions recorded none."""
-    found = record.get("interfaces")
-    return None if found is None else tuple(InterfaceLoad(tuple(one["bodies"]), one["load"], one["losses"]) for one in found)
+    stored = record.get("interfaces")
+    return None if stored is None else tuple(InterfaceLoad(tuple(one["bodies"]), one["load"], one["losses"]) for one in stored)
 
 
-def _event(found: Mapping[str, Any]) -> Event:
-    vectors = {name: tuple(math.nan if one is None else one for one in found[name]) for name in EVENT_VECTORS}
-    return Event(**({**found} | vectors))
+def _event(record: Mapping[str, Any]) -> Event:
+    vectors = {name: tuple(math.nan if one is None else one for one in record[name]) for name in EVENT_VECTORS}
+    return Event(**({**record} | vectors))
 
 
 def _event_told(event: Event) -> dict[str, Any]:
     """Return an event for a record, in which what mechanics does not give is null."""
-    found = asdict(event)
-    return found | {name: [None if math.isnan(one) else one for one in found[name]] for name in EVENT_VECTORS}
+    record = asdict(event)
+    return record | {name: [None if math.isnan(one) else one for one in record[name]] for name in EVENT_VECTORS}

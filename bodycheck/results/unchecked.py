@@ -13,7 +13,7 @@ ALLOWED, SHIPPED = "--allow-missing", "in a shipped case"
 
 @dataclass(frozen=True)
 class Unchecked:
-    """What a case expects of a method whose engine cannot be used.
+    """An expectation of a case about a method whose engine cannot be used.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class Unchecked:
 
     @property
     def failed(self) -> bool:
-        """Whether it counts as failed."""
+        """True if it counts as failed."""
         return not self.tolerated
 
     @property
     def text(self) -> str:
-        """What became of the expectation, and why."""
+        """The fate of the expectation, and the reason."""
         return f"not checked{f' ({self.tolerated})' if self.tolerated else ''}: {self.reason}"
 
 

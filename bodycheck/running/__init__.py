@@ -1,7 +1,7 @@
 """Runs: how they are planned, made and met with their truths.
 
 - `plan` decides which cases are run in which engines with which methods. `campaign` makes the runs and their truths, for which
-  worker processes are asked what is in `tasks`; `import_engine` imports an engine there.
+  worker processes do the work in `tasks`.
 - `simulation` makes one run, sampled at `instants`; `state_checks` checks its states. `truths` computes the truth of a
   case. `pairing` hands on a run with its truth while both are in memory.
 - `engines` asks engines in a worker process whether they can be used, and `fetch_environments` installs releases of them.

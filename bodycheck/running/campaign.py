@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -19,10 +19,10 @@ from bodycheck.reference.requirements import slides
 from bodycheck.reference.truths import NoTruth
 from bodycheck.results import resumption, store, versions
 from bodycheck.results.header import Header
-from bodycheck.results.machine import fingerprint
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.results.store import Results, Writer
 from bodycheck.results.unchecked import Unchecked
+from bodycheck.results.versions import fingerprint
 from bodycheck.running import engines, truths
 from bodycheck.running.engines import locks
 from bodycheck.running.pairing import Arrivals, Meet, unmet
@@ -51,7 +51,7 @@ def header(
     missing: Mapping[str, str],
     without_method: Mapping[str, dict[str, str]] = NOTHING,
 ) -> Header:
-    """What a results folder says of itself: versions, machine, command; engines that could not be used, and why.
+    """Return the header of a results folder: versions, machine, command; engines that could not be used, and why.
 
     records: those of the engines that are used, by the names by which they were asked for. without_method: the cases for which
     an engine has no method, with why, by the names of engines; see `bodycheck.running.plan.without_method`.
@@ -65,7 +65,7 @@ def header(
         "engines": {name: record.version for name, record in records.items()},
         "missing": dict(missing),
         "environments": locks(records),
-        "demonstrations": {name: own for name, record in records.items() if (own := demonstrations(record))},
+        "demonstrations": {name: offered for name, record in records.items() if (offered := demonstrations(record))},
         "precisions": {name: record.precision for name, record in records.items()},
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
         "without_method": dict(without_method),
@@ -125,20 +125,24 @@ def results(
         If another process is writing to the folder.
     """
     cases = {task.case.name: task.case for task in tasks}
-    places = {task: place for place, task in enumerate(tasks)}
+    indices = {task: index for index, task in enumerate(tasks)}
     identity = _identity(tasks, head, limit, memory)
     with Writer(folder, head, identity, tuple(cases.values()), unchecked, files) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
-        left = [argument for argument in everything if _missing(writer, argument)]
+        left = [task for task in everything if _missing(writer, task)]
         units = size(tasks)
-        if there := units - sum(_missing(writer, argument) for argument in left):
-            print(f"bodycheck: resuming the interrupted run in {folder}: {there} of {units} are done", file=sys.stderr)
-            progress("", there)
+        if done := units - sum(_missing(writer, task) for task in left):
+            print(f"bodycheck: resuming the interrupted run in {folder}: {done} of {units} are done", file=sys.stderr)
+            progress("", done)
         arrivals = _arrivals(meet, writer, left)
-        with closing(pool.call_all(perform, left, jobs, limit, memory, group, engines.home)) as answers:
-            for argument, result in answers:
-                for done in _add(writer, arrivals, argument, result, places, head["engines"]):
-                    progress(done)
+        with pool.Workers(perform, jobs, limit, memory, group, engines.home) as workers:
+            for task, result in workers.map(left):
+                if isinstance(task, Task):
+                    _add_run(writer, arrivals, task, result, indices[task], head["engines"][task.engine])
+                    progress(_name(task))
+                else:
+                    for timestep in _add_truths(writer, arrivals, task, result):
+                        progress(f"{task.case.name} · truth {timestep:g} s")
         if any(slides(case.scene) for case in cases.values()):
             _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
@@ -151,56 +155,57 @@ def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> 
     return Arrivals(meet, runs, [(task.case.name, timestep) for task in needed for timestep in _left(writer, task)])
 
 
-def _add(
-    writer: Writer,
-    arrivals: Arrivals,
-    argument: TruthTask | Task,
-    result: Run | Truths | Crashed | TimedOut,
-    places: Mapping[Task, int],
-    versions: Mapping[str, str],
-) -> Iterator[str]:
-    """Write a run at its place in the plan, or truths or why there are none, and yield the name of each after it is written.
+def _add_run(
+    writer: Writer, arrivals: Arrivals, task: Task, result: Run | Truths | Crashed | TimedOut, index: int, version: str
+) -> None:
+    """Write a run at its index in the plan. version: that of its engine."""
+    assert not isinstance(result, dict | NoTruth)  # those are answers to truth tasks
+    run = result if isinstance(result, Run) else Run(task.case.name, task.engine, version, task.method, result)
+    writer.add_run(run, index)
+    arrivals.add_run(run)
 
-    Truths that the folder already had are left as they are. versions: of the engines, by name.
+
+def _add_truths(
+    writer: Writer, arrivals: Arrivals, task: TruthTask, result: Run | Truths | Crashed | TimedOut
+) -> Iterator[float]:
+    """Write the truths of a task, or why there are none, and yield the time step (s) of each after it is written.
+
+    Truths that the folder already had are left as they are.
     """
-    match argument, result:
-        case Task(case, engine, method), Run() | Crashed() | TimedOut():
-            made = result if isinstance(result, Run) else Run(case.name, engine, versions[engine], method, result)
-            writer.add_run(made, places[argument])
-            arrivals.add_run(made)
-            yield _name(argument)
-        case TruthTask(case), dict() | NoTruth() | Crashed() | TimedOut():
-            for timestep in _left(writer, argument):
-                if isinstance(result, dict):
-                    writer.add_truth(case, timestep, result[timestep])
-                else:
-                    writer.add_missing_truth(case, timestep, no_truth(result))
-                arrivals.add_truth((case.name, timestep), result[timestep] if isinstance(result, dict) else None)
-                yield f"{case.name} · truth {timestep:g} s"
+    assert not isinstance(result, Run)  # that is the answer to another task
+    for timestep in _left(writer, task):
+        truth = result[timestep] if isinstance(result, dict) else no_truth(result)
+        if isinstance(truth, NoTruth):
+            writer.add_missing_truth(task.case, timestep, truth)
+            arrivals.add_truth((task.case.name, timestep), None)
+        else:
+            writer.add_truth(task.case, timestep, truth)
+            arrivals.add_truth((task.case.name, timestep), truth)
+        yield timestep
 
 
 def _add_stops(
-    writer: Writer, made: Results, cases: Mapping[str, Case], jobs: int, limit: float, memory: int, progress: Advance
+    writer: Writer, results: Results, cases: Mapping[str, Case], jobs: int, limit: float, memory: int, progress: Advance
 ) -> None:
     """Write the stops that attribution needs, as far as they are not written yet, computing those that no truth knows."""
-    stops = [task for task in _stop_tasks(cases, made.runs()) if not writer.has_stop(task.case.name, task.law)]
+    stops = [task for task in _stop_tasks(cases, results.runs()) if not writer.has_stop(task.case.name, task.law)]
     left = []
     for task in stops:
         scene = task.case.scene
-        known = made.stop_of(task.case.name) if slides(scene) and scene.plane == task.law else None
-        if known is None:
+        stop = results.stop_of(task.case.name) if slides(scene) and scene.plane == task.law else None
+        if stop is None:
             left.append(task)
         else:
-            writer.add_stop(task.case.name, task.law, known)
-    with closing(pool.call_all(perform_stop, left, jobs, limit, memory)) as found:
-        for task, stop in found:
-            stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
-            writer.add_stop(task.case.name, task.law, stopped, reason)
+            writer.add_stop(task.case.name, task.law, stop)
+    with pool.Workers(perform_stop, jobs, limit, memory) as workers:
+        for task, result in workers.map(left):
+            stop, reason = (None, result.reason) if isinstance(result, Crashed | TimedOut) else (result, "")
+            writer.add_stop(task.case.name, task.law, stop, reason)
             progress(_name(task), 0)
 
 
 def no_truth(result: NoTruth | Crashed | TimedOut) -> NoTruth:
-    """Return why there is no truth, from what became of its computation: what was stopped or failed is not unsupported."""
+    """Return why there is no truth. A computation that was stopped or failed does not count as unsupported."""
     limit = result.limit if isinstance(result, TimedOut | NoTruth) else None
     return NoTruth(f"the reference: {result.reason}", limit, crashed=isinstance(result, Crashed))
 
@@ -241,13 +246,13 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
 
     They are known only after the runs, because an engine reports the law of its contacts in the process of its run.
     """
-    found: dict[StopTask, None] = {}
-    for made in runs:
-        case = cases[made.case]
+    tasks: dict[StopTask, None] = {}
+    for run in runs:
+        case = cases[run.case]
         scene = case.scene
-        if slides(scene) and isinstance(made.outcome, Completed):
-            found |= {StopTask(case, law): None for law in (scene.plane, made.contact_law) if law is not None}
-    return tuple(found)
+        if slides(scene) and isinstance(run.outcome, Completed):
+            tasks |= {StopTask(case, law): None for law in (scene.plane, run.contact_law) if law is not None}
+    return tuple(tasks)
 
 
 def _name(argument: StopTask | Task) -> str:

@@ -1,4 +1,4 @@
-"""Where engines are installed and what they are, without importing one into this process.
+"""The places and the records of engines, without importing one into this process.
 
 An engine may end its process, hang or crash when it is imported, or change what others compute with. It is therefore
 imported in worker processes alone, which live where it is installed: beside bodycheck, or in an environment of its own. What an
@@ -11,7 +11,6 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
@@ -30,8 +29,7 @@ from bodycheck.files import writing
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.processes.interpreter import HERE, Interpreter
-from bodycheck.running.import_engine import import_engine
-from bodycheck.running.tasks import leave_out_sympy
+from bodycheck.running.tasks import import_engine, leave_out_sympy
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
 TIME_LIMIT_S = 120.0
@@ -62,29 +60,29 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
 
     Engines whose records are not known are asked in worker processes, where one that crashes or hangs harms no other.
     """
-    found: dict[str, Engine | Fault] = {}
-    asked: dict[str, str] = {}
+    answers_by_name: dict[str, Engine | Fault] = {}
+    keys: dict[str, str] = {}
     for name in dict.fromkeys(names):
         try:
-            asked[name] = _depends(name, _place(name))
+            keys[name] = _depends(name, _place(name))
         except (registry.EngineMissing, Unobtainable) as error:
-            found[name] = Fault(str(error), broken=False)
-    for name, key in asked.items():
+            answers_by_name[name] = Fault(str(error), broken=False)
+    for name, key in keys.items():
         if (known := _known.get((name, key)) or _kept(name, key)) is not None:
-            found[name] = _known[name, key] = known
-    left = [name for name in asked if name not in found]
-    with closing(pool.call_all(_ask, left, os.cpu_count() or 1, TIME_LIMIT_S, group=str, home=home)) as answers:
-        for name, answer in answers:
+            answers_by_name[name] = _known[name, key] = known
+    left = [name for name in keys if name not in answers_by_name]
+    with pool.Workers(_ask, os.cpu_count() or 1, TIME_LIMIT_S, group=str, home=home) as workers:
+        for name, answer in workers.map(left):
             match answer:
                 case Crashed() | TimedOut():
-                    found[name] = Fault(f"{name} fails when it is imported: {answer.reason}", broken=True)
+                    answers_by_name[name] = Fault(f"{name} fails when it is imported: {answer.reason}", broken=True)
                 case Fault():
-                    found[name] = answer
+                    answers_by_name[name] = answer
                 case _:
-                    found[name] = _records().validate_json(answer)
-                    _keep(name, asked[name], answer)
-            _known[name, asked[name]] = found[name]
-    in_order = {name: found[name] for name in dict.fromkeys(names)}
+                    answers_by_name[name] = _records().validate_json(answer)
+                    _keep(name, keys[name], answer)
+            _known[name, keys[name]] = answers_by_name[name]
+    in_order = {name: answers_by_name[name] for name in dict.fromkeys(names)}
     return (
         {name: record for name, record in in_order.items() if isinstance(record, Engine)},
         {name: fault for name, fault in in_order.items() if isinstance(fault, Fault)},
@@ -133,12 +131,12 @@ def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:
 
     Engines that are installed beside bodycheck have none, and those whose environments cannot be used.
     """
-    found: dict[str, dict[str, str]] = {}
+    packages: dict[str, dict[str, str]] = {}
     for name in names:
         with contextlib.suppress(registry.EngineMissing, Unobtainable):
             if (environment := _place(name)) is not None:
-                found[name] = environments.lock(environment)
-    return found
+                packages[name] = environments.lock(environment)
+    return packages
 
 
 def _place(name: str) -> Environment | None:
@@ -157,8 +155,8 @@ def _place(name: str) -> Environment | None:
     here = registry.installed(asked.adapter)
     if here is not None and asked.version in (None, here):
         return None
-    if (found := environments.find(asked.adapter, asked.version)) is not None:
-        return found
+    if (environment := environments.find(asked.adapter, asked.version)) is not None:
+        return environment
     wanted = f" --version {asked.version}" if asked.version else ""
     raise registry.EngineMissing(
         f"{asked} is not installed: there is no package {source.distribution}{f' {asked.version}' if asked.version else ''}; "

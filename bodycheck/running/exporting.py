@@ -1,6 +1,5 @@
 """Write what a run does as a script for its engine alone, so that it can be shown to people who do not have bodycheck."""
 
-from contextlib import closing
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -77,8 +76,8 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
     offers.check(record, method)
     check_timestep(case, timestep)
     question = Question(case, engine, method)
-    with closing(pool.call_all(written, [question], 1, TIME_LIMIT_S, group=_engine_of, home=engines.home)) as answers:
-        ((_, answer),) = answers
+    with pool.Workers(written, 1, TIME_LIMIT_S, group=_engine_of, home=engines.home) as workers:
+        answer = workers.call(question)
     match answer:
         case str():
             return answer

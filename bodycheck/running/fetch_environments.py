@@ -1,7 +1,6 @@
 """Obtain the environments of several releases at once, each in a worker process."""
 
 from collections.abc import Sequence
-from contextlib import closing
 from typing import TYPE_CHECKING
 
 from bodycheck.environments import environments, installation, making
@@ -37,16 +36,16 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
     """
     tasks = [(engine, version) for version in dict.fromkeys(versions)]
     limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S
-    found: dict[str, Environment | Unobtainable] = {}
-    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY_BYTES)) as answers:
-        for (_, version), result in answers:
+    obtained: dict[str, Environment | Unobtainable] = {}
+    with pool.Workers(_try_to_obtain, jobs, limit, INSTALLATION_MEMORY_BYTES) as workers:
+        for (_, version), result in workers.map(tasks):
             match result:
                 case Crashed() | TimedOut():
-                    found[version] = Unobtainable(f"{engine} {version}: {result.reason}")
+                    obtained[version] = Unobtainable(f"{engine} {version}: {result.reason}")
                 case _:
-                    found[version] = result
+                    obtained[version] = result
             progress(f"{engine} {version}")
-    return {version: found[version] for _, version in tasks}
+    return {version: obtained[version] for _, version in tasks}
 
 
 def _try_to_obtain(task: tuple[str, str]) -> Environment | Unobtainable:

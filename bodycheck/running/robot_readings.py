@@ -72,11 +72,12 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
     limit
         The time limit of the reading of one file by one engine (s).
     """
-    with pool.crew(read, jobs, limit, group=_engine, home=home) as call_each:
+    with pool.Workers(read, jobs, limit, group=_engine, home=home, kept=True) as workers:
 
         def read_file(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> dict[str, Answer]:
-            answers = call_each([Call(name, file, tuple(states), gravity) for name in engines])
-            return dict(zip(engines, answers, strict=True))
+            calls = [Call(name, file, tuple(states), gravity) for name in engines]
+            answers = {call.engine: answer for call, answer in workers.map(calls)}
+            return {name: answers[name] for name in engines}
 
         yield read_file
 
@@ -114,8 +115,8 @@ def check_shapes(reading: RobotReading, states: int) -> None:
 @contextmanager
 def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Compile]:
     """Provide a function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
-    with pool.caller(_compiled, limit, group=_mujoco, home=home) as call:
-        yield call
+    with pool.Workers(_compiled, 1, limit, group=_mujoco, home=home, kept=True) as workers:
+        yield workers.call
 
 
 def _compiled(path: str) -> RobotModel | Refused:

@@ -165,7 +165,7 @@ def _interfaces(
 
 
 def _bearing(bodies: tuple[int, int], loads: Array) -> InterfaceLoad:
-    """What two bodies bear on each other, from the loads (n,), in N, of the steps at rest."""
+    """Return the load between two bodies from the loads (n,), in N, of the steps at rest."""
     borne = loads > 0
     return InterfaceLoad(bodies, float(loads.mean()), int((borne[:-1] & ~borne[1:]).sum()))
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,8 +111,8 @@ def check(engine: str) -> list[str]:
             except Exception as error:  # any exception is a fault of the adapter
                 faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
                 continue
-            told = (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after))
-            for when, row, state in told[:1] if _own_settings(integrator) else told:
+            comparisons = (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after))
+            for when, row, state in comparisons[:1] if _own_settings(integrator) else comparisons:
                 faults += [f"{engine} {integrator}: {obvious.name}, but {when} its {wrong}" for wrong in _wrong(row, state)]
             if not np.array_equal(returned[0, :, 0], [start, end]):
                 faults.append(
@@ -124,9 +123,9 @@ def check(engine: str) -> list[str]:
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
     """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
-    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S, group=str, home=home)) as answers:
-        found = {name: answer if isinstance(answer, list) else [f"{name}: {answer.reason}"] for name, answer in answers}
-    return {name: found[name] for name in engines}
+    with pool.Workers(check, jobs=1, limit=TIME_LIMIT_S, group=str, home=home) as workers:
+        answers = dict(workers.map(engines))
+    return {name: one if isinstance(one := answers[name], list) else [f"{name}: {one.reason}"] for name in engines}
 
 
 def _own_settings(spelling: str) -> bool:

@@ -1,11 +1,13 @@
-"""What worker processes are asked: to make a run, to compute truths, to certify one, and to compute where a body stops.
+"""The tasks of worker processes: to make a run, compute truths, certify one, and compute where a body stops.
 
 A process of an engine needs nothing of the reference, and one of the reference no engine. Each imports what it needs.
 """
 
+import contextlib
 import sys
 from dataclasses import dataclass
 
+from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.content import Case
 from bodycheck.reference.certified import Certificate
@@ -107,3 +109,9 @@ def answer(question: Question) -> Truth | Certificate | NoTruth:
 def leave_out_sympy(group: None) -> None:
     """Keep heyoka from importing SymPy into a process of truths, which needs none, and would be ready much later."""
     sys.modules.setdefault("sympy", None)  # type: ignore[arg-type]
+
+
+def import_engine(name: str) -> None:
+    """Import an engine. If that raises an exception, each call raises it again."""
+    with contextlib.suppress(registry.EngineMissing):
+        registry.load(name)

@@ -147,24 +147,24 @@ def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
     assert truth.joints is not None  # a mechanism has them
     joints = by_name(mechanism, truth.joints)
     return {
-        "joints": {name: {key: values.tolist() for key, values in own.items()} for name, own in joints.items()},
-        "bodies": {body.name: _states_as_json(truth.trajectory.body(place)) for place, body in enumerate(mechanism.bodies)},
+        "joints": {name: {key: values.tolist() for key, values in quantities.items()} for name, quantities in joints.items()},
+        "bodies": {body.name: _states_as_json(truth.trajectory.body(index)) for index, body in enumerate(mechanism.bodies)},
         "growth": None if truth.growth is None else truth.growth.tolist(),
     }
 
 
-def certificate_as_json(found: Certificate) -> dict[str, Any]:
+def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
     """Return the additional JSON entries of `bodycheck truth --certify --json`.
 
     They are the attitude differences (rad) of all pairs of methods, the certified bound, and the growth of an error.
     """
     return {
         "differences": [
-            {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in found.differences.items()
+            {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in certificate.differences.items()
         ],
-        "certified": found.certified,
-        "certified_error": found.bound.tolist(),
-        "digits": found.digits,
-        "faults": list(found.faults),
-        "growth": None if found.growth is None else found.growth.tolist(),
+        "certified": certificate.certified,
+        "certified_error": certificate.bound.tolist(),
+        "digits": certificate.digits,
+        "faults": list(certificate.faults),
+        "growth": None if certificate.growth is None else certificate.growth.tolist(),
     }

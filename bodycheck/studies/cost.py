@@ -99,13 +99,13 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
     """
     failed: dict[int, Crashed | TimedOut] = {}
     times, processor_times = np.empty((2, len(stretches), rounds))
-    with pool.caller(_apply, limit, group=lambda call: call[1].engine, home=home) as call:
+    with pool.Workers(_apply, 1, limit, group=lambda call: call[1].engine, home=home, kept=True) as workers:
 
         def measured(index: int, function: Callable[..., Any], *arguments: object) -> Any:
             """Make a call for a stretch that has not failed; None if it has, or does so now."""
             if index in failed:
                 return None
-            answer = call((function, stretches[index], *arguments))
+            answer = workers.call((function, stretches[index], *arguments))
             if isinstance(answer, Crashed | TimedOut):
                 failed[index] = answer
                 return None

@@ -1,7 +1,5 @@
 """Commands and their worker processes import what is large only where they need it."""
 
-from contextlib import closing
-
 import pytest
 
 from bodycheck import load
@@ -43,8 +41,8 @@ def by_command(*arguments: object) -> set[str]:
 
 def by_worker(argument: Task | TruthTask) -> set[str]:
     """The modules that a worker process has imported when it has carried out a task."""
-    with closing(pool.call_all(performed, [argument], 1, 60.0, group=group, home=engines.home)) as answers:
-        ((_, modules),) = answers
+    with pool.Workers(performed, 1, 60.0, group=group, home=engines.home) as workers:
+        modules = workers.call(argument)
     assert isinstance(modules, set)
     return modules
 

@@ -171,7 +171,7 @@ def test_a_plot_is_saved(advised: RecommendResults, tmp_path: Path) -> None:
 
 
 def test_a_page_quotes_names() -> None:
-    from bodycheck.interface.html import shown
+    from bodycheck.interface.results import shown
 
     page = shown("<b>", ["<script>"], [{"<i>": "<u>", "x": None}], ["<i>", "x"], {})
     assert not re.search("<(script|i|u)>", page)

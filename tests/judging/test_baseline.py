@@ -18,8 +18,9 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
-from bodycheck.judging.baselines import baseline, rounding, tolerances
-from bodycheck.judging.baselines.baseline import ALLOWANCE, Baseline, Difference
+from bodycheck.judging.baselines import baseline, difference, rounding
+from bodycheck.judging.baselines.baseline import ALLOWANCE, Baseline
+from bodycheck.judging.baselines.difference import Difference
 from bodycheck.reference.integration.sensitivity import growth
 from bodycheck.results.key import RunKey
 from bodycheck.running.plan import plan
@@ -98,7 +99,7 @@ def test_a_run_against_itself_has_one_line_that_says_so(flips: Path) -> None:
 
 def test_a_run_made_again_has_not_changed(base: Baseline, tmp_path: Path) -> None:
     again = baseline.read(saved(tmp_path / "again.parquet", [FLIP], integrators=("Euler", "RK4")))
-    assert baseline.diff(base, again).changes == ()
+    assert difference.diff(base, again).changes == ()
     assert set(again.rows) == set(base.rows)
 
 
@@ -115,7 +116,7 @@ def test_an_allowance_is_what_the_motion_makes_of_rounding(base: Baseline) -> No
 
 
 def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> None:
-    worse = baseline.diff(only(base, "RK4", "RK4"), only(base, "Euler", "RK4"))
+    worse = difference.diff(only(base, "RK4", "RK4"), only(base, "Euler", "RK4"))
     (attitude,) = [change for change in worse.changes if change.what == "attitude_error"]
     assert (attitude.direction, attitude.base, attitude.now) == (
         "worse",
@@ -124,7 +125,7 @@ def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> Non
     figures = f"attitude_error {attitude.base:.3g} → {attitude.now:.3g} rad, {attitude.now / attitude.base:.3g} times worse"
     assert attitude.text == f"mujoco RK4 on intermediate-axis-flip, 0.005 s: {figures}"
     assert worse.text.startswith("runs: 1 worse; mujoco RK4 on intermediate-axis-flip, 0.005 s: ")
-    better = baseline.diff(only(base, "Euler", "RK4"), only(base, "RK4", "RK4"))
+    better = difference.diff(only(base, "Euler", "RK4"), only(base, "RK4", "RK4"))
     assert {change.direction for change in better.changes} == {"better"}
     assert better.worse == ()
 
@@ -158,12 +159,12 @@ def statuses(found: Difference) -> list[tuple[str, Any, Any, str]]:
 
 def test_statuses_and_runs_that_come_and_go(base: Baseline) -> None:
     diverged, unsupported = (with_row(base, status=status) for status in ("diverged", "unsupported"))
-    assert statuses(baseline.diff(base, diverged)) == [("status", "ok", "diverged", "worse")]
-    assert statuses(baseline.diff(diverged, base)) == [("status", "diverged", "ok", "better")]
-    assert statuses(baseline.diff(base, unsupported)) == [("status", "ok", "unsupported", "worse")]
-    assert statuses(baseline.diff(diverged, unsupported)) == [("status", "diverged", "unsupported", "better")]
+    assert statuses(difference.diff(base, diverged)) == [("status", "ok", "diverged", "worse")]
+    assert statuses(difference.diff(diverged, base)) == [("status", "diverged", "ok", "better")]
+    assert statuses(difference.diff(base, unsupported)) == [("status", "ok", "unsupported", "worse")]
+    assert statuses(difference.diff(diverged, unsupported)) == [("status", "diverged", "unsupported", "better")]
     fewer = only(base, "Euler", "Euler")
-    gone, new = baseline.diff(base, fewer), baseline.diff(fewer, base)
+    gone, new = difference.diff(base, fewer), difference.diff(fewer, base)
     assert statuses(gone) == [("run", "ok", None, "worse")]
     assert gone.changes[0].text == "mujoco RK4 on intermediate-axis-flip, 0.005 s, is not run any more"
     assert statuses(new) == [("run", None, "ok", "new")]
@@ -172,28 +173,28 @@ def test_statuses_and_runs_that_come_and_go(base: Baseline) -> None:
 
 def test_a_load_is_right_where_it_is_one_weight(base: Baseline) -> None:
     loads = [with_row(base, mean_load=load, mean_load_allowance=1e-9) for load in (0.5, 0.9, 1.1)]
-    assert statuses(baseline.diff(loads[0], loads[1])) == [("mean_load", 0.5, 0.9, "better")]
-    assert statuses(baseline.diff(loads[1], loads[0])) == [("mean_load", 0.9, 0.5, "worse")]
+    assert statuses(difference.diff(loads[0], loads[1])) == [("mean_load", 0.5, 0.9, "better")]
+    assert statuses(difference.diff(loads[1], loads[0])) == [("mean_load", 0.9, 0.5, "worse")]
 
 
 def test_a_small_change_is_told_with_the_digits_it_takes(base: Baseline) -> None:
     one, other = (with_row(base, energy_drift=value, energy_drift_allowance=1e-15) for value in (0.25, 0.25 + 1e-10))
-    (change,) = baseline.diff(one, other).changes
+    (change,) = difference.diff(one, other).changes
     assert change.text.endswith("energy_drift 0.25 → 0.2500000001, worse by 4e-10 of it")
-    (change,) = baseline.diff(with_row(base, energy_drift=0.0, energy_drift_allowance=1e-15), one).changes
+    (change,) = difference.diff(with_row(base, energy_drift=0.0, energy_drift_allowance=1e-15), one).changes
     assert change.text.endswith("energy_drift 0 → 0.25, worse")
 
 
 def test_figures_of_another_definition_are_named_and_not_compared(flips: Path, base: Baseline, tmp_path: Path) -> None:
     assert base.revisions == {"energy_drift": 2, "energy_error": 2}
-    assert baseline.diff(base, base).redefined == ()
+    assert difference.diff(base, base).redefined == ()
     earlier = replace(with_row(base, energy_drift=0.0, energy_drift_allowance=0.0), revisions={})
-    for found in (baseline.diff(earlier, base), baseline.diff(base, earlier)):
+    for found in (difference.diff(earlier, base), difference.diff(base, earlier)):
         assert found.changes == ()
         assert found.redefined == ("energy_drift",)  # a flip without drag has no energy error
-        assert baseline.as_json(found)["redefined"] == ["energy_drift"]
+        assert difference.as_json(found)["redefined"] == ["energy_drift"]
     changed = with_row(earlier, status="crashed")
-    assert statuses(baseline.diff(changed, base)) == [("status", "crashed", "ok", "better")]
+    assert statuses(difference.diff(changed, base)) == [("status", "crashed", "ok", "better")]
     # Files of earlier versions have no revisions.
     table = pq.read_table(flips)
     told = json.loads(table.schema.metadata[baseline.METADATA])
@@ -212,8 +213,8 @@ def test_figures_of_another_definition_are_named_and_not_compared(flips: Path, b
 def test_versions_are_named(base: Baseline) -> None:
     older = replace(base, header={**base.header, "engines": {"mujoco": "3.2.0"}})
     now = base.header["engines"]["mujoco"]
-    assert baseline.diff(older, with_row(base, status="crashed")).text.endswith(f"; mujoco 3.2.0 → {now}")
-    assert baseline.diff(older, base).changes == ()
+    assert difference.diff(older, with_row(base, status="crashed")).text.endswith(f"; mujoco 3.2.0 → {now}")
+    assert difference.diff(older, base).changes == ()
 
 
 def test_no_change_is_made_of_times_per_step(flips: Path, base: Baseline, tmp_path: Path) -> None:
@@ -231,17 +232,17 @@ def test_the_worst_change_comes_first(base: Baseline) -> None:
     allowed = {"attitude_error_allowance": 1e-9, "energy_drift_allowance": 1e-9}
     before = with_row(base, attitude_error=1e-3, energy_drift=0.0, position_error=1e-3, **allowed)
     after = with_row(before, attitude_error=5e-3, energy_drift=2e-9, position_error=2e-3)
-    figures = [change.what for change in baseline.diff(before, after).changes]
+    figures = [change.what for change in difference.diff(before, after).changes]
     # From 0 to twice the allowance is no more than a factor of 2, though the quotient is infinite.
     assert figures == ["attitude_error", *sorted(figures[1:], key=["energy_drift", "position_error"].index)]
     euler = {key: row | {"status": "crashed"} if key.method.name == "Euler" else row for key, row in after.rows.items()}
-    assert baseline.diff(before, replace(after, rows=euler)).changes[0].what == "status"
+    assert difference.diff(before, replace(after, rows=euler)).changes[0].what == "status"
     gone = {key: row for key, row in after.rows.items() if key.method.name == "RK4"}
-    assert baseline.diff(before, replace(after, rows=gone)).changes[0].what == "run"
+    assert difference.diff(before, replace(after, rows=gone)).changes[0].what == "run"
 
 
 def fails(base: Baseline, now: Baseline, *asked: str) -> list[str]:
-    return [change.what for change in tolerances.failing(baseline.diff(base, now), tolerances.parse(asked))]
+    return [change.what for change in difference.failing(difference.diff(base, now), difference.tolerances_of(asked))]
 
 
 def test_named_figures_fail_beyond_their_fraction_alone(base: Baseline) -> None:
@@ -279,7 +280,7 @@ def test_a_named_figure_that_is_not_compared_is_no_success(base: Baseline) -> No
 )
 def test_a_tolerance_that_says_nothing_is_refused(asked: list[str], message: str) -> None:
     with pytest.raises(BadInput, match=message):
-        tolerances.parse(asked)
+        difference.tolerances_of(asked)
 
 
 def test_another_case_of_the_same_name_is_refused(base: Baseline, flips: Path, tmp_path: Path) -> None:
@@ -292,10 +293,10 @@ def test_another_case_of_the_same_name_is_refused(base: Baseline, flips: Path, t
     told = "the case itself has changed, save a new baseline: intermediate-axis-flip"
     other = replace(base, cases={FLIP.name: baseline.identity(heavier)}, keys={FLIP.name: baseline.keys(heavier)})
     with pytest.raises(BadInput, match=rf"^{told} \(body.mass 1.0 → 2.0\)$"):
-        baseline.diff(base, other)
+        difference.diff(base, other)
     # Files of earlier versions do not say what the keys were.
     with pytest.raises(BadInput, match=f"^{told}$"):
-        baseline.diff(replace(base, keys={}), other)
+        difference.diff(replace(base, keys={}), other)
 
 
 def not_baselines(folder: Path) -> Iterator[Path]:

@@ -2,11 +2,13 @@
 
 import math
 from itertools import pairwise
+from random import Random
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from bodycheck import load, simulate, truth
 from bodycheck.judging.schemes.convergence import (
@@ -17,6 +19,7 @@ from bodycheck.judging.schemes.convergence import (
     converge,
     local_orders,
     observe_convergence,
+    root,
 )
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.outcome import Completed
@@ -29,6 +32,19 @@ SIZES = st.floats(1e-3, 1e3)
 def changes(errors: list[float]) -> list[float]:
     """What an error of one sign changes by from step to step."""
     return [abs(coarse - fine) for coarse, fine in pairwise(errors)]
+
+
+def test_a_root_is_that_of_scipy_to_the_last_bit() -> None:
+    chance = Random(1)
+    for _ in range(300):
+        base, exponent = chance.uniform(0.1, 9.0), chance.uniform(0.3, 9.9)
+
+        def function(x: float, base: float = base, exponent: float = exponent) -> float:
+            return base**x - base**exponent
+
+        assert root(function, 0.25, 10.0) == brentq(function, 0.25, 10.0)
+    for known, first, second in ((math.cos, 0.0, 3.0), (math.sin, -1.0, 1.0), (math.sin, 0.0, 1.0), (math.atan, -1e3, 1e2)):
+        assert root(known, first, second) == brentq(known, first, second)
 
 
 @given(ORDERS, SIZES, st.floats(-1e3, 1e3))

@@ -19,7 +19,8 @@ def prefix(question: object) -> str | None:
 
 def asked() -> str | None:
     """The answer of a worker process to `prefix`."""
-    ((_, answer),) = pool.call_all(prefix, [None], jobs=1, limit=60.0)
+    with pool.Workers(prefix, 1, 60.0) as workers:
+        answer = workers.call(None)
     assert answer is None or isinstance(answer, str)
     return answer
 

@@ -15,8 +15,8 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters.method import Method
 from bodycheck.processes.failures import Crashed, TimedOut
-from bodycheck.running.members import chunk_workers, chunks
-from bodycheck.running.members.bisect_failures import in_halves, limit_of
+from bodycheck.running.members import chunks
+from bodycheck.running.members.chunk_workers import ChunkWorkers, in_halves, limit_of
 from bodycheck.running.members.chunks import Chunk, Share, Work
 from bodycheck.running.members.executors.own import Own
 from tests.support.cases import shortened
@@ -90,11 +90,11 @@ def test_nothing_is_done_after_the_receipts_are_closed() -> None:
     threads = threading.active_count()
     done: list[Chunk] = []
 
-    def perform(chunk: Any) -> Any:
-        chunk_workers.check()
+    def perform(chunk: Any, workers: ChunkWorkers) -> Any:
+        workers.check()
         while chunk > 100:  # however busy the machine is, the rest is not done before the end
             time.sleep(0.01)
-            chunk_workers.check()
+            workers.check()
         done.append(chunk)
         return chunk
 

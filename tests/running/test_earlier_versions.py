@@ -12,7 +12,7 @@ from bodycheck import load
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import CaseFaults, parse, parse_stored
 from bodycheck.judging import judgement
-from bodycheck.judging.baselines import baseline
+from bodycheck.judging.baselines import baseline, difference
 from bodycheck.results import store
 from bodycheck.results.header import LATER
 from bodycheck.running.plan import Task
@@ -76,7 +76,7 @@ def test_old_baselines_are_compared_under_the_new_spelling(results: store.Result
     table = pq.read_table(new)
     column = table.column_names.index("integrator")
     pq.write_table(table.set_column(column, "integrator", [[OLD]]), old)
-    assert baseline.diff(baseline.read(old), baseline.read(new)).changes == ()
+    assert difference.diff(baseline.read(old), baseline.read(new)).changes == ()
 
 
 def test_results_without_the_bounds_of_every_figure_are_reported_without_them(results: store.Results) -> None:
@@ -104,7 +104,7 @@ def test_baselines_without_the_bounds_of_every_figure_are_compared(results: stor
     assert "truth_energy_error" in further
     pq.write_table(table.drop_columns(further), old)
     assert call("diff", old, new) == call("diff", new, old) == 0
-    assert baseline.diff(baseline.read(old), baseline.read(new)).changes == ()
+    assert difference.diff(baseline.read(old), baseline.read(new)).changes == ()
 
 
 def test_an_old_spelling_on_the_command_line_names_the_new_one(capsys: pytest.CaptureFixture[str]) -> None:

@@ -85,10 +85,10 @@ def test_commands_go_on_without_a_failing_engine_unless_it_was_named(tmp_path: P
 def test_an_engine_that_hangs_at_import_is_stopped(planted: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit itself is the pool's, whose tests hang for it."""
 
-    def call_all(function: object, names: list[str], jobs: int, limit: float, **homes: object) -> object:
-        yield from ((name, TimedOut(limit)) for name in names)
+    def times_out(workers: pool.Workers[str, object], names: list[str]) -> object:
+        yield from ((name, TimedOut(workers.limit)) for name in names)
 
-    monkeypatch.setattr(pool, "call_all", call_all)
+    monkeypatch.setattr(pool.Workers, "map", times_out)
     fault = engines.faults(["first"])["first"]
     assert fault == engines.Fault("first fails when it is imported: stopped after 120 s", broken=True)
 
@@ -101,7 +101,7 @@ def test_a_record_is_asked_once_until_the_engine_changes(
     assert first["first"].integrators == (Integrator("step"),)
     monkeypatch.setattr(engines, "_known", {})  # as in another process
     with monkeypatch.context() as patch:
-        patch.setattr(pool, "call_all", lambda function, names, *limits, **homes: asked.extend(names) or (_ for _ in ()))
+        patch.setattr(pool.Workers, "map", lambda workers, names: asked.extend(names) or (_ for _ in ()))
         asked: list[str] = []
         assert engines.describe(["first", "last"])[0] == first
         assert not asked
@@ -127,7 +127,7 @@ def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
     heavy = {"bodycheck.casefile.case", "bodycheck.running.campaign", "pyarrow", "pydantic", "tree_sitter"}
     code = (
         "import sys\nfrom bodycheck.processes import worker\n"
-        "from bodycheck.running import import_engine, simulation, tasks, truths\n"
+        "from bodycheck.running import simulation, tasks, truths\n"
         f"print({heavy} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -138,7 +138,7 @@ def test_a_process_of_an_engine_imports_no_scipy() -> None:
     """The motion of bodies that touch needs it, and only with such bodies must a process of an engine know that motion."""
     code = (
         "import sys\nfrom bodycheck.processes import worker\nfrom bodycheck.running import simulation, tasks\n"
-        "from bodycheck.running.import_engine import import_engine\nimport_engine('mujoco')\nprint('scipy' in sys.modules)"
+        "from bodycheck.running.tasks import import_engine\nimport_engine('mujoco')\nprint('scipy' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"

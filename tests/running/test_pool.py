@@ -4,7 +4,9 @@ import os
 import random
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -42,15 +44,26 @@ MEMORY = 512 << 20
 LIMIT = 60.0
 
 
+def results(function: Any, arguments: Sequence[Any], jobs: int = 1, limit: float = LIMIT, **options: Any) -> list[Any]:
+    """Return each argument with the result of a call in a worker process, in the order in which the calls finish."""
+    with pool.Workers(function, jobs, limit, **options) as workers:
+        return list(workers.map(arguments))
+
+
+def kept(function: Any, jobs: int = 1, limit: float = LIMIT, **options: Any) -> pool.Workers[Any, Any]:
+    """Return workers whose processes are kept from call to call."""
+    return pool.Workers(function, jobs, limit, kept=True, **options)
+
+
 def test_a_call_does_not_pay_for_an_earlier_one_in_its_process() -> None:
-    made = list(pool.call_all(poisoned, ["poison", "bread", "water"], jobs=1, limit=LIMIT))
+    made = results(poisoned, ["poison", "bread", "water"])
     assert sorted(made) == [("bread", "bread"), ("poison", "poison"), ("water", "water")]
 
 
 def test_what_a_call_keeps_of_memory_is_not_missing_to_the_next() -> None:
     size = MEMORY * 3 // 5
-    assert list(pool.call_all(keeping, [size] * 3, jobs=1, limit=LIMIT, memory=MEMORY)) == [(size, size)] * 3
-    ((_, result),) = pool.call_all(keeping, [2 * MEMORY], jobs=1, limit=LIMIT, memory=MEMORY)
+    assert results(keeping, [size] * 3, memory=MEMORY) == [(size, size)] * 3
+    ((_, result),) = results(keeping, [2 * MEMORY], memory=MEMORY)
     assert result == Crashed("it ran out of its memory of 0.5 GiB")
 
 
@@ -71,7 +84,7 @@ def test_what_a_call_keeps_of_memory_is_not_missing_to_the_next() -> None:
 def test_a_call_that_goes_wrong_says_how(monkeypatch: pytest.MonkeyPatch, function: Any, argument: Any, reason: str) -> None:
     if argument == "closes its files and goes on":
         monkeypatch.setattr(pool, "SHUTDOWN_TIMEOUT_S", 0.1)  # seconds for an end that does not come
-    ((_, result),) = pool.call_all(function, [argument], jobs=1, limit=LIMIT, memory=MEMORY)
+    ((_, result),) = results(function, [argument], memory=MEMORY)
     assert isinstance(result, Crashed)
     assert result.reason.startswith(reason)
     result.reason.encode("utf-8")
@@ -83,7 +96,7 @@ def test_a_call_that_holds_the_interpreter_is_stopped(tmp_path: Path, monkeypatc
         return 3600.0 if (tmp_path / "pids").exists() and (tmp_path / "pids").read_text() else 0.0
 
     monkeypatch.setattr(pool, "time", SimpleNamespace(monotonic=monotonic, sleep=time.sleep))
-    ((_, result),) = pool.call_all(holding_the_interpreter, [str(tmp_path / "pids")], jobs=1, limit=1.0)
+    ((_, result),) = results(holding_the_interpreter, [str(tmp_path / "pids")], jobs=1, limit=1.0)
     assert result == TimedOut(1.0)
     (worker,) = pids_in(tmp_path / "pids", 1)
     assert not is_running(worker)
@@ -96,7 +109,7 @@ def test_workers_and_what_they_start_die_with_their_parent(tmp_path: Path, what:
     code = (
         "from functools import partial\nfrom bodycheck.processes import pool\n"
         "from tests.support.calls import holding_the_interpreter, leaving_children\n"
-        f"list(pool.call_all({what}, [{str(pids)!r}] * 2, jobs=2, limit=600.0))"
+        f"list(pool.Workers({what}, jobs=2, limit=600.0).map([{str(pids)!r}] * 2))"
     )
     parent = subprocess.Popen([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(ROOT)})
     workers = pids_in(pids, count)
@@ -112,15 +125,27 @@ def test_workers_and_what_they_start_die_with_their_parent(tmp_path: Path, what:
 
 def test_calls_that_nobody_waits_for_are_stopped(tmp_path: Path) -> None:
     pids = tmp_path / "pids"
-    calls = pool.call_all(hanging_or_not, [str(pids), ""], jobs=2, limit=600.0)
-    assert next(calls) == ("", None)
-    (worker,) = pids_in(pids, 1)
-    calls.close()
+    with pool.Workers(hanging_or_not, jobs=2, limit=600.0) as workers:
+        calls = workers.map([str(pids), ""])
+        assert next(calls) == ("", None)
+        (worker,) = pids_in(pids, 1)
     assert not is_running(worker)
 
 
+def test_calls_that_another_thread_cancels_are_stopped(tmp_path: Path) -> None:
+    pids, cancelled = tmp_path / "pids", threading.Event()
+    with kept(hanging_or_not, limit=600.0, cancelled=cancelled) as workers, ThreadPoolExecutor(1) as threads:
+        call = threads.submit(workers.call, str(pids))
+        (worker,) = pids_in(pids, 1)
+        cancelled.set()
+        with pytest.raises(pool.Cancelled):
+            call.result()
+        assert not is_running(worker)
+
+
 def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
-    with pool.caller(whose_process, limit=LIMIT) as call:
+    with kept(whose_process) as workers:
+        call = workers.call
         first = call("")
         assert call("") == first != os.getpid()
         assert call("die") == Crashed("its process died of signal SIGSEGV")
@@ -130,7 +155,8 @@ def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
         # The thread that the first call leaves behind ends the process in the second: that is made again, in a fresh one.
         poisoned = call("poison")
         assert call("late") not in (poisoned, Crashed("its process exited with code 7"))
-    with pool.caller(whose_process, limit=1.0) as call:
+    with kept(whose_process, limit=1.0) as workers:
+        call = workers.call
         assert call("hang") == TimedOut(1.0)
 
 
@@ -138,11 +164,12 @@ def test_calls_without_a_process_say_why_and_harm_no_others(tmp_path: Path) -> N
     nowhere = pool.Home(Interpreter(tmp_path / "python"))
     homes = {"n": nowhere, "h": pool.Home()}
     calls = ["n1", "h1", "n2", "h2"]
-    found = dict(pool.call_all(whose_process, calls, 1, LIMIT, group=lambda name: name[0], home=lambda group: homes[group]))
+    found = dict(results(whose_process, calls, group=lambda name: name[0], home=lambda group: homes[group]))
     assert {type(found[name]) for name in ("h1", "h2")} == {int}
     assert found["n1"] == found["n2"]
     assert found["n1"].reason.startswith("its process cannot be started: [Errno 2] No such file")
-    with pool.caller(whose_process, limit=LIMIT, home=lambda group: nowhere) as call:
+    with kept(whose_process, home=lambda group: nowhere) as workers:
+        call = workers.call
         assert call("n1") == found["n1"]
 
 
@@ -151,7 +178,7 @@ def test_a_process_is_prepared_for_its_group_once_and_keeps_what_that_changes() 
         return pool.Home(prepare=preparing, limit=LIMIT)
 
     calls = [f"{group} {place}" for place in range(3) for group in ("one", "other", "dies", "raises")]
-    found = dict(pool.call_all(prepared_for, calls, 2, LIMIT, group=lambda name: name.split()[0], home=home))
+    found = dict(results(prepared_for, calls, jobs=2, group=lambda name: name.split()[0], home=home))
     for group in ("one", "other"):
         ((prepared, times, _),) = {found[f"{group} {place}"] for place in range(3)}  # the last is the process
         assert (prepared, times) == (group, 1)
@@ -165,12 +192,12 @@ def test_a_process_is_prepared_for_its_group_once_and_keeps_what_that_changes() 
 )
 def test_an_answer_is_that_of_its_own_call(how: str, answer: str) -> None:
     calls = [how, "bread", "water"]
-    assert dict(pool.call_all(misbehaving, calls, jobs=1, limit=LIMIT)) == {how: answer, "bread": "bread", "water": "water"}
+    assert dict(results(misbehaving, calls)) == {how: answer, "bread": "bread", "water": "water"}
 
 
 def test_what_a_call_writes_into_its_channel_harms_no_other_call() -> None:
     calls = ["writes into all descriptors", "bread", "water"]
-    made = dict(pool.call_all(misbehaving, calls, jobs=1, limit=LIMIT))
+    made = dict(results(misbehaving, calls))
     assert isinstance(made.pop(calls[0]), Crashed)
     assert made == {"bread": "bread", "water": "water"}
 
@@ -178,23 +205,25 @@ def test_what_a_call_writes_into_its_channel_harms_no_other_call() -> None:
 @pytest.mark.parametrize("jobs", [1, 3])
 def test_groups_share_no_process(jobs: int) -> None:
     calls = [f"{group}{place}" for place in range(3) for group in "ab"]
-    found = dict(pool.call_all(whose_process, calls, jobs=jobs, limit=LIMIT, group=lambda name: name[0]))
+    found = dict(results(whose_process, calls, jobs=jobs, group=lambda name: name[0]))
     assert found.keys() == set(calls)
     of_a, of_b = ({pid for name, pid in found.items() if name[0] == group} for group in "ab")
     assert not of_a & of_b
-    with pool.caller(whose_process, limit=LIMIT, group=lambda name: name[0]) as call:
+    with kept(whose_process, group=lambda name: name[0]) as workers:
+        call = workers.call
         assert call("a1") == call("a2") != call("b1") == call("b2")
 
 
 def worker_of_a_thread(name: str) -> tuple[object, object, object]:
-    """The process that a caller of this thread has before and after a call that kills one, and what became of that call."""
-    with pool.caller(whose_process, limit=LIMIT) as call:
+    """The process that the workers of this thread have before and after a call that kills one, and what became of that call."""
+    with kept(whose_process) as workers:
+        call = workers.call
         first = call(name)
         assert call(name) == first
         return first, call("die"), call(name)
 
 
-def test_threads_have_callers_of_their_own_at_the_same_time() -> None:
+def test_threads_have_workers_of_their_own_at_the_same_time() -> None:
     with ThreadPoolExecutor(3) as threads:
         found = list(threads.map(worker_of_a_thread, "abc"))
     assert {died for _, died, _ in found} == {Crashed("its process died of signal SIGSEGV")}
@@ -204,7 +233,7 @@ def test_threads_have_callers_of_their_own_at_the_same_time() -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux finds those that have left the group of their worker")
 @pytest.mark.parametrize("how", ["returns", "dies"])
 def test_what_a_call_starts_ends_with_its_worker(tmp_path: Path, how: str) -> None:
-    list(pool.call_all(partial(leaving_children, how), [str(tmp_path / "pids")], jobs=1, limit=LIMIT))
+    results(partial(leaving_children, how), [str(tmp_path / "pids")])
     assert not any(map(is_running, pids_in(tmp_path / "pids", 2)))
 
 
@@ -235,7 +264,7 @@ def test_a_channel_takes_messages_of_any_size_and_nothing_else() -> None:
 
 def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
     calls = [*CHANGES, "nothing", "nothing again"]
-    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT))
+    found = dict(results(changing, calls))
     assert len({found[what] for what in CHANGES}) == len(CHANGES)
     assert found["nothing"] == found["nothing again"] not in {found[what] for what in CHANGES}
 
@@ -243,25 +272,24 @@ def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
 def test_a_process_whose_libraries_have_one_thread_is_kept_after_its_first_other_thread() -> None:
     one_thread = pool.Home(Interpreter(Path(sys.executable), (("OMP_NUM_THREADS", "1"),), apart=False))
     calls = ["thread that ends", "nothing", "nothing again"]
-    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT, home=lambda group: one_thread))
+    found = dict(results(changing, calls, home=lambda group: one_thread))
     assert len({found[what] for what in calls}) == 1
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells of threads that Python does not know")
 def test_a_process_in_which_a_later_call_leaves_a_thread_makes_no_other_call() -> None:
     calls = ["nothing", "thread in C", "nothing again"]
-    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT))
+    found = dict(results(changing, calls))
     assert found["nothing"] == found["thread in C"] != found["nothing again"]
-    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT, home=lambda group: pool.Home(watched=False)))
+    found = dict(results(changing, calls, home=lambda group: pool.Home(watched=False)))
     assert len(set(found.values())) == 1, "the processes of truths are not watched"
 
 
-def test_a_crew_keeps_a_process_for_each_group_and_repeats_what_an_earlier_call_broke() -> None:
-    with pool.crew(whose_process, jobs=2, limit=LIMIT, group=lambda name: name[0]) as call_each:
-        first = call_each(["a1", "b1", "a2"])
-        second = call_each(["b2", "a3"])
-        assert first[0] == first[2] == second[1] != first[1] == second[0]
-        assert call_each([]) == []
-    with pool.crew(poisoned, jobs=2, limit=LIMIT) as call_each:
-        assert call_each(["poison", "bread"]) == ["poison", "bread"]
-        assert call_each(["water"]) == ["water"]
+def test_a_kept_process_serves_its_group_and_repeats_what_an_earlier_call_broke() -> None:
+    with kept(whose_process, jobs=2, group=lambda name: name[0]) as workers:
+        found = dict(workers.map(["a1", "b1", "a2"])) | dict(workers.map(["b2", "a3"]))
+        assert found["a1"] == found["a2"] == found["a3"] != found["b1"] == found["b2"]
+        assert list(workers.map([])) == []
+    with kept(poisoned, jobs=2) as workers:
+        assert dict(workers.map(["poison", "bread"])) == {"poison": "poison", "bread": "bread"}
+        assert workers.call("water") == "water"

@@ -2,10 +2,9 @@
 
 import pickle
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,34 +21,21 @@ def calls_here() -> Iterator[None]:
     For runs that neither die nor hang: nothing limits their time or memory. Arguments and results are pickled, as for a pipe.
     """
 
-    def call(function: Callable[[Any], Any], argument: Any) -> Any:
-        try:
-            result = function(pickle.loads(pickle.dumps(argument)))
-        except Exception as error:  # as a worker process does
-            result = crash(error)
-        return pickle.loads(pickle.dumps(result))
-
-    def call_all(
-        function: Callable[[Any], Any], arguments: Sequence[Any], *limits: Any, **more_limits: Any
-    ) -> Generator[tuple[Any, Any], None, None]:
-        for argument in arguments:
-            yield argument, call(function, argument)
-
-    @contextmanager
-    def caller(function: Callable[[Any], Any], *limits: Any, **more_limits: Any) -> Iterator[Callable[[Any], Any]]:
-        yield partial(call, function)
-
-    @contextmanager
-    def crew(
-        function: Callable[[Any], Any], *limits: Any, **more_limits: Any
-    ) -> Iterator[Callable[[Sequence[Any]], list[Any]]]:
-        yield lambda arguments: [call(function, argument) for argument in arguments]
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pool, "call_all", call_all)
-        patch.setattr(pool, "caller", caller)
-        patch.setattr(pool, "crew", crew)
+        patch.setattr(pool, "Workers", _Here)
         yield
+
+
+class _Here(pool.Workers[Any, Any]):
+    """Workers without processes."""
+
+    def map(self, arguments: Sequence[Any]) -> Generator[tuple[Any, Any], None, None]:
+        for argument in arguments:
+            try:
+                result = self.function(pickle.loads(pickle.dumps(argument)))
+            except Exception as error:  # as a worker process does
+                result = crash(error)
+            yield argument, pickle.loads(pickle.dumps(result))
 
 
 @dataclass

@@ -1,5 +1,5 @@
 """Comparison of results with earlier ones.
 
-- `baseline` saves results and finds changes, within `tolerances`; `baseline_checks` checks a baseline that is read.
-- `rounding` estimates the differences that rounding can cause, from `nudged_runs`, whose initial states are changed a little.
+- `baseline` saves results and reads them back, and `difference` finds the changes between two baselines.
+- `rounding` estimates the differences that rounding can cause, from runs whose initial states are changed a little.
 """

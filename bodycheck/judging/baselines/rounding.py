@@ -59,7 +59,7 @@ def nudged_mechanism(mechanism: Mechanism, trajectory: Trajectory, amount: float
         _joint(joint, amount * most[held], amount * fastest[moving], amount / 2, random)
         for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)
     )
-    bodies = (_body(body, trajectory.body(place), amount, random) for place, body in enumerate(mechanism.bodies))
+    bodies = (_body(body, trajectory.body(index), amount, random) for index, body in enumerate(mechanism.bodies))
     return replace(mechanism, joints=tuple(joints), bodies=tuple(bodies))
 
 
@@ -204,11 +204,11 @@ def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float
     """
     moved = [compare(truth, other).maxima() if isinstance(other.outcome, Completed) else {} for other in others]
     figures = compare(truth, run).maxima()
-    found = {}
+    allowed = {}
     for name, least in unamplified(truth, run, figures).items():
         spread = max((abs(other.get(name, math.inf) - figures[name]) for other in moved), default=math.inf)
-        found[name] = MARGIN * spread + least
-    return found
+        allowed[name] = MARGIN * spread + least
+    return allowed
 
 
 def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float]:
@@ -227,11 +227,11 @@ def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float
     trajectory = run.outcome.trajectory
     all_one_way = run.outcome.steps * _unit_of_rounding(trajectory)
     bounds, scales = truth_bounds(truth), in_run(truth, trajectory)
-    found = {}
+    differences = {}
     for name in names:
         bound = float(np.fmax.reduce(bounds[name])) if name in bounds else 0.0
-        found[name] = MARGIN * all_one_way * FIGURES[name].scale(scales) + bound
-    return found
+        differences[name] = MARGIN * all_one_way * FIGURES[name].scale(scales) + bound
+    return differences
 
 
 def _unit_of_rounding(trajectory: Trajectory) -> float:

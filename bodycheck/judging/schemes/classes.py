@@ -100,8 +100,8 @@ class Motion:
             sampled(scheme, world_velocity, self.scene, self.timestep, ends)
             for scheme in (semi_implicit_euler, rosenbrock_euler)
         )
-        told = geodesic_angle(one[:, 3:7], other[:, 3:7]) > TELLING * self.allowed
-        return bool((told & (self.allowed <= MOST_ROUNDING_RAD)).any())
+        apart = geodesic_angle(one[:, 3:7], other[:, 3:7]) > TELLING * self.allowed
+        return bool((apart & (self.allowed <= MOST_ROUNDING_RAD)).any())
 
 
 @dataclass(frozen=True)
@@ -174,23 +174,25 @@ def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
     """
     given = list(motions)
     pairs = _differences(given)
-    agreeing = {pair: found for pair, found in pairs.items() if found.agrees}
+    agreeing = {pair: difference for pair, difference in pairs.items() if difference.agrees}
     components = _joined({motion.method: motion.roundoff for motion in given if motion.tells}, agreeing)
     return tuple(
-        MethodClass(tuple(own), max((pairs[pair].distance for pair in combinations(own, 2) if pair in pairs), default=0.0))
-        for own in components
+        MethodClass(
+            tuple(component), max((pairs[pair].distance for pair in combinations(component, 2) if pair in pairs), default=0.0)
+        )
+        for component in components
     )
 
 
 def _differences(motions: Sequence[Motion]) -> dict[tuple[RunKey, RunKey], _Difference]:
     """Return the largest differences of all pairs of methods that were run together, in the order of the motions."""
-    places = {method: place for place, method in enumerate(dict.fromkeys(motion.method for motion in motions))}
-    found: dict[tuple[RunKey, RunKey], _Difference] = {}
-    for own in _together(motions):
-        for one, other in combinations(sorted(own, key=lambda motion: places[motion.method]), 2):
+    places = {method: index for index, method in enumerate(dict.fromkeys(motion.method for motion in motions))}
+    differences: dict[tuple[RunKey, RunKey], _Difference] = {}
+    for together in _together(motions):
+        for one, other in combinations(sorted(together, key=lambda motion: places[motion.method]), 2):
             pair, new = (one.method, other.method), _difference(one, other)
-            found[pair] = found.get(pair, new).and_in(new)
-    return found
+            differences[pair] = differences.get(pair, new).and_in(new)
+    return differences
 
 
 def _together(motions: Sequence[Motion]) -> Iterator[list[Motion]]:
@@ -262,14 +264,14 @@ def _joined(methods: Mapping[RunKey, float], agreeing: Mapping[tuple[RunKey, Run
         The differences of the pairs of methods that agree.
     """
     component = {method: [method] for method in methods}
-    for roundoff in sorted({found.roundoff for found in agreeing.values()}):
-        size = {method: len(own) for method, own in component.items()}
-        pairs = [pair for pair, found in agreeing.items() if found.roundoff == roundoff]
+    for roundoff in sorted({difference.roundoff for difference in agreeing.values()}):
+        size = {method: len(members) for method, members in component.items()}
+        pairs = [pair for pair, difference in agreeing.items() if difference.roundoff == roundoff]
         for one, other in sorted(pairs, key=lambda pair: (-max(size[pair[0]], size[pair[1]]), agreeing[pair].ratio)):
             mine, theirs = component[one], component[other]
-            finer = all(min(methods[method] for method in own) < roundoff for own in (mine, theirs))
+            finer = all(min(methods[method] for method in members) < roundoff for members in (mine, theirs))
             if mine is not theirs and not finer:
                 mine += theirs
                 component |= dict.fromkeys(theirs, mine)
     order = list(methods)
-    return [sorted(own, key=order.index) for own in {id(own): own for own in component.values()}.values()]
+    return [sorted(members, key=order.index) for members in {id(members): members for members in component.values()}.values()]

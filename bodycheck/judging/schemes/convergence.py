@@ -7,7 +7,8 @@ have neither order nor floor; both are then those of the beginning of the same r
 """
 
 import math
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
@@ -37,6 +38,9 @@ MIN_ORDERS, MAX_ORDER_SPREAD = 3, 0.1
 
 #: Local orders outside this range are caused by rounding, or by a motion that was lost.
 MIN_ORDER, MAX_ORDER = 0.25, 10.0
+
+#: Absolute and relative tolerance of a root, and most steps to it: the defaults of `scipy.optimize.brentq`.
+ROOT_TOLERANCE, ROOT_PRECISION, MOST_ROOT_STEPS = 2e-12, 4 * sys.float_info.epsilon, 100
 
 #: Difference (rad) of the attitudes of two runs above which they are not in an asymptotic range: angles end at a half turn.
 LOST_RAD = 0.5
@@ -102,7 +106,7 @@ def observe_convergence(
         return {}
     timesteps = [timestep for timestep, _ in runs]
     seen = [measured(truth, trajectory) for trajectory in trajectories]
-    found = {
+    convergences = {
         quantity: converge(
             timesteps,
             errors[quantity],
@@ -111,9 +115,9 @@ def observe_convergence(
         )
         for quantity in seen[0]
     }
-    if found["attitude"].order is None and apart("attitude", *seen[-2:]) > LOST_RAD:
-        found["attitude"] = _at_first(timesteps, trajectories, truth, roundoff)
-    return found
+    if convergences["attitude"].order is None and apart("attitude", *seen[-2:]) > LOST_RAD:
+        convergences["attitude"] = _at_first(timesteps, trajectories, truth, roundoff)
+    return convergences
 
 
 def _at_first(timesteps: Sequence[float], trajectories: Sequence[Trajectory], truth: Truth, roundoff: float) -> Convergence:
@@ -126,12 +130,12 @@ def _at_first(timesteps: Sequence[float], trajectories: Sequence[Trajectory], tr
         parts = [trajectory.part(slice(0, count)) for trajectory in trajectories]
         exact = normalise(truth.at(parts[0].t).trajectory.quaternion)
         seen = [normalise(part.quaternion) for part in parts]
-        errors = [float(geodesic_angle(own, exact).max()) for own in seen]
+        errors = [float(geodesic_angle(attitudes, exact).max()) for attitudes in seen]
         changes = [float(geodesic_angle(coarse, fine).max()) for coarse, fine in pairwise(seen)]
         end = float(parts[0].t[-1])
-        found = converge(timesteps, errors, changes, STEP_ROUNDINGS * LARGEST_GROWTH * roundoff * end)
-        if found.order is not None:
-            return replace(found, horizon=end)
+        convergence = converge(timesteps, errors, changes, STEP_ROUNDINGS * LARGEST_GROWTH * roundoff * end)
+        if convergence.order is not None:
+            return replace(convergence, horizon=end)
     return Convergence(None, None, None, None)
 
 
@@ -171,7 +175,7 @@ def local_orders(timesteps: Sequence[float], changes: Sequence[float]) -> list[f
 
     A deviation G h^p from the limit changes by |G| (h0^p - h1^p) and |G| (h1^p - h2^p); the ratio of the two gives p.
     """
-    return [_local_order(*timesteps[place : place + 3], *changes[place : place + 2]) for place in range(len(timesteps) - 2)]
+    return [_local_order(*timesteps[index : index + 3], *changes[index : index + 2]) for index in range(len(timesteps) - 2)]
 
 
 def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -> float:
@@ -180,9 +184,76 @@ def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -
 
     if not (first > 0 and second > 0 and excess(MIN_ORDER) * excess(MAX_ORDER) < 0):
         return math.nan
-    from scipy.optimize import brentq  # takes longer to import than all else that most judgements need
+    return root(excess, MIN_ORDER, MAX_ORDER)
 
-    return float(brentq(excess, MIN_ORDER, MAX_ORDER))
+
+def root(function: Callable[[float], float], first: float, second: float) -> float:
+    """Return a root between two numbers at which the signs of a function differ, by Brent's method.
+
+    Every operation is that of `scipy.optimize.brentq`, so that the root is the same number. SciPy's package takes longer to
+    import than everything else that a judgement needs.
+
+    R. P. Brent, Algorithms for Minimization Without Derivatives, chapter 4, Prentice-Hall 1973.
+    """
+    previous, present, opposite = first, second, 0.0
+    at_previous, at_present, at_opposite = function(previous), function(present), 0.0
+    last_step = step = 0.0
+    if at_previous == 0:
+        return previous
+    for _ in range(MOST_ROOT_STEPS):
+        if at_previous != 0 and at_present != 0 and (at_previous < 0) != (at_present < 0):
+            opposite, at_opposite = previous, at_previous
+            last_step = step = present - previous
+        if abs(at_opposite) < abs(at_present):
+            previous, present, opposite = present, opposite, present
+            at_previous, at_present, at_opposite = at_present, at_opposite, at_present
+        tolerance = (ROOT_TOLERANCE + ROOT_PRECISION * abs(present)) / 2
+        half = (opposite - present) / 2
+        if at_present == 0 or abs(half) < tolerance:
+            return present
+        last_step, step = _next_steps(
+            (previous, present, opposite), (at_previous, at_present, at_opposite), (last_step, step), half, tolerance
+        )
+        previous, at_previous = present, at_present
+        present += step if abs(step) > tolerance else math.copysign(tolerance, half)
+        at_present = function(present)
+    raise ArithmeticError(f"no root after {MOST_ROOT_STEPS} steps")
+
+
+def _next_steps(
+    points: tuple[float, float, float],
+    values: tuple[float, float, float],
+    steps: tuple[float, float],
+    half: float,
+    tolerance: float,
+) -> tuple[float, float]:
+    """Return the step before the next one and the next one of `root`: interpolated if that is short enough, else a bisection.
+
+    Parameters
+    ----------
+    points, values
+        The previous, the present and the opposite point, and the values of the function there.
+    steps
+        The last two steps.
+    half
+        Half the way to the opposite point.
+    tolerance
+        The smallest step.
+    """
+    (previous, present, opposite), (at_previous, at_present, at_opposite), (last_step, step) = points, values, steps
+    if not (abs(last_step) > tolerance and abs(at_present) < abs(at_previous)):
+        return half, half
+    if previous == opposite:
+        trial = -at_present * (present - previous) / (at_present - at_previous)
+    else:
+        slope = (at_previous - at_present) / (previous - present)
+        slope_opposite = (at_opposite - at_present) / (opposite - present)
+        trial = (
+            -at_present
+            * (at_opposite * slope_opposite - at_previous * slope)
+            / (slope_opposite * slope * (at_opposite - at_previous))
+        )
+    return (step, trial) if 2 * abs(trial) < min(abs(last_step), 3 * abs(half) - tolerance) else (half, half)
 
 
 def asymptotic(orders: Sequence[float]) -> list[float]:
@@ -223,7 +294,7 @@ def common(trajectories: Sequence[Trajectory]) -> list[Trajectory]:
     """Return the trajectories at the instants that all of them have."""
     keys = [_keys(trajectory.t, max(float(t.t[-1]) for t in trajectories)) for trajectory in trajectories]
     shared = reduce(np.intersect1d, keys)
-    places = [np.searchsorted(own, shared) for own in keys]
+    places = [np.searchsorted(times, shared) for times in keys]
     return [trajectory.part(at) for trajectory, at in zip(trajectories, places, strict=True)]
 
 
@@ -239,7 +310,7 @@ def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
     """
     scene = truth.scene
     reference, seen = observe(scene, truth.trajectory), observe(scene, trajectory)
-    found = {
+    quantities = {
         "attitude": normalise(trajectory.quaternion),
         "position": trajectory.position,
         "energy": seen.total_energy[:, None] / energy_size(reference),
@@ -247,10 +318,10 @@ def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
     if isinstance(scene, Mechanism):
         if floats(scene):
             momentum = mechanisms.angular_momentum_size(scene, truth.trajectory, reference)
-            found["angular_momentum"] = seen.angular_momentum / momentum
-        return found
+            quantities["angular_momentum"] = seen.angular_momentum / momentum
+        return quantities
     assert isinstance(reference, Observables)
-    return found | {"angular_momentum": seen.angular_momentum / angular_momentum_size(scene, reference)}
+    return quantities | {"angular_momentum": seen.angular_momentum / angular_momentum_size(scene, reference)}
 
 
 def apart(quantity: str, one: dict[str, Array], other: dict[str, Array]) -> float:

@@ -78,7 +78,7 @@ def _identify_flight(scene: Scene, run: Run, trajectory: Trajectory, truth: Trut
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
     turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])
-    sizes = {name: _sizes(own, early) for name, own in turned.items()}
+    sizes = {name: _sizes(formulation, early) for name, formulation in turned.items()}
     order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *sizes[name]))
     fitting = [name for name in order if len(turned[name]) == len(early) and (turned[name] <= allowed).all()]
     stands_out = all(is_fraction(sizes[order[0]], sizes[name]) for name in order[1:])
@@ -94,9 +94,9 @@ def _identify_flight(scene: Scene, run: Run, trajectory: Trajectory, truth: Trut
     ways = [error["position_error"] - truth.bounds.position_error, *others]
     is_told = tells(turn, rotations, allowed, early) or (in_place and tells(way, ways, aside, early))
     named = nearest in fitting and sizes[nearest][0] <= SAME_ROUNDINGS * roundoff and is_told
-    formulations = [other for (name, own), other in moved.items() if name == nearest and own != words]
-    told = words if tells(way, formulations, aside, early) else ""
-    scheme = nearest + (told if in_place else " in rotation") if named else ""
+    formulations = [other for (name, formulation), other in moved.items() if name == nearest and formulation != words]
+    suffix = words if tells(way, formulations, aside, early) else ""
+    scheme = nearest + (suffix if in_place else " in rotation") if named else ""
     is_near = (stands_out or not fitting) and is_fraction(sizes[nearest], _sizes(error["attitude_error"], early))
     return Identification(
         scheme,
@@ -133,7 +133,9 @@ def _turned(
         closest = min(kept, key=lambda name: float(turned[name][trajectory.t[:count] <= EARLY_S].max()))
     least = _sizes(turned[closest], trajectory.t <= EARLY_S)[0]
     unclear = [
-        name for name, own in turned.items() if len(own) < n and explains and own.max() * MAX_UNEXPLAINED_FRACTION <= least
+        name
+        for name, differences in turned.items()
+        if len(differences) < n and explains and differences.max() * MAX_UNEXPLAINED_FRACTION <= least
     ]
     turned |= _compared(unclear, scene, timestep, trajectory)
     return turned, _allowed(closest, scene, timestep, trajectory, roundoff)
@@ -157,7 +159,7 @@ def _moved(names: Iterable[str], scene: Scene, timestep: float, trajectory: Traj
 def _compared(names: Iterable[str], scene: Scene, timestep: float, trajectory: Trajectory) -> dict[str, Array]:
     """Return the attitude differences (n,), in rad, of schemes from a run."""
     entries = {name: CATALOGUE[name] for name in names}
-    return {name: differences(own.scheme, own.rotation, scene, timestep, trajectory)[0] for name, own in entries.items()}
+    return {name: differences(entry.scheme, entry.rotation, scene, timestep, trajectory)[0] for name, entry in entries.items()}
 
 
 def _sizes(turned: Array, early: NDArray[np.bool_]) -> tuple[float, float]:

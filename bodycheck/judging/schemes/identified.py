@@ -82,12 +82,12 @@ class Identification:
         return not self.scheme and any(candidate.fits for candidate in self.candidates)
 
 
-def is_fraction(own: tuple[float, float], other: tuple[float, float]) -> bool:
+def is_fraction(sizes: tuple[float, float], other: tuple[float, float]) -> bool:
     """Return whether differences in the first 2 s or over all are at most a hundredth of others."""
-    return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(own, other, strict=True))
+    return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(sizes, other, strict=True))
 
 
-def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
+def tells(differences: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
     """Return whether a scheme's difference from a run distinguishes it from other candidates.
 
     It does if every other difference exceeds the limit of rounding at some instant, and is a hundred times as large in the
@@ -95,7 +95,7 @@ def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.b
 
     Parameters
     ----------
-    own
+    differences
         The differences (n,) of the scheme.
     others
         The differences of the other candidates, each at the first of the n instants or at all.
@@ -107,8 +107,8 @@ def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.b
     return all(
         (other > limit[: len(other)]).any()
         and (
-            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early[: len(other)]].max()
-            or own.max() < MAX_UNEXPLAINED_FRACTION * other.max()
+            differences[early].max() < MAX_UNEXPLAINED_FRACTION * other[early[: len(other)]].max()
+            or differences.max() < MAX_UNEXPLAINED_FRACTION * other.max()
         )
         for other in others
     )

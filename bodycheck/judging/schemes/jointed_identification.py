@@ -68,12 +68,14 @@ def identify_jointed(mechanism: Mechanism, run: Run, truth: Truth, roundoff: flo
         return None
     names = _distinct(mechanism, timestep, seen.part(slice(0, first)), roundoff)
     apart = {name: _apart(seen.part(slice(0, first)), name, mechanism, timestep) for name in names}
-    least = min(float(own.max()) for own in apart.values())
+    least = min(float(differences.max()) for differences in apart.values())
     allowed = _allowed(
         min(apart, key=lambda name: float(apart[name].max())), mechanism, timestep, seen.part(slice(0, last)), roundoff
     )
     kept = [
-        name for name, own in apart.items() if (own <= allowed[:first]).all() or own.max() * MAX_UNEXPLAINED_FRACTION <= least
+        name
+        for name, differences in apart.items()
+        if (differences <= allowed[:first]).all() or differences.max() * MAX_UNEXPLAINED_FRACTION <= least
     ]
     apart |= {name: _apart(seen.part(slice(0, last)), name, mechanism, timestep) for name in kept}
     return _judged(apart, allowed, seen.t[:last], _error(truth, run)[:last], roundoff)
@@ -85,7 +87,7 @@ def _judged(apart: dict[str, Array], allowed: Array, t: Array, error: Array, rou
     allowed, error: what rounding can cause (n,), and the least error (n,) of the run itself.
     """
     early = t <= EARLY_S
-    sizes = {name: _sizes(own, early) for name, own in apart.items()}
+    sizes = {name: _sizes(differences, early) for name, differences in apart.items()}
     order = sorted(apart, key=lambda name: (len(apart[name]) < len(t), *sizes[name]))
     fitting = [name for name in order if len(apart[name]) == len(t) and (apart[name] <= allowed).all()]
     nearest = order[0]
@@ -115,14 +117,14 @@ def _distinct(mechanism: Mechanism, timestep: float, seen: Trajectory, roundoff:
     without a ball.
     """
     has_ball = any(link.kind == "ball" for tree in forest(mechanism).trees for link in tree.links)
-    found = [name for name in JOINTED if "implicit" not in name and (has_ball or not name.startswith("averaged"))]
+    explicit = [name for name in JOINTED if "implicit" not in name and (has_ball or not name.startswith("averaged"))]
     same = SAME_ROUNDINGS * roundoff
     implicit: list[str] = []
     for name in JOINTED:
         others = (_apart(_run(known, mechanism, timestep, seen), name, mechanism, timestep) for known in implicit)
         if "implicit" in name and all(float(other.max()) > same for other in others):
             implicit.append(name)
-    return [*implicit, *found]
+    return [*implicit, *explicit]
 
 
 def _run(name: str, mechanism: Mechanism, timestep: float, seen: Trajectory, nudge: float = 0.0) -> Trajectory:

@@ -41,4 +41,4 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
         if isinstance(truth, Truth):
             exact, roundoff = truth.at(trajectory.t).trajectory, ROUNDOFF[precisions[run.engine]]
             motions[kind_of(scene)].append(Motion(scene, timestep, method, trajectory, roundoff, exact))
-    return {kind: classes(own) for kind, own in motions.items()}
+    return {kind: classes(motions_of_kind) for kind, motions_of_kind in motions.items()}

@@ -2,6 +2,6 @@
 
 - `blocks` runs the members of a chunk with one method of an engine. `member_runs` makes the runs of members.
 - `chunks` divides an ensemble, `chunk_files` stores the rows of a chunk, and `compaction` joins such files.
-- `chunk_workers` gives each thread its worker processes. `bisect_failures` finds the members that end a process.
+- `chunk_workers` has the worker processes of a thread, and finds the members that end a process.
 - `executors` carry out chunks on this machine, on a Dask cluster, or as a share of several jobs.
 """

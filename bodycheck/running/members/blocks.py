@@ -112,7 +112,7 @@ def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: St
     if not isinstance(members, Scenes):
         return _cases_flown(engine, method, members)
     adapter, called = registry.load(engine), tuple(names) or tuple(map(str, range(len(members))))
-    scenes = [members.scene(place) for place in range(len(members))]
+    scenes = [members.scene(index) for index in range(len(members))]
     rows = _together(adapter, scenes, method, steps) or _one_by_one(adapter, engine, scenes, method, steps, called)
     return Flown(
         engine, adapter.engine.version, called, method, steps, rows.states, rows.norm_error, rows.wall_time, rows.ended
@@ -187,41 +187,41 @@ def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: 
     if offers.not_offered(record, scenes[0], method) is not None:
         return None
     try:
-        made = offers.prepare(adapter, scenes, method)
+        prepared = offers.prepare(adapter, scenes, method)
         with np.errstate(all="ignore"):  # runs that overflow are judged by their states
             start = time.perf_counter()
-            returned = made.advance(np.diff(steps, prepend=0))
+            returned = prepared.advance(np.diff(steps, prepend=0))
             wall_time = time.perf_counter() - start
         states = simulation.rows_of(returned, len(scenes), len(steps))
     except (Exception, SystemExit):  # an engine may raise anything, and only some of the scenes may be the reason
         return None
-    signals = made.signals if isinstance(made, Signals) else {}
-    ended: dict[int, Outcome] = {place: Diverged(text, "gave up") for place, text in signals.items()}
+    signals = prepared.signals if isinstance(prepared, Signals) else {}
+    ended: dict[int, Outcome] = {index: Diverged(text, "gave up") for index, text in signals.items()}
     if rounding() != TO_NEAREST:
         ended = dict.fromkeys(range(len(scenes)), simulation.OTHER_ROUNDING)
-    return _Rows(states, stepping.norm_errors(made, len(scenes)), wall_time, ended)
+    return _Rows(states, stepping.norm_errors(prepared, len(scenes)), wall_time, ended)
 
 
 def _one_by_one(
     adapter: Adapter, engine: str, scenes: Sequence[Scene], method: Method, steps: Strides, names: Sequence[str]
 ) -> _Rows:
     """Return the runs of scenes, each made by itself."""
-    found = _Rows(np.full((len(scenes), len(steps), 13), np.nan), np.zeros(len(scenes)), 0.0, {})
+    rows = _Rows(np.full((len(scenes), len(steps), 13), np.nan), np.zeros(len(scenes)), 0.0, {})
     wall_time = 0.0
-    for place, (scene, name) in enumerate(zip(scenes, names, strict=True)):
+    for index, (scene, name) in enumerate(zip(scenes, names, strict=True)):
         try:
             outcome = simulation.outcome_in(adapter, engine, scene, method, steps)
         except (Exception, SystemExit) as error:  # an engine may raise anything
             outcome = simulation.ended_by(error, in_words(engine, adapter.engine.version), name)
         outcome = simulation.where_rounded_to_nearest(outcome)
         if not isinstance(outcome, Completed):
-            found.ended[place] = outcome
+            rows.ended[index] = outcome
             continue
         states = outcome.trajectory
-        found.states[place] = np.hstack([states.position, states.quaternion, states.velocity, states.angular_velocity])
-        found.norm_error[place] = outcome.quaternion_norm_error or 0.0
+        rows.states[index] = np.hstack([states.position, states.quaternion, states.velocity, states.angular_velocity])
+        rows.norm_error[index] = outcome.quaternion_norm_error or 0.0
         wall_time += outcome.wall_time
-    return _Rows(found.states, found.norm_error, wall_time, found.ended)
+    return _Rows(rows.states, rows.norm_error, wall_time, rows.ended)
 
 
 def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
@@ -236,5 +236,5 @@ def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
         states=np.empty((len(cases), 0, 13)),
         norm_error=np.zeros(len(cases)),
         wall_time=sum(run.outcome.wall_time for run in runs if isinstance(run.outcome, Completed)),
-        ended={place: run.outcome for place, run in enumerate(runs)},
+        ended={index: run.outcome for index, run in enumerate(runs)},
     )

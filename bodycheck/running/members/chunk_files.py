@@ -146,14 +146,14 @@ def encoded(schema: Any, tables: Iterable[Any]) -> Any:
 
 def digest(tables: Iterable[Any]) -> str:
     """Return a digest of rows without their measured times."""
-    found = sha256()
+    checksum = sha256()
     for one in tables:
         kept = one.drop_columns([name for name in MEASURED if name in one.column_names])
         content = pa.BufferOutputStream()
         with pa.ipc.new_stream(content, kept.schema) as stream:
             stream.write_table(kept)
-        found.update(content.getvalue())
-    return found.hexdigest()
+        checksum.update(content.getvalue())
+    return checksum.hexdigest()
 
 
 def found(folder: Path, identity: str) -> list[ChunkFile]:
@@ -162,13 +162,13 @@ def found(folder: Path, identity: str) -> list[ChunkFile]:
     Raises `BadFolder` for a folder that cannot be read, and for symbolic links.
     """
     files = []
-    for place in reading.names_in(folder / CHUNKS):
-        for name in reading.names_in(folder / CHUNKS / place):
+    for engine_folder in reading.names_in(folder / CHUNKS):
+        for name in reading.names_in(folder / CHUNKS / engine_folder):
             if (match := NAME.fullmatch(name)) is not None:
-                path = folder / CHUNKS / place / name
+                path = folder / CHUNKS / engine_folder / name
                 first, count = int(match[1]), int(match[2])
                 if _belongs(path, identity):
-                    files.append(ChunkFile(path, place, match[3], range(first, first + count)))
+                    files.append(ChunkFile(path, engine_folder, match[3], range(first, first + count)))
     return sorted(files, key=lambda file: (file.engine, file.kind, file.members.start, file.members.stop))
 
 

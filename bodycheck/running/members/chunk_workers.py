@@ -7,19 +7,18 @@ the memory of a machine does not depend on the number of engines. Processes end 
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar
 
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
 
 #: Variables that make the libraries of a worker process use one thread, as there is a worker process for each processor.
 ONE_THREAD = tuple((name, "1") for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"))
-
-#: A function that makes a call in a worker process, and returns its result, `Crashed` or `TimedOut`.
-Call = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
@@ -35,97 +34,109 @@ class Role:
         first call imported would count as a change of its process, which would not be used again.
     """
 
-    function: Call
-    prepare: Call
+    function: Callable[[Any], Any]
+    prepare: Callable[[Any], object]
 
     def home(self, engine: str | None) -> pool.Home:
         """Return where the processes of an engine live, or of the reference (None), which use one thread each."""
-        found = engines.home(engine)
-        variables = tuple(pair for pair in found.interpreter.variables if pair[0] not in dict(ONE_THREAD))
-        interpreter = replace(found.interpreter, variables=(*variables, *ONE_THREAD))
-        return replace(found, interpreter=interpreter, prepare=self.prepare)
+        home = engines.home(engine)
+        variables = tuple(pair for pair in home.interpreter.variables if pair[0] not in dict(ONE_THREAD))
+        interpreter = replace(home.interpreter, variables=(*variables, *ONE_THREAD))
+        return replace(home, interpreter=interpreter, prepare=self.prepare)
 
 
-class Abandoned(Exception):
-    """Nobody waits any more for what a thread does."""
+class ChunkWorkers:
+    """The worker processes of a thread, and a temporary folder in which they leave files for each other.
 
+    They end with the context that this is.
 
-@dataclass
-class _Crew:
-    """The callers of a thread, for its engine and for the reference, each with what it was made for and its end; its folder.
-
-    `ended` is set when nobody waits any more for what the thread does.
+    Parameters
+    ----------
+    cancelled
+        An event that is set when nobody waits any more for the work of the thread.
     """
 
-    ended: threading.Event = field(default_factory=threading.Event)
-    callers: dict[bool, tuple[object, Call, ExitStack]] = field(default_factory=dict)
-    folder: Path | None = None
-    stack: ExitStack = field(default_factory=ExitStack)
+    def __init__(self, cancelled: threading.Event | None = None) -> None:
+        self._cancelled = cancelled or threading.Event()
+        self._workers: dict[bool, tuple[object, pool.Workers[Any, Any]]] = {}
+        self._stack = ExitStack()
 
-    def end(self) -> None:
-        self.stack.close()
-        for _, _, stack in self.callers.values():
-            stack.close()
-        self.callers.clear()
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the processes and remove the folder."""
+        for _, workers in self._workers.values():
+            workers.close()
+        self._workers.clear()
+        self._stack.close()
+
+    def check(self) -> None:
+        """Raise `Cancelled` if nobody waits any more for the work of the thread."""
+        if self._cancelled.is_set():
+            raise pool.Cancelled
+
+    def call(self, role: Role, engine: str | None, limit: float, memory: int, argument: Any) -> Any:
+        """Make a call in the process of an engine, or of the reference (None); that of another engine ends.
+
+        limit, memory: those of the call, in s and bytes. Raises `Cancelled`.
+        """
+        wanted = (role, engine, limit, memory)
+        present, workers = self._workers.get(engine is None, (None, None))
+        if workers is None or present != wanted:
+            if workers is not None:
+                workers.close()
+            workers = self._new(*wanted)
+            self._workers[engine is None] = wanted, workers
+        return workers.call(argument)
+
+    def call_apart(self, role: Role, engine: str | None, limit: float, memory: int, argument: Any) -> Any:
+        """Make a call as `call` does, in a new process that makes no other one."""
+        with self._new(role, engine, limit, memory) as workers:
+            return workers.call(argument)
+
+    @cached_property
+    def folder(self) -> Path:
+        """The temporary folder."""
+        return self._stack.enter_context(temporary_folder())
+
+    def _new(self, role: Role, engine: str | None, limit: float, memory: int) -> pool.Workers[Any, Any]:
+        return pool.Workers(role.function, 1, limit, memory, lambda _: engine, role.home, kept=True, cancelled=self._cancelled)
 
 
-#: The crews of the threads of this process, by the numbers of the threads.
-_crews: dict[int, _Crew] = {}
+Result = TypeVar("Result")
+
+#: Smallest part of the time limit of a whole call that a call about a part of it has; a single thing has all of it.
+LEAST_PART = 1 / 16
 
 
-def begin(ended: threading.Event) -> None:
-    """Register the event that cancels this thread's work."""
-    _crews[threading.get_ident()] = _Crew(ended)
+def in_halves(
+    attempt: Callable[[int, int], Result | Crashed | TimedOut], first: int, last: int
+) -> list[tuple[range, Result | Crashed | TimedOut]]:
+    """Return what calls about parts of some things gave, in the order of the things.
 
+    The first call is about all of them. Where a call fails, its things are halved, until a failure is that of one thing alone.
 
-def check() -> None:
-    """Raise `Abandoned` if nobody waits any more for what this thread does."""
-    if (crew := _crews.get(threading.get_ident())) is not None and crew.ended.is_set():
-        raise Abandoned
-
-
-def call(role: Role, engine: str | None, limit: float, memory: int) -> Call:
-    """Return a function that makes calls in this thread's process of an engine, or of the reference (None).
-
-    The process of another engine ends. limit, memory: those of one call, in s and bytes. Raises `Abandoned`.
+    Parameters
+    ----------
+    attempt
+        Makes a call about the things from one place up to another one, without it.
+    first, last
+        The places of all things, without the last.
     """
-    check()
-    crew = _crews.setdefault(threading.get_ident(), _Crew())
-    wanted = (role, engine, limit, memory)
-    if (found := crew.callers.get(engine is None)) is not None:
-        if found[0] == wanted:
-            return found[1]
-        found[2].close()
-    stack = ExitStack()
-    made: Call = stack.enter_context(single(role, engine, limit, memory))
-    crew.callers[engine is None] = wanted, made, stack
-    return made
+    result = attempt(first, last)
+    if last - first == 1 or not isinstance(result, Crashed | TimedOut):
+        return [(range(first, last), result)]
+    middle = (first + last) // 2
+    return [*in_halves(attempt, first, middle), *in_halves(attempt, middle, last)]
 
 
-def single(role: Role, engine: str | None, limit: float, memory: int) -> Any:
-    """Return a context that provides the function of `call` with a process of its own, which ends with the context.
+def limit_of(part: int, whole: int, limit: float) -> float:
+    """Return the time limit (s) of a call about a part of some things, from that of a call about the whole.
 
-    Raises `Abandoned`.
+    What stops short of it is halved further, so that a small limit costs time and changes no result.
     """
-    check()
-    return pool.caller(role.function, limit, memory, group=lambda argument: engine, home=role.home)
-
-
-def folder() -> Path:
-    """Return a temporary folder of this thread, in which its processes leave files for each other."""
-    crew = _crews.setdefault(threading.get_ident(), _Crew())
-    if crew.folder is None:
-        crew.folder = crew.stack.enter_context(temporary_folder())
-    return crew.folder
-
-
-def end_own() -> None:
-    """End the processes of this thread."""
-    if (crew := _crews.pop(threading.get_ident(), None)) is not None:
-        crew.end()
-
-
-def end_all() -> None:
-    """End the processes of all threads of this process, which must not be in use."""
-    while _crews:
-        _crews.popitem()[1].end()
+    return limit if part == 1 else limit * max(LEAST_PART, part / whole)

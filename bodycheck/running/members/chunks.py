@@ -193,7 +193,7 @@ def cut(work: Work, share: Share, blocks: int, number: int = 0) -> list[Chunk]:
     size = blocks * work.block
     firsts = range(0, work.source.size, size)
     return [
-        Chunk(work, share, number + place, first, min(size, work.source.size - first)) for place, first in enumerate(firsts)
+        Chunk(work, share, number + index, first, min(size, work.source.size - first)) for index, first in enumerate(firsts)
     ]
 
 

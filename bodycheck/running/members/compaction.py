@@ -18,8 +18,8 @@ from bodycheck.running.members.chunk_files import encoded
 GROUP_ROWS, FILE_ROWS = 1 << 16, 1 << 18
 
 
-def write(tables: Iterable[Any], schema: Any, place: Path, inside: Path) -> int:
-    """Write tables as `place/part-00000.parquet` and further files, in place of those that are there.
+def write(tables: Iterable[Any], schema: Any, target: Path, inside: Path) -> int:
+    """Write tables as `target/part-00000.parquet` and further files, in place of those that are there.
 
     Returns the number of rows. Raises `NotWritten`.
 
@@ -29,33 +29,33 @@ def write(tables: Iterable[Any], schema: Any, place: Path, inside: Path) -> int:
         Tables of PyArrow in the order of their rows.
     schema
         The columns of the tables. Columns of these that it lacks are left out.
-    place
+    target
         The folder of the files.
     inside
         The folder of the ensemble.
     """
-    remove(place, inside)
+    remove(target, inside)
     count = rows = 0
     groups: list[Any] = []
     for group in _groups(tables, schema):
         groups.append(group)
         rows += group.num_rows
         if sum(one.num_rows for one in groups) + GROUP_ROWS > FILE_ROWS:
-            _write(groups, schema, place / f"part-{count:05}.parquet", inside)
+            _write(groups, schema, target / f"part-{count:05}.parquet", inside)
             count, groups = count + 1, []
     if groups or not count:
-        _write(groups, schema, place / f"part-{count:05}.parquet", inside)
+        _write(groups, schema, target / f"part-{count:05}.parquet", inside)
     return rows
 
 
-def remove(place: Path, inside: Path) -> None:
+def remove(target: Path, inside: Path) -> None:
     """Remove a folder inside a folder of results, in which nothing is a symbolic link. Raises `BadFolder` and `NotWritten`."""
-    if place.is_symlink():
-        raise BadFolder(f"{place}: is a symbolic link; a results folder must not contain any, remove it")
-    reading.refuse_links(place)
-    with writing.failing(place):
-        if place.exists():
-            shutil.rmtree(place)
+    if target.is_symlink():
+        raise BadFolder(f"{target}: is a symbolic link; a results folder must not contain any, remove it")
+    reading.refuse_links(target)
+    with writing.failing(target):
+        if target.exists():
+            shutil.rmtree(target)
 
 
 def _groups(tables: Iterable[Any], schema: Any) -> Iterator[Any]:

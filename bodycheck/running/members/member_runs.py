@@ -47,11 +47,11 @@ class Flight:
 
     def part(self, first: int, last: int) -> "Flight":
         """Return the flight of some of the members, from one place up to another one, without it."""
-        own = slice(first, last)
+        members = slice(first, last)
         return replace(
             self,
-            members=self.members.part(own) if isinstance(self.members, Scenes) else self.members[own],
-            names=self.names[own],
+            members=self.members.part(members) if isinstance(self.members, Scenes) else self.members[members],
+            names=self.names[members],
             file=None,
         )
 
@@ -89,14 +89,14 @@ def prepare(engine: str) -> None:
 
 def fly(flight: Flight) -> Flown | Stored:
     """Fly members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
-    found = blocks.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
-    if flight.file is None or not found.states.size:
-        return found
+    flown = blocks.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
+    if flight.file is None or not flown.states.size:
+        return flown
     try:
-        np.save(flight.file, found.states)
+        np.save(flight.file, flown.states)
     except OSError:  # the disk is full, for example
-        return found
-    return Stored(replace(found, states=np.empty((0, 0, 13))), flight.file)
+        return flown
+    return Stored(replace(flown, states=np.empty((0, 0, 13))), flight.file)
 
 
 def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed | TimedOut]]) -> Flown | Stored:
@@ -109,15 +109,15 @@ def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed
     samples = len(flight.steps) if isinstance(flight.members, Scenes) else 0
     states = np.full((len(flight.names), samples, 13), np.nan)
     norm_error, ended, wall_time = np.zeros(len(flight.names)), dict[int, Outcome](), 0.0
-    for places, found in parts:
-        if isinstance(found, Crashed | TimedOut):
-            ended |= dict.fromkeys(places, found)
+    for places, result in parts:
+        if isinstance(result, Crashed | TimedOut):
+            ended |= dict.fromkeys(places, result)
             continue
-        assert isinstance(found, Flown)  # a part has no file
-        own = slice(places.start, places.stop)
-        states[own], norm_error[own] = found.states, found.norm_error
-        ended |= {places[place]: outcome for place, outcome in found.ended.items()}
-        wall_time += found.wall_time
+        assert isinstance(result, Flown)  # a part has no file
+        rows = slice(places.start, places.stop)
+        states[rows], norm_error[rows] = result.states, result.norm_error
+        ended |= {places[index]: outcome for index, outcome in result.ended.items()}
+        wall_time += result.wall_time
     return Flown(
         engine=flight.engine,
         version=flight.version,

@@ -1,7 +1,6 @@
 """Compare the models of a case, from the smallest to the largest: their cost and their motion relative to the smallest."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 
 import numpy as np
 
@@ -83,9 +82,8 @@ def models_of(
     """
     questions = [(case, engine, tuple(integrators)) for case in cases for engine in engines]
     models_by_case: dict[tuple[str, str], ModelsByMethod] = {}
-    calls = pool.call_all(with_models, questions, 1, campaign.TIME_LIMIT_S, group=lambda question: question[1], home=home)
-    with closing(calls) as answers:
-        for (case, engine, _), answer in answers:
+    with pool.Workers(with_models, 1, campaign.TIME_LIMIT_S, group=lambda question: question[1], home=home) as workers:
+        for (case, engine, _), answer in workers.map(questions):
             if isinstance(answer, Crashed | TimedOut):
                 raise BadInput(f"{engine} does not say which models it has of {case.name}: {answer.reason}")
             models_by_case[case.name, engine] = answer

@@ -2,7 +2,6 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Engine, Kind, Method, kind_of
@@ -116,8 +115,8 @@ def measure(
     runs: dict[Task, Run] = {}
     wanted: list[TruthTask | Task] = [TruthTask(trial.case, (trial.timestep,)) for trial in TRIALS if trial.kind != "plane"]
     calls = [*wanted, *planned]
-    with closing(pool.call_all(perform, calls, jobs, limit, group=group, home=home)) as answers:
-        for task, answer in answers:
+    with pool.Workers(perform, jobs, limit, group=group, home=home) as workers:
+        for task, answer in workers.map(calls):
             match task, answer:
                 case TruthTask(case), dict():
                     truths[case.name], *_ = answer.values()

@@ -7,7 +7,7 @@ resumed, and a probe whose process dies leaves the others as they are.
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -247,8 +247,8 @@ def _missing(
     truth = _truth(planned, flips[0].method.timestep, limit) if flips else None
     passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
     for left in passes:
-        with closing(pool.call_all(make, left, jobs, limit, group=lambda one: one.engine, home=home)) as calls_made:
-            for asked, answer in calls_made:
+        with pool.Workers(make, jobs, limit, group=lambda one: one.engine, home=home) as workers:
+            for asked, answer in workers.map(left):
                 call = asked if isinstance(asked, Call) else _call(asked.engine, asked.method, FLIP)
                 match answer:
                     case Found():
@@ -262,8 +262,8 @@ def _missing(
 
 def _truth(planned: Plan, timestep: float, limit: float) -> Truth | None:
     """Return the truth of the flip at the instants of engines with a time step (s); None if its computation failed."""
-    with pool.caller(perform, limit) as call:
-        computed = call(TruthTask(planned.flip, (timestep,)))
+    with pool.Workers(perform, 1, limit) as workers:
+        computed = workers.call(TruthTask(planned.flip, (timestep,)))
     return computed[timestep] if isinstance(computed, dict) else None
 
 

@@ -143,8 +143,7 @@ def _write_member(case: "Case", source: "Source", member: int, path: Path) -> in
 def _executor(dask: str | None, shard: str | None, jobs: int) -> "Executor":
     """Return what carries out the chunks. Raises `BadInput` for a share that is none."""
     from bodycheck.running.members.executors.dask_cluster import Cluster
-    from bodycheck.running.members.executors.own import Own
-    from bodycheck.running.members.executors.shards import Shard
+    from bodycheck.running.members.executors.own import Own, Shard
 
     if dask is not None:
         return Cluster(dask, jobs)

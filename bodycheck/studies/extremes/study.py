@@ -4,7 +4,7 @@ Every run has its own process and is recorded when it ends, so that an interrupt
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -223,10 +223,10 @@ def _rows(study: Study, log: Journal, versions: Mapping[str, str], jobs: int, li
     if rows:
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
-    calls = pool.call_all(_try, left, jobs, limit, group=lambda trial: trial.engine, home=home)
-    with closing(calls) as answers, pool.caller(_follow, limit) as truth_of:
-        for trial, answer in answers:
-            row = _row(trial, versions[trial.engine], answer, truth_of)
+    flying = pool.Workers(_try, jobs, limit, group=lambda trial: trial.engine, home=home)
+    with flying, pool.Workers(_follow, 1, limit, kept=True) as following:
+        for trial, answer in flying.map(left):
+            row = _row(trial, versions[trial.engine], answer, following.call)
             log.add({"record": "run", "row": asdict(row)})
             rows[trial.key] = row
             progress(f"{row.case} · {row.engine} {row.integrator} · {row.axis} {row.value:.10g}")
@@ -244,8 +244,8 @@ def _limits(
             probes[RunKey(case, engine, Method.parse(integrator, 0.0)), spin][record["product"]] = record["stable"]
     brackets = {search: bracket(probes[search.key]) for search in study.searches}
     while left := [Probe(search, product) for search, known in brackets.items() for product in known.following]:
-        with closing(pool.call_all(_probe, left, jobs, limit, group=lambda probe: probe.search.engine, home=home)) as answers:
-            for probe, answer in answers:
+        with pool.Workers(_probe, jobs, limit, group=lambda probe: probe.search.engine, home=home) as workers:
+            for probe, answer in workers.map(left):
                 # A run that crashes its process or exceeds the time limit counts as unstable.
                 is_stable = probes[probe.search.key][probe.product] = answer is True
                 search = probe.search

@@ -1,7 +1,7 @@
 """Measure what a search asks for: runs, which are compared with truths that are computed together, and costs of answers."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from bodycheck.adapters.contract import Method
@@ -9,6 +9,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.discrepancy import compare
+from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
@@ -23,14 +24,14 @@ from bodycheck.studies.recommend.rows import Answer, Probe
 
 Answered = Run | Truths | Crashed | TimedOut
 
-#: Makes tasks in worker processes, as `tasks.perform` does, and returns their results in the order of the tasks.
-CallEach = Callable[[Sequence[Task | TruthTask]], list[Answered]]
+#: Worker processes that make tasks, as `tasks.perform` does.
+Workers = pool.Workers[Task | TruthTask, Run | Truths]
 
 #: Why a method whose runs ended well has no result.
 UNSEEN = "no run shows this figure: the scene does not have it, or the time steps are too large to see it"
 
 
-def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: str, call_each: CallEach) -> list[Probe]:
+def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: str, workers: Workers) -> list[Probe]:
     """Make runs of one case and return what they measured, in the same order.
 
     Parameters
@@ -43,8 +44,8 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
         The versions of their engines.
     figure
         The figure that is measured.
-    call_each
-        Makes tasks in worker processes.
+    workers
+        The worker processes that make them.
 
     Raises
     ------
@@ -52,14 +53,15 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
         If a run completed and there is no truth.
     """
     needed = tuple(campaign.truth_tasks(case, (task.method.timestep for task in tasks)))
-    answers = call_each([*needed, *tasks])
+    answers = dict(workers.map([*needed, *tasks]))
     truths: dict[float, Truth | str] = {}
-    for wanted, truth in zip(needed, answers, strict=False):
-        assert not isinstance(truth, Run)  # answers are in the order of the tasks
-        truths |= truth if isinstance(truth, dict) else dict.fromkeys(wanted.timesteps, truth.reason)
+    for wanted in needed:
+        answer = answers[wanted]
+        assert not isinstance(answer, Run)
+        truths |= answer if isinstance(answer, dict) else dict.fromkeys(wanted.timesteps, answer.reason)
     return [
-        Probe(task.engine, version, task.method.name, task.method.timestep, *_measured(task, answer, truths, figure))
-        for task, version, answer in zip(tasks, versions, answers[len(needed) :], strict=True)
+        Probe(task.engine, version, task.method.name, task.method.timestep, *_measured(task, answers[task], truths, figure))
+        for task, version in zip(tasks, versions, strict=True)
     ]
 
 
@@ -67,7 +69,7 @@ def _measured(
     task: Task, answer: Answered, truths: Mapping[float, Truth | str], figure: str
 ) -> tuple[str, float | None, float | None, str]:
     """Return the status of a run, the figure, the bound of the truth's own error in it, and why the run is not ok."""
-    assert isinstance(answer, Run | Crashed | TimedOut)  # answers are in the order of the tasks
+    assert isinstance(answer, Run | Crashed | TimedOut)
     outcome = answer.outcome if isinstance(answer, Run) else answer
     if not isinstance(answer, Run) or not isinstance(outcome, Completed):
         return outcome.status, None, None, outcome.reason

@@ -203,8 +203,8 @@ def results(
     asked = Asked(case.name, case.duration, study.figure, study.error)
     with resumption.opened(folder / RECORDS, head, study, tuple(known), asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
-        with pool.crew(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home) as call_each:
-            by_method = _search(study, probes, log, call_each, progress)
+        with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=True) as workers:
+            by_method = _search(study, probes, log, workers, progress)
         answers = priced(
             case,
             [
@@ -217,7 +217,7 @@ def results(
 
 
 def _search(
-    study: Study, known: Sequence[Probe], log: Journal, call_each: measuring.CallEach, progress: Advance
+    study: Study, known: Sequence[Probe], log: Journal, workers: measuring.Workers, progress: Advance
 ) -> dict[RunKey, list[Probe]]:
     """Measure steps until every search is done, and return all measured steps of each method.
 
@@ -229,7 +229,7 @@ def _search(
     left = list(study.searches)
     while left := [search for search in left if not _is_done(search, by_method[search.key], progress)]:
         tasks = [Task(study.case, search.engine, search.method.at(_next(search, by_method[search.key]))) for search in left]
-        measured = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, call_each)
+        measured = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, workers)
         for probe in measured:
             _check_truth(probe, study)
             log.add({"record": "probe", "probe": asdict(probe)})

@@ -5,7 +5,6 @@ bodycheck's own source, the packages with which it computes, and the machine.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
@@ -21,7 +20,7 @@ from bodycheck.environments import user_cache
 from bodycheck.environments.environments import Environment
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
-from bodycheck.results import machine
+from bodycheck.results import versions
 from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, put, stored
 
 if TYPE_CHECKING:
@@ -73,8 +72,8 @@ def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
         progress("", len(answers))
     errands = _errands({pair: path for pair, path in paths.items() if pair not in answers}, jobs)
     limit = TIME_LIMIT_S * max((len(errand.questions) for errand in errands), default=1)
-    with closing(pool.call_all(put, errands, jobs, limit + pool.SHUTDOWN_TIMEOUT_S)) as calls:
-        for errand, result in calls:
+    with pool.Workers(put, jobs, limit + pool.SHUTDOWN_TIMEOUT_S) as workers:
+        for errand, result in workers.map(errands):
             failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
             for question, path in errand.questions:
                 pair = errand.environment, question
@@ -119,7 +118,7 @@ def _tolerated(question: Question) -> tuple[bool, ...]:
 @cache
 def _context(engine: str) -> tuple[object, ...]:
     """Return what all answers depend on: the source of bodycheck and of the adapter, the packages, and the machine."""
-    return _digest(engine), [(name, _version(name)) for name in PACKAGES], machine.fingerprint()
+    return _digest(engine), [(name, _version(name)) for name in PACKAGES], versions.fingerprint()
 
 
 def _digest(engine: str) -> str:

@@ -18,7 +18,7 @@ from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.figures.revisions import REVISIONS
-from bodycheck.judging.baselines import baseline
+from bodycheck.judging.baselines import difference
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Unsupported
 from bodycheck.running import campaign, fetch_environments, plan
@@ -197,11 +197,11 @@ def changes(rows: Sequence[Row]) -> Iterator[Change]:
             methods[RunKey.of_row(row)].append(row)
     for key, method_rows in methods.items():
         for before, after in pairwise(method_rows):
-            for change in baseline.changes(key, dict(before), dict(after)):
+            for change in difference.changes(key, dict(before), dict(after)):
                 yield _without_orders(change, before["version"], after["version"])
 
 
-def _without_orders(change: baseline.Change, before: str, after: str) -> Change:
+def _without_orders(change: difference.Change, before: str, after: str) -> Change:
     assert change.base is not None  # both versions have the figure
     assert change.now is not None
     return Change(

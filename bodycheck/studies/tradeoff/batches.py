@@ -148,9 +148,9 @@ def rows(
     each batch; the other parameters are those of `plan`.
     """
     batch_rows = []
-    with pool.caller(run, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home) as call:
+    with pool.Workers(run, 1, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home, kept=True) as workers:
         for batch in batches:
-            ran = call(batch)
+            ran = workers.call(batch)
             truth = results.truth(batch.case.name, batch.method.timestep)
             assert isinstance(truth, Truth)  # the batch has its trajectory
             batch_rows.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))

@@ -11,8 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from bodycheck.errors import BadFolder, BadInput
-from bodycheck.running.members.executors.own import Own
-from bodycheck.running.members.executors.shards import Shard
+from bodycheck.running.members.executors.own import Own, Shard
 from bodycheck.studies.ensemble.execution.result_tables import gather
 from bodycheck.studies.ensemble.findings import stored
 from tests.support.ensembles import CASE, EULER, write

@@ -1,19 +1,20 @@
 """Executors: they carry out the chunks of an ensemble somewhere and yield the receipts, in any order.
 
 All have the same signature, so that the rows do not depend on which one it is: `own` has threads and processes of this machine,
-`dask_cluster` any cluster that Dask runs on, and `shards` a share of the chunks for one of several jobs of a queue.
+all of the chunks or the share of one of several jobs of a queue; `dask_cluster` has any cluster that Dask runs on.
 """
 
 from collections.abc import Callable, Generator, Sequence
 from typing import Protocol
 
+from bodycheck.running.members.chunk_workers import ChunkWorkers
 from bodycheck.running.members.chunks import Chunk, Receipt
 
 #: Chunks for each processor or job, if there are enough members, so that none waits long for the last one.
 CHUNKS_EACH = 4
 
-#: A function that carries out a chunk. It can be pickled.
-Perform = Callable[[Chunk], Receipt]
+#: A function that carries out a chunk, with the worker processes of its thread. It can be pickled.
+Perform = Callable[[Chunk, ChunkWorkers], Receipt]
 
 
 class Executor(Protocol):

@@ -11,6 +11,7 @@ import logging
 import math
 import os
 import secrets
+import threading
 import time
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from bodycheck.errors import BadInput, Failed
 from bodycheck.results import versions
-from bodycheck.running.members import chunk_workers
+from bodycheck.running.members.chunk_workers import ChunkWorkers
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.executors import CHUNKS_EACH, Perform
 
@@ -43,6 +44,10 @@ INTERVAL_S = 10.0
 #: How often a chunk is submitted again after Dask has given it up, because several workers were lost that had it. The loss may
 #: be the fault of another chunk, or of the machine.
 ATTEMPTS = 5
+
+
+#: The worker processes of the threads of a worker of Dask, by the numbers of these threads, which Dask starts and ends.
+_workers: dict[int, ChunkWorkers] = {}
 
 
 class ClusterLost(Failed):
@@ -90,7 +95,7 @@ class Cluster:
             _check_workers(client)
             yield from _receipts(client, self.address, perform, chunks)
             with contextlib.suppress(Exception):  # a worker that is gone has no processes any more
-                client.run(chunk_workers.end_all, on_error="ignore")
+                client.run(_end_workers, on_error="ignore")
 
 
 @contextlib.contextmanager
@@ -135,8 +140,8 @@ def _close(client: "Client") -> None:
 
 def _check_workers(client: "Client") -> None:
     """Raise `BadInput` if a worker that is there has other versions than this process. Others are checked with their chunks."""
-    found: dict[str, Any] = client.run(versions.here, on_error="return")
-    for worker, theirs in found.items():
+    versions_of_workers: dict[str, Any] = client.run(versions.here, on_error="return")
+    for worker, theirs in versions_of_workers.items():
         if isinstance(theirs, BaseException):
             raise BadInput(f"the worker {worker} cannot carry out chunks: {type(theirs).__name__}: {theirs}")
         versions.check(versions.here(), theirs, f"the worker {worker}")
@@ -174,7 +179,7 @@ def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence
 
     def submit(one: _Submitted) -> None:
         key = f"bodycheck-{session}-{one.chunk.number}-{one.chunk.first}-{one.attempts}"
-        future = client.submit(perform, one.chunk, key=key, pure=False)
+        future = client.submit(_carry_out, perform, one.chunk, key=key, pure=False)
         submitted[future] = one
         completed.add(future)
 
@@ -210,6 +215,17 @@ def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence
                 submit(_Submitted(one.chunk, one.attempts + 1))
         with _losing(address):
             fill()
+
+
+def _carry_out(perform: Perform, chunk: Chunk) -> Receipt:
+    """Carry out a chunk in a thread of a worker of Dask."""
+    return perform(chunk, _workers.setdefault(threading.get_ident(), ChunkWorkers()))
+
+
+def _end_workers() -> None:
+    """End the processes of all threads of a worker of Dask, which must not be in use."""
+    while _workers:
+        _workers.popitem()[1].close()
 
 
 @contextlib.contextmanager

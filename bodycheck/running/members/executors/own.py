@@ -1,17 +1,15 @@
-"""Carry out chunks on this machine: threads, each with a worker process for an engine and one for the reference."""
+"""Carry out chunks on this machine, all or a share: threads, each with worker processes for an engine and the reference."""
 
-import queue
 import threading
-import time
 from collections.abc import Generator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import ExitStack
 from dataclasses import dataclass
 
-from bodycheck.running.members import chunk_workers
+from bodycheck.errors import BadInput
+from bodycheck.running.members.chunk_workers import ChunkWorkers
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.executors import CHUNKS_EACH, Perform
-
-#: How long (s) threads have for the calls that they are at when nobody waits for them any more. After it they are left alone.
-ENDING_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -37,38 +35,60 @@ class Own:
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         """Carry out chunks, as `Executor` says.
 
-        Where another chunk has failed, or the generator is closed, a thread ends after the call that it is at, and writes
-        nothing.
+        Where another chunk has failed, or the generator is closed, the present calls of all threads are stopped, and nothing
+        further is written.
         """
-        waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
-        for chunk in chunks:
-            waiting.put(chunk)
-        answers: queue.SimpleQueue[Receipt | BaseException] = queue.SimpleQueue()
-        ended = threading.Event()
+        cancelled, thread = threading.Event(), threading.local()
+        with ExitStack() as workers_of_threads:
 
-        def work() -> None:
-            chunk_workers.begin(ended)
-            try:
-                while not ended.is_set():
-                    answers.put(perform(waiting.get_nowait()))
-            except queue.Empty:
-                pass
-            except BaseException as error:
-                answers.put(error)
-            finally:
-                chunk_workers.end_own()
+            def begin() -> None:
+                thread.workers = workers_of_threads.enter_context(ChunkWorkers(cancelled))
 
-        threads = [threading.Thread(target=work, daemon=True) for _ in range(min(self.jobs, len(chunks)))]
-        for thread in threads:
-            thread.start()
-        try:
-            for _ in chunks:
-                answer = answers.get()
-                if isinstance(answer, BaseException):
-                    raise answer
-                yield answer
-        finally:
-            ended.set()
-            deadline = time.monotonic() + ENDING_S
-            for thread in threads:
-                thread.join(max(0.0, deadline - time.monotonic()))
+            def carry_out(chunk: Chunk) -> Receipt:
+                return perform(chunk, thread.workers)
+
+            with ThreadPoolExecutor(self.jobs, initializer=begin) as threads:
+                try:
+                    for future in as_completed([threads.submit(carry_out, chunk) for chunk in chunks]):
+                        yield future.result()
+                finally:
+                    cancelled.set()
+                    threads.shutdown(wait=False, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class Shard:
+    """The executor of one of several jobs of a queue, such as a SLURM array.
+
+    Attributes
+    ----------
+    number, count
+        The number of the job, from 1, and the number of jobs. It carries out the chunks k with k mod `count` = `number` - 1.
+    jobs
+        The number of chunks that are carried out at the same time on the machine of the job.
+    whole
+        It carries out a share.
+    """
+
+    number: int
+    count: int
+    jobs: int
+    whole: bool = False
+
+    @property
+    def chunks(self) -> int:
+        """The smallest number of chunks that keeps all jobs evenly busy."""
+        return CHUNKS_EACH * self.count
+
+    @classmethod
+    def parse(cls, text: str, jobs: int) -> "Shard":
+        """Return the executor that an option gives as `NUMBER/OF`. Raises `BadInput`."""
+        first, slash, second = text.partition("/")
+        number, count = (int(part) if part.isascii() and part.isdecimal() else 0 for part in (first, second))
+        if not slash or not 1 <= number <= count:
+            raise BadInput(f"--shard {text}: read {text!r}; allowed: I/N with 1 <= I <= N, such as 3/20")
+        return cls(number, count, jobs)
+
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
+        """Carry out its share of chunks, as `Executor` says."""
+        yield from Own(self.jobs)(perform, [chunk for chunk in chunks if chunk.number % self.count == self.number - 1])

@@ -21,8 +21,7 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results import versions
 from bodycheck.results.trajectory_files import STATE_COLUMNS
 from bodycheck.running import engines
-from bodycheck.running.members import chunk_files, chunk_workers
-from bodycheck.running.members.bisect_failures import in_halves, limit_of
+from bodycheck.running.members import chunk_files
 from bodycheck.running.members.blocks import Flown
 from bodycheck.running.members.chunk_files import (
     MEMBERS,
@@ -33,6 +32,7 @@ from bodycheck.running.members.chunk_files import (
     TRUTH_SCHEMA,
     TRUTHS,
 )
+from bodycheck.running.members.chunk_workers import ChunkWorkers, in_halves, limit_of
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.member_runs import FLYING, Flight, Stored, joined
 from bodycheck.studies.ensemble.execution.calls import (
@@ -85,7 +85,7 @@ class _Output:
         self.kept = {key: motion for key, motion in self.kept.items() if key in wanted}
 
 
-def carry_out(chunk: Chunk, folder: Path) -> Receipt:
+def carry_out(chunk: Chunk, workers: ChunkWorkers, folder: Path) -> Receipt:
     """Carry out a chunk, and write its files into the folder of the ensemble, in place of those of an earlier attempt.
 
     Raises
@@ -96,16 +96,16 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
         If a file cannot be written.
     Failed
         If the reference fails or does not come to its end.
-    Abandoned
+    Cancelled
         If nobody waits for it any more.
     """
     start = time.perf_counter()
     _check_versions(chunk)
     output = _Output()
     for block in chunk.blocks:
-        _add_block(output, chunk, block)
+        _add_block(output, chunk, workers, block)
     output.tables[TRAJECTORIES] = [_trajectories(chunk, output)]
-    chunk_workers.check()
+    workers.check()
     for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
         if output.tables[kind]:
             chunk_files.write(folder, chunk, kind, output.tables[kind])
@@ -133,14 +133,14 @@ def _check_versions(chunk: Chunk) -> None:
     versions.check({name: chunk.share.version}, {name: records[name].version}, "a worker")
 
 
-def _add_block(output: _Output, chunk: Chunk, block: range) -> None:
+def _add_block(output: _Output, chunk: Chunk, workers: ChunkWorkers, block: range) -> None:
     """Fly and judge a block with all methods, and add what is written of it."""
     work, share = chunk.work, chunk.share
-    drawn: Drawn = _ask(chunk, Drawing(work, block))
+    drawn: Drawn = _ask(chunk, workers, Drawing(work, block))
     judged: list[Judged] = []
     for index, method in enumerate(share.methods):
-        flown = _flown(chunk, block, drawn, method)
-        rows: Judged = _ask(chunk, Judging(work, block, flown))
+        flown = _flown(chunk, workers, block, drawn, method)
+        rows: Judged = _ask(chunk, workers, Judging(work, block, flown))
         output.keep(index, rows)
         output.engine_seconds += flown.wall_time
         output.truth_seconds += rows.seconds
@@ -153,17 +153,17 @@ def _add_block(output: _Output, chunk: Chunk, block: range) -> None:
     columns = [rows.columns for rows in judged]
     output.tables[RUNS].append(_table(chunk, block, columns, spellings, constant, RUN_SCHEMA))
     if share.truths_of:
-        columns = [_ask(chunk, TruthTable(work, block, timestep)) for timestep in share.truths_of]
+        columns = [_ask(chunk, workers, TruthTable(work, block, timestep)) for timestep in share.truths_of]
         steps: list[dict[str, str | float]] = [{"timestep": timestep} for timestep in share.truths_of]
         output.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
         schema = chunk_files.member_schema(work.source.names)
         output.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
 
 
-def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
+def _ask(chunk: Chunk, workers: ChunkWorkers, question: Drawing | TruthTable | Judging) -> Any:
     """Ask the worker process of the reference. Raises `BadInput` for a member that is no case, and `Failed`."""
     work = chunk.work
-    answer = chunk_workers.call(JUDGE, None, work.limit, work.memory)(question)
+    answer = workers.call(JUDGE, None, work.limit, work.memory, question)
     if isinstance(answer, Refused):
         raise BadInput(answer.text)
     if isinstance(answer, Crashed | TimedOut):
@@ -172,21 +172,20 @@ def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
     return answer
 
 
-def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
+def _flown(chunk: Chunk, workers: ChunkWorkers, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
     """Return what became of the runs of a block; those that end their process or do not end are isolated by halves."""
     work, share = chunk.work, chunk.share
     name = case_of(work.case).name
     names = tuple(f"{name}-{member}" for member in block)
-    steps, file = steps_of(work.case, method.timestep), chunk_workers.folder() / "states.npy"
+    steps, file = steps_of(work.case, method.timestep), workers.folder / "states.npy"
     flight = Flight(share.engine, share.version, method, drawn.members, steps, names, file)
 
     def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
         if last - first == len(block):
-            runs = chunk_workers.call(FLYING, share.engine, work.limit, work.memory)(flight)
+            runs = workers.call(FLYING, share.engine, work.limit, work.memory, flight)
         else:
             limit = limit_of(last - first, len(block), work.limit)
-            with chunk_workers.single(FLYING, share.engine, limit, work.memory) as call:
-                runs = call(flight.part(first, last))
+            runs = workers.call_apart(FLYING, share.engine, limit, work.memory, flight.part(first, last))
         assert isinstance(runs, Flown | Stored | Crashed | TimedOut)
         return runs
 

@@ -5,7 +5,6 @@ then compared with witnesses, and their trajectories are kept.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -222,8 +221,8 @@ def _vouched(
         drawn = {name: table[name][member - first].as_py() for name in head["drawn"]}
         questions.append(Vouching(head["text"], drawn, member, timestep))
     jobs = min(jobs, -(-len(questions) // VOUCHED_EACH))
-    with closing(pool.call_all(vouch, questions, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home)) as answers:
-        for question, answer in answers:
+    with pool.Workers(vouch, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home) as workers:
+        for question, answer in workers.map(questions):
             if not isinstance(answer, Crashed | TimedOut):
                 yield (question.timestep, question.member), answer
 

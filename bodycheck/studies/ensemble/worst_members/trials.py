@@ -20,7 +20,7 @@ from bodycheck.reference.truth import truth
 from bodycheck.results.outcome import Completed, Run, Unsupported
 from bodycheck.running import engines
 from bodycheck.running.campaign import TIME_LIMIT_S
-from bodycheck.running.members.bisect_failures import in_halves
+from bodycheck.running.members.chunk_workers import in_halves
 from bodycheck.running.simulation import run
 
 
@@ -70,13 +70,13 @@ Trials = Callable[[str, Method, Sequence[Case]], list[Tried]]
 @contextlib.contextmanager
 def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
     """Provide a function that tries cases, whose processes are kept until the context ends. limit: of a block, in s."""
-    with pool.caller(_carry_out, limit, group=_group, home=engines.home) as ask:
+    with pool.Workers(_carry_out, 1, limit, group=_group, home=engines.home, kept=True) as workers:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
-            runs = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
+            runs = _asked(workers.call, lambda some: _Runs(engine, method, tuple(some)), cases)
             flown = [(index, one) for index, one in enumerate(runs) if isinstance(one, Run)]
             pairs = [(cases[index], one) for index, one in flown]
-            compared = _asked(ask, lambda some: _Comparisons(tuple(some)), pairs)
+            compared = _asked(workers.call, lambda some: _Comparisons(tuple(some)), pairs)
             figures = dict(zip((index for index, _ in flown), compared, strict=True))
             answers = [figures.get(index, one) for index, one in enumerate(runs)]
             return [one if isinstance(one, Tried) else Tried(one.status, one.reason) for one in answers]

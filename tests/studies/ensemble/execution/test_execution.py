@@ -22,10 +22,10 @@ from bodycheck.casefile.case import parse
 from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.processes.interpreter import Interpreter
 from bodycheck.results import versions
+from bodycheck.running.members.chunk_workers import ChunkWorkers
 from bodycheck.running.members.chunks import Chunk, Receipt
 from bodycheck.running.members.executors.dask_cluster import Cluster, ClusterLost
-from bodycheck.running.members.executors.own import Own
-from bodycheck.running.members.executors.shards import Shard
+from bodycheck.running.members.executors.own import Own, Shard
 from bodycheck.studies.ensemble import header, study
 from bodycheck.studies.ensemble.execution.result_tables import gather
 from tests.support import ROOT, processes
@@ -290,7 +290,8 @@ class Elsewhere:
     def __call__(self, perform: Any, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         folder = perform.keywords["folder"]
         for chunk in chunks:
-            receipt = perform.func(chunk, folder=self.hidden)
+            with ChunkWorkers() as workers:
+                receipt = perform.func(chunk, workers, folder=self.hidden)
             if self.later is not None:
                 copied = partial(shutil.copytree, self.hidden / "chunks", folder / "chunks", dirs_exist_ok=True)
                 threading.Timer(self.later, copied).start()

@@ -1,19 +1,81 @@
-"""The command `bodycheck query`.
+"""The commands `bodycheck gather` and `query`, for the results of an ensemble.
 
-The imports are inside the function, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import Json
-from bodycheck.errors import OK, BadInput
+from bodycheck.console.options import AS_USUAL, Figures, Jobs, Json, Quiet, Viewed
+from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.studies.ensemble.findings.queries import Answer
+
+if TYPE_CHECKING:
+    from bodycheck.casefile.case import Case
+    from bodycheck.studies.ensemble.header import EnsembleHeader
+
+
+def gather(
+    *folders: Path,
+    out: Path,
+    figures: Figures = (),
+    jobs: Jobs = None,
+    json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
+) -> int:
+    """Make the tables and the report of an ensemble that several jobs ran, each with `bodycheck ensemble --shard I/N`.
+
+    The folders may be one that all jobs shared, or one of each. They must be of the same ensemble, and have all members
+    together; members that are missing are named. Only the worst members are run again, where the engines are installed and
+    the members were drawn as the case says. Exit codes are those of `bodycheck ensemble`.
+
+    Parameters
+    ----------
+    folders
+        Folders that `--out` of the jobs named.
+    out
+        The folder for the tables, which may be one of these.
+    """
+    from bodycheck.console import tables, terminal
+    from bodycheck.console.arguments import processes
+    from bodycheck.console.output import say_where
+    from bodycheck.studies.ensemble import header, printing
+    from bodycheck.studies.ensemble.execution.result_tables import case_of
+    from bodycheck.studies.ensemble.execution.result_tables import gather as gather_chunks
+    from bodycheck.studies.ensemble.report import publishing, reporting
+
+    tables.check(view, printing.ROWS, printing.DEPENDENCES)
+    folder = gather_chunks(folders, out, processes(jobs))
+    head = header.read(folder)
+    case = case_of(head)
+    ensemble = reporting.read(folder, case, head)
+    with terminal.progress("worst members", ensemble.worst, quiet) as progress:
+        publishing.write(ensemble, folder, case, head, _text_of(case, head), processes(jobs), progress, figures)
+    printing.print_made(ensemble, json, view, quiet)
+    say_where(folder, quiet)
+    return FAILED if ensemble.broken else OK
+
+
+def _text_of(case: "Case", head: "EnsembleHeader") -> Callable[[int], str] | None:
+    """Return a function from the number of a member to its case file; None where members cannot be run again here."""
+    from functools import partial
+
+    from bodycheck.running import engines
+    from bodycheck.studies.ensemble.drawing import members
+    from bodycheck.studies.ensemble.header import in_words
+
+    if case.ensemble is None or engines.describe(list(head["engines"]))[1]:
+        return None
+    source = members.drawn(case, head["members"])
+    return partial(members.text, case, source) if in_words(source) == head["source"] else None
+
 
 #: Most rows of the table on a terminal, and elsewhere. All are kept until the widths of the columns are known.
 TERMINAL_ROWS, TABLE_ROWS = 100, 100_000
@@ -67,12 +129,12 @@ def _print_table(answer: "Answer") -> None:
     from bodycheck.console import tables
     from bodycheck.console.output import tell
 
-    def column(place: int, name: str) -> tables.Column[tuple[Any, ...]]:
-        return tables.Column(name, name, lambda row: _text(row[place]), itemgetter(place))
+    def column(index: int, name: str) -> tables.Column[tuple[Any, ...]]:
+        return tables.Column(name, name, lambda row: _text(row[index]), itemgetter(index))
 
     most = TERMINAL_ROWS if sys.stdout.isatty() else TABLE_ROWS
     rows = list(islice(answer.rows, most))
-    tables.show([column(place, name) for place, name in enumerate(answer.columns)], rows)
+    tables.show([column(index, name) for index, name in enumerate(answer.columns)], rows)
     if next(answer.rows, None) is not None:
         tell(f"these are the first {most} rows; --csv and --json print all")
 
