@@ -8,8 +8,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from bodycheck.judging import result_set
@@ -17,7 +15,7 @@ from bodycheck.reports.lines import assign
 from bodycheck.results.key import RunKey
 from bodycheck.results.store import RECORDS
 from tests.support import journals, saved_results
-from tests.support.saved_results import call
+from tests.support.saved_results import call, move
 
 Record = dict[str, Any]
 
@@ -43,14 +41,6 @@ def markdown(folder: Path) -> str:
 
 def is_run(record: Record, **values: Any) -> bool:
     return record["record"] == "run" and all(record[name] == value for name, value in values.items())
-
-
-def move(folder: Path, by: float, along: str = "x", integrator: str = "RK4", timestep: float = 0.01) -> None:
-    """Move the body of the spin by some metres in the stored trajectory of a run of MuJoCo."""
-    path = folder / "trajectories" / "spin" / f"mujoco-{integrator}-{timestep!r}s.parquet"
-    table = pq.read_table(path)
-    moved = pa.array(table[along].to_numpy() + by)
-    pq.write_table(table.set_column(table.column_names.index(along), along, moved), path)
 
 
 def compared(*folders: Path) -> tuple[str, Record]:
