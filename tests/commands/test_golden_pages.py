@@ -6,6 +6,7 @@ import pytest
 
 from tests.support import golden, saved_results
 from tests.support.asked import RENEW_OPTION
+from tests.support.wording import facts
 
 
 @pytest.fixture(scope="session")
@@ -40,3 +41,11 @@ def test_every_golden_page_is_one_of_a_report() -> None:
 )
 def test_only_what_varies_is_masked(text: str, expected: str) -> None:
     assert golden.masked(text, Path("/a/folder")) == expected
+
+
+def test_facts_are_all_numbers_and_the_given_names_in_their_order() -> None:
+    told = "With mujoco RK4 at 10 ms (3.10.0) it went from -2e-5 to 3.3e-9 rad, 25% of it, in spin-2 and spin."
+    assert facts(told, "mujoco RK4", "spin", "rad", "gone") == [
+        *("mujoco RK4", "10", "3.10.0", "-2e-5", "3.3e-9", "rad", "25", "spin", "spin"),
+    ]
+    assert facts("RK4 of v2 and x10") == []

@@ -67,11 +67,13 @@ def pages(saved: Path, folder: Path) -> dict[str, Callable[[], str]]:
 #: The studies whose rows are made by hand.
 STUDIES = {
     "tradeoff": study_pages.tradeoff_page,
+    "tradeoff-none": study_pages.tradeoff_of_nothing,
     "recommend": study_pages.recommend_page,
     "recommend-none": lambda: study_pages.recommend_page(reached=False),
     "extremes": study_pages.extremes_page,
     "ablate": study_pages.ablation_page,
     "releases": study_pages.releases_page,
+    "releases-none": study_pages.releases_of_nothing,
     "audit": study_pages.audit_page,
     "contact": study_pages.contact_page,
 }

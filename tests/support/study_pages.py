@@ -65,6 +65,18 @@ def tradeoff_page() -> StudyReport:
     return tradeoff.present(HEADER | {"missing": {"dart": "dart is not installed"}}, rows, orders)
 
 
+def tradeoff_of_nothing() -> StudyReport:
+    """Orders as claimed, and no method that is accurate."""
+    rows = curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2])
+    return tradeoff.present(HEADER, rows, [order(), order(quantity="position")])
+
+
+def releases_of_nothing() -> StudyReport:
+    """Releases that agree."""
+    rows = (release_rows.row("1.0"), release_rows.row("2.0"))
+    return releases.present({"": Found(release_rows.HEADER, rows, ())})
+
+
 def recommend_page(reached: bool = True) -> StudyReport:
     """A cheapest method, a second one whose timings overlap, one that never gets there, and one without a result.
 
