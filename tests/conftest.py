@@ -11,7 +11,7 @@ from bodycheck import Case, load
 from bodycheck.casefile.case import shipped
 from tests.support import MINIATURES, processes
 from tests.support import browser as browsing
-from tests.support.asked import ADAPTER_OPTION
+from tests.support.asked import ADAPTER_OPTION, RENEW_OPTION
 from tests.support.cases import OF_ONE_BODY
 
 # No deadline: the first example pays for imports, and machines that run tests are slow at times.
@@ -23,6 +23,7 @@ pytest_plugins = ["pytester"]
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(ADAPTER_OPTION, metavar="ENGINE", help="Test the adapter of this engine alone.")
+    parser.addoption(RENEW_OPTION, action="store_true", help="Write the golden pages instead of comparing reports with them.")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -8,8 +8,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from bodycheck.judging import result_set
@@ -17,7 +15,11 @@ from bodycheck.reports.lines import assign
 from bodycheck.results.key import RunKey
 from bodycheck.results.store import RECORDS
 from tests.support import journals, saved_results
-from tests.support.saved_results import call
+from tests.support.saved_results import call, move
+from tests.support.wording import facts
+
+#: What the finding on the runs in common may name.
+COMPARED = ("before", "after", "to the last bit", "rounding", "same status")
 
 Record = dict[str, Any]
 
@@ -45,14 +47,6 @@ def is_run(record: Record, **values: Any) -> bool:
     return record["record"] == "run" and all(record[name] == value for name, value in values.items())
 
 
-def move(folder: Path, by: float, along: str = "x", integrator: str = "RK4", timestep: float = 0.01) -> None:
-    """Move the body of the spin by some metres in the stored trajectory of a run of MuJoCo."""
-    path = folder / "trajectories" / "spin" / f"mujoco-{integrator}-{timestep!r}s.parquet"
-    table = pq.read_table(path)
-    moved = pa.array(table[along].to_numpy() + by)
-    pq.write_table(table.set_column(table.column_names.index(along), along, moved), path)
-
-
 def compared(*folders: Path) -> tuple[str, Record]:
     """The text and the document of a report of several folders."""
     out = folders[0].parent / "compared"
@@ -69,9 +63,12 @@ def test_results_that_are_the_same_agree_to_the_last_bit(copy: Callable[..., Pat
     completed = [run for run in document["runs"] if run["status"] == "ok" and run["set"] == "before"]
     runs = len(document["runs"]) // 2
     assert document["headline"] == f"No difference in {runs} common runs"
-    assert document["findings"][0]["text"] == "before and after were made with the same versions on the same machine."
-    assert f"{len(completed)} agree in every number to the last bit, 0 agree within" in document["findings"][1]["text"]
-    assert f"and 0 differ. {runs - len(completed)} ended with the same status" in document["findings"][1]["text"]
+    names = ("before", "after", "same versions", "same machine")
+    assert facts(document["findings"][0]["text"], *names) == list(names)
+    assert facts(document["findings"][1]["text"], *COMPARED)[3:10] == [
+        *(str(len(completed)), "to the last bit", "0", "rounding", "0"),
+        *(str(runs - len(completed)), "same status"),
+    ]
     assert not any(finding(document, subject) for subject in ("Changed", "Status", "In one only"))
     assert "mujoco Euler 10 ms (before)" in text
 
@@ -85,13 +82,13 @@ def test_changes_are_told_with_their_numbers_the_largest_first(copy: Callable[..
     rows = {(run["set"], run["integrator"], run["timestep"]): run for run in document["runs"] if run["case"] == "spin"}
     assert document["headline"].startswith("2 of ")
     largest, smaller = finding(document, "Changed").splitlines()
-    assert largest.startswith("In spin, the position error of mujoco RK4 at 10 ms changed from ")
-    assert largest.endswith(" to 0.25 m.")
-    assert smaller.startswith("In spin, the position error of mujoco RK4 at 5 ms changed from ")
+    names = ("spin", "position error", "mujoco RK4")
+    assert [facts(text, *names)[:4] for text in (largest, smaller)] == [[*names, "10"], [*names, "5"]]
+    assert facts(largest)[-1] == "0.25"
     assert rows["after", "Euler", 0.01]["position_error"] != rows["before", "Euler", 0.01]["position_error"]
-    assert ", 1 agrees within the truth's own error and rounding, and 2 differ." in document["findings"][1]["text"]
-    assert "larger in 2 and smaller in 0" in document["findings"][1]["text"]
-    assert "no run was repeated from nudged initial states" in document["findings"][1]["text"]
+    told = facts(document["findings"][1]["text"], *COMPARED, "larger", "smaller", "nudged")
+    assert told[4:8] == ["to the last bit", "1", "rounding", "2"]
+    assert told[told.index("larger") : told.index("nudged") + 1] == ["larger", "2", "smaller", "0", "rounding", "nudged"]
     assert [found["case"] for found in document["findings"] if found["subject"] == "Changed"] == ["spin", "spin"]
 
 
@@ -102,8 +99,9 @@ def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callab
         return None if record["record"] == "run" and is_run(record, case="slide", integrator="RK4") else record
 
     _, document = compared(copy("before"), copy("after", change))
-    assert finding(document, "Status") == "In spin, the status of mujoco RK4 at 10 ms changed from ok to crashed (it died)."
-    assert finding(document, "In one only") == "2 runs are only in before: mujoco RK4 (2)."
+    names = ("spin", "mujoco RK4", "ok", "crashed", "it died", "before", "after")
+    assert facts(finding(document, "Status"), *names) == ["spin", "mujoco RK4", "10", "ok", "crashed", "it died"]
+    assert facts(finding(document, "In one only"), *names) == ["2", "before", "mujoco RK4", "2"]
 
 
 def test_versions_and_machines_are_told(copy: Callable[..., Path]) -> None:
@@ -146,12 +144,13 @@ def test_another_case_of_the_same_name_is_not_compared(copy: Callable[..., Path]
     before, after = copy("before"), copy("after", heavier)
     move(after, 0.25)
     text, document = compared(before, after)
-    assert any("The case spin differs between before and after: body.mass 1.0 → 2.0." in told for told in document["notices"])
-    alike = "The file of slide differs between before and after, but not in anything that affects the physics."
-    assert alike in document["notices"]
+    names = ("spin", "slide", "before", "after", "body.mass")
+    told = [facts(notice, *names) for notice in document["notices"]]
+    assert ["spin", "before", "after", "body.mass", "1.0", "2.0"] in told
+    assert ["slide", "before", "after"] in told
     assert finding(document, "Changed") == ""
     slides = sum(run["case"] == "slide" and run["set"] == "before" for run in document["runs"])
-    assert f"before and after have {slides} runs in common." in document["findings"][1]["text"]
+    assert facts(document["findings"][1]["text"], "before", "after")[:3] == ["before", "after", str(slides)]
     for number, label in ((1, "before"), (2, "after")):
         assert f"spin@\u2060{number}" in text
         assert f"A sphere that spins and falls ({label})" in text

@@ -28,6 +28,7 @@ from tests.support import campaigns
 from tests.support.campaigns import records
 from tests.support.commands import Done, bodycheck
 from tests.support.processes import calls_here
+from tests.support.wording import facts
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
 #: Half of it, with nothing expected.
@@ -122,9 +123,10 @@ def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> Non
         "worse",
         *(row["attitude_error"] for name in ("RK4", "Euler") for key, row in base.rows.items() if key.method.name == name),
     )
-    figures = f"attitude_error {attitude.base:.3g} → {attitude.now:.3g} rad, {attitude.now / attitude.base:.3g} times worse"
-    assert attitude.text == f"mujoco RK4 on intermediate-axis-flip, 0.005 s: {figures}"
-    assert worse.text.startswith("runs: 1 worse; mujoco RK4 on intermediate-axis-flip, 0.005 s: ")
+    figures = [f"{number:.3g}" for number in (attitude.base, attitude.now, attitude.now / attitude.base)]
+    run = ["mujoco RK4", "intermediate-axis-flip", "0.005"]
+    assert facts(attitude.text, *run[:2], "attitude_error", "times worse") == [*run, "attitude_error", *figures, "times worse"]
+    assert facts(worse.text, *run[:2], "worse")[:5] == ["1", "worse", *run]
     better = difference.diff(only(base, "Euler", "RK4"), only(base, "RK4", "RK4"))
     assert {change.direction for change in better.changes} == {"better"}
     assert better.worse == ()
@@ -138,19 +140,21 @@ def test_exit_codes(flips: Path, tmp_path: Path) -> None:
     worst = worse.stdout.splitlines()[-1].removeprefix("runs: 2 worse; ")
     assert [line.split()[1:3] for line in worse.stdout.splitlines()[1:3]] == [["mujoco", "Euler"], ["mujoco", "RK4"]]
     tolerated = diff(flips, larger, "--fail-on", "attitude_error:60%")
-    assert (tolerated.returncode, tolerated.stdout.splitlines()[-1]) == (0, "nothing is worse by more than attitude_error:60%")
+    names = ("nothing", "attitude_error")
+    assert (tolerated.returncode, facts(tolerated.stdout.splitlines()[-1], *names)) == (0, [*names, "60"])
     beyond = diff(flips, larger, "--fail-on", "attitude_error:40%")
-    assert (beyond.returncode, beyond.stdout.splitlines()[-2:]) == (
-        1,
-        [worse.stdout.splitlines()[-1], f"2 changes are not within attitude_error:40%; {worst}"],
-    )
+    first, last = beyond.stdout.splitlines()[-2:]
+    assert (beyond.returncode, first) == (1, worse.stdout.splitlines()[-1])
+    assert facts(last, "not", "attitude_error")[:4] == ["2", "not", "attitude_error", "40"]
+    assert last.endswith(f"; {worst}")
     better = diff(larger, flips)
     assert better.returncode == 0
     assert "1.5 times better" in better.stdout
     told = json.loads(diff(flips, larger, "--json").stdout)
     assert (told["worse"], {change["what"] for change in told["changes"]}) == (2, {"attitude_error"})
     in_workflow = diff(flips, larger, GITHUB_ACTIONS="true")
-    assert in_workflow.stderr.startswith("::error title=bodycheck diff::runs: 2 worse; mujoco ")
+    assert in_workflow.stderr.startswith("::error title=bodycheck diff::")
+    assert facts(in_workflow.stderr.partition("diff::")[2], "worse", "mujoco")[:3] == ["2", "worse", "mujoco"]
 
 
 def statuses(found: Difference) -> list[tuple[str, Any, Any, str]]:
@@ -166,7 +170,8 @@ def test_statuses_and_runs_that_come_and_go(base: Baseline) -> None:
     fewer = only(base, "Euler", "Euler")
     gone, new = difference.diff(base, fewer), difference.diff(fewer, base)
     assert statuses(gone) == [("run", "ok", None, "worse")]
-    assert gone.changes[0].text == "mujoco RK4 on intermediate-axis-flip, 0.005 s, is not run any more"
+    names = ("mujoco RK4", "intermediate-axis-flip", "not run")
+    assert facts(gone.changes[0].text, *names) == ["mujoco RK4", "intermediate-axis-flip", "0.005", "not run"]
     assert statuses(new) == [("run", None, "ok", "new")]
     assert new.worse == ()
 
@@ -180,9 +185,10 @@ def test_a_load_is_right_where_it_is_one_weight(base: Baseline) -> None:
 def test_a_small_change_is_told_with_the_digits_it_takes(base: Baseline) -> None:
     one, other = (with_row(base, energy_drift=value, energy_drift_allowance=1e-15) for value in (0.25, 0.25 + 1e-10))
     (change,) = difference.diff(one, other).changes
-    assert change.text.endswith("energy_drift 0.25 → 0.2500000001, worse by 4e-10 of it")
+    names = ("energy_drift", "worse")
+    assert facts(change.text, *names)[-5:] == ["energy_drift", "0.25", "0.2500000001", "worse", "4e-10"]
     (change,) = difference.diff(with_row(base, energy_drift=0.0, energy_drift_allowance=1e-15), one).changes
-    assert change.text.endswith("energy_drift 0 → 0.25, worse")
+    assert facts(change.text, *names)[-4:] == ["energy_drift", "0", "0.25", "worse"]
 
 
 def test_figures_of_another_definition_are_named_and_not_compared(flips: Path, base: Baseline, tmp_path: Path) -> None:
@@ -204,10 +210,9 @@ def test_figures_of_another_definition_are_named_and_not_compared(flips: Path, b
     assert baseline.read(old).revisions == {}
     done = bodycheck("diff", old, flips)
     assert done.returncode == 0
-    assert done.stdout.splitlines() == [
-        "not compared, since their definition has changed (save a new baseline): energy_drift",
-        "no change in 2 runs beyond rounding and the truth's own error",
-    ]
+    redefined, same = done.stdout.splitlines()
+    assert facts(redefined, "not compared", "energy_drift") == ["not compared", "energy_drift"]
+    assert facts(same, "no change", "rounding") == ["no change", "2", "rounding"]
 
 
 def test_versions_are_named(base: Baseline) -> None:

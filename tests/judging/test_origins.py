@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from bodycheck.judging.attribution import Attribution
 from bodycheck.reports.runs.origins import origins
 from bodycheck.reports.study import Chart
+from tests.support.wording import facts
 
 FIGURE = st.floats(-1e3, 1e3).filter(lambda value: value == 0 or abs(value) > 1e-9)
 
@@ -52,8 +53,12 @@ def test_drawn_is_the_smallest_step_of_what_is_known_whole() -> None:
     (chart,) = found.charts
     _, lines = layers(chart)
     assert lines == [{"method": "mujoco Euler 1 ms", "value": 1.501}]
-    parts = "model form 1, constraint 0.5, time step 0.001"
-    assert f"The largest discrepancy is that of mujoco Euler 1 ms, 1.5 rad: {parts}." in chart.alt
+    parts = ("model form", "constraint", "time step")
+    told = facts(chart.alt, "largest", "mujoco Euler", *parts)
+    assert told[told.index("largest") :] == [
+        *("largest", "mujoco Euler", "1", "1.5"),
+        *(parts[0], "1", parts[1], "0.5", parts[2], "0.001"),
+    ]
     assert "mujoco Euler 1 ms" in vl_convert.vegalite_to_svg(chart.specification)
 
 

@@ -13,6 +13,7 @@ from bodycheck.site.known import Issue
 from bodycheck.studies.audit.rows import PROPERTIES
 from bodycheck.studies.parity.quantities import CAUSES
 from tests.site import submissions as make
+from tests.support.wording import facts
 
 
 @pytest.mark.parametrize("issue", known.issues(), ids=lambda issue: f"{issue.engine} {issue.url.rpartition('/')[2]}")
@@ -46,9 +47,9 @@ def test_an_issue_shows_the_last_version_that_has_it_and_the_first_that_has_not(
     ]
     issue = next(one for one in known.issues() if one.since == "3.7.0")
     found = known.evidence(make.catalogued(*sent), issue)
-    assert [(one.version, one.text) for one in found] == [
-        ("3.10.0", "attitude error 2.75e-5 rad with implicitfast"),
-        ("3.11.0", "attitude error 1.5 rad with implicitfast"),
+    assert [(one.version, facts(one.text, "attitude error", "implicitfast")) for one in found] == [
+        ("3.10.0", ["attitude error", "2.75e-5", "implicitfast"]),
+        ("3.11.0", ["attitude error", "1.5", "implicitfast"]),
     ]
 
 
@@ -67,9 +68,9 @@ def test_an_issue_of_a_robot_counts_the_rows_with_its_cause() -> None:
     ]
     issue = next(one for one in known.issues() if (one.engine, one.cause) == ("mujoco", "mimic-ignored"))
     found = known.evidence(make.catalogued(make.submission({"parity.csv": rows})), issue)
-    assert [(one.version, one.text) for one in found] == [
-        ("3.12.0", "mimic-ignored: 1 of its rows"),
-        ("3.13.0", "mimic-ignored: none of its rows"),
+    assert [(one.version, facts(one.text, "mimic-ignored", "none")) for one in found] == [
+        ("3.12.0", ["mimic-ignored", "1"]),
+        ("3.13.0", ["mimic-ignored", "none"]),
     ]
 
 

@@ -9,6 +9,10 @@ from bodycheck.site.pages import releases as pages
 from bodycheck.site.releases import measured_changes, releases, upgrades
 from tests.site import submissions as make
 from tests.site import upgrades as example
+from tests.support.wording import facts
+
+#: What a sentence on an order may name.
+ORDERS = ("From", "In", "RK4", "second", "fourth", "fifth", "attitude", "angular momentum", "energy")
 
 
 def text(catalogue: Catalogue, version: str) -> str:
@@ -28,22 +32,21 @@ def test_an_upgrade_counts_what_became_better_worse_and_otherwise() -> None:
     assert [(one.scene.name, one.before, one.after) for one in upgrade.verdicts] == [(make.MECHANISM, "failed", "error")]
     assert (upgrade.new_methods, upgrade.gone_methods) == (("discrete",), ())
     told = [telling.plain(one) for one in telling.of_upgrade(upgrade)]
-    assert told[0] == (
-        "4 runs with the same method in 3.17.0: 1 with a smaller error, 1 with a larger one, 1 that ends in another way, and 1 "
-        "without a change beyond rounding."
-    )
-    assert "went from attitude error 0.0001 rad to 5e-9 rad, 2e4 times smaller." in told[1]
-    assert told[-1] == "Only 4.0.0 has runs with discrete."
+    kinds = ("smaller error", "larger one", "another way", "without a change")
+    assert facts(told[0], *kinds) == ["4", "3.17.0", "1", kinds[0], "1", kinds[1], "1", kinds[2], "1", kinds[3]]
+    assert facts(told[1], "attitude error", "smaller")[-5:] == ["attitude error", "0.0001", "5e-9", "2e4", "smaller"]
+    assert facts(told[-1], "Only", "discrete") == ["Only", "4.0.0", "discrete"]
 
 
 def test_the_order_of_a_method_is_told_as_a_study_observed_it() -> None:
     catalogue = example.catalogue()
     (told,) = telling.orders(catalogue, measured_changes(catalogue, "mujoco", example.NEW))
-    assert telling.plain(told) == (
-        "From 4.0.0 on, RK4 is of fourth order in attitude (observed 4 in intermediate-axis-flip); in 3.17.0, the last release "
-        "measured before, it was of second order (2). Its scheme is B, and was A."
-    )
-    assert "From 4.0.0 on, RK4 is of fourth order in attitude" in text(catalogue, example.NEW)
+    order = ["From", "4.0.0", "RK4", "fourth", "attitude"]
+    assert facts(telling.plain(told), *ORDERS, "intermediate-axis-flip", "A", "B") == [
+        *(*order, "4", "intermediate-axis-flip"),
+        *("3.17.0", "second", "2", "B", "A"),
+    ]
+    assert telling.plain(told).partition(" (")[0] in text(catalogue, example.NEW)
 
 
 def test_quantities_that_changed_alike_are_told_in_one_sentence() -> None:
@@ -53,8 +56,8 @@ def test_quantities_that_changed_alike_are_told_in_one_sentence() -> None:
     catalogue = example.catalogue(make.submission({"changes.csv": changes}, day="2026-01-04"))
     told = [telling.plain(one) for one in telling.orders(catalogue, measured_changes(catalogue, "mujoco", example.NEW))]
     assert len(told) == 2
-    assert "is of fourth order in attitude and angular momentum (observed 4 and 3.98 in intermediate-axis-flip)" in told[0]
-    assert "is of fifth order in energy" in told[1]
+    assert facts(told[0], *ORDERS)[3:8] == ["fourth", "attitude", "angular momentum", "4", "3.98"]
+    assert facts(told[1], *ORDERS)[3:5] == ["fifth", "energy"]
 
 
 def test_without_a_study_nothing_is_said_of_orders() -> None:
@@ -68,8 +71,8 @@ def test_an_order_that_a_later_release_changes_again_holds_in_its_release_alone(
         telling.plain(next(telling.orders(catalogue, measured_changes(catalogue, "mujoco", version))))
         for version in ("4.0.0", "4.1.0")
     )
-    assert first.startswith("In 4.0.0, RK4 is of fourth order")
-    assert second.startswith("From 4.1.0 on, RK4 is of second order")
+    assert facts(first, *ORDERS)[:4] == ["In", "4.0.0", "RK4", "fourth"]
+    assert facts(second, *ORDERS)[:4] == ["From", "4.1.0", "RK4", "second"]
 
 
 def test_orders_are_whole_only_where_they_are_close_to_it() -> None:

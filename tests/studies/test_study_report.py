@@ -12,6 +12,7 @@ from bodycheck.studies.tradeoff.page import present
 from tests.support import pages
 from tests.support.pages import HOSTILE, HOSTILE_NAME, Page, attributes_of, markdown_tables
 from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, hostile_report, order, row
+from tests.support.wording import facts
 
 
 def test_hostile_strings_show_as_text() -> None:
@@ -48,10 +49,13 @@ def test_what_was_not_measured_is_left_out() -> None:
     (part,) = report.parts
     assert [chart.title for chart in part.charts] == ["Attitude error", "Position error"]
     assert [drawn(chart.specification) for chart in part.charts] == [(1, 1, 1), (1, 1, 1)]
-    assert part.charts[1].notes == ("Errors of zero, which are not drawn, occur with mujoco Euler.",)
-    assert part.texts == ("Runs with the status diverged have no results: mujoco RK4 at 5 ms and 1 ms.",)
+    ((note,), (text,)) = part.charts[1].notes, part.texts
+    assert facts(note, "zero", "not drawn", "mujoco Euler", "mujoco RK4") == ["zero", "not drawn", "mujoco Euler"]
+    assert facts(text, "diverged", "mujoco Euler", "mujoco RK4") == ["diverged", "mujoco RK4", "5", "1"]
     assert [line.label for line in part.lines] == ["mujoco Euler"]
-    assert report.headline == "2 methods on 1 case: 5 runs, 2 of them without results"
+    assert facts(report.headline, "methods", "case", "runs", "without results") == [
+        *("2", "methods", "1", "case", "5", "runs", "2", "without results"),
+    ]
     text = html.render_study(report)
     pages.check(text)
     assert "nan" not in Page(text).text.lower().split()

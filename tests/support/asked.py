@@ -5,6 +5,9 @@ import sys
 #: The option that names the one engine whose adapter is tested.
 ADAPTER_OPTION = "--adapter"
 
+#: The option that writes the golden pages instead of comparing reports with them.
+RENEW_OPTION = "--renew-golden"
+
 
 def adapter_asked_for() -> str | None:
     """Return the engine that `--adapter NAME` names; None if it is not given."""

@@ -5,6 +5,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from bodycheck.commands.command_line import app
@@ -126,6 +128,14 @@ def run(folder: Path) -> Path:
     options = ("--jobs", 1, "--out", folder / "run", "--figures", "svg", "--junit", folder / "junit.xml")
     assert call("run", *cases, *engines, *METHODS, *steps, *options) == 1
     return folder / "run"
+
+
+def move(folder: Path, by: float, along: str = "x", integrator: str = "RK4", timestep: float = 0.01) -> None:
+    """Move the body of the spin by some metres in the stored trajectory of a run of MuJoCo."""
+    path = folder / "trajectories" / "spin" / f"mujoco-{integrator}-{timestep!r}s.parquet"
+    table = pq.read_table(path)
+    moved = pa.array(table[along].to_numpy() + by)
+    pq.write_table(table.set_column(table.column_names.index(along), along, moved), path)
 
 
 def study(kind: str, folder: Path) -> Path:

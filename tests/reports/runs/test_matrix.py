@@ -19,6 +19,13 @@ from bodycheck.reports.runs.summary import broken, expectation_status, headline,
 from bodycheck.results.outcome import Diverged
 from tests.support.cases import OF_ONE_BODY
 from tests.support.measured_runs import DRAG, FLIGHT, FLIP, SLIDE, ended, matrices_of, ran
+from tests.support.wording import facts
+
+#: What findings on errors may name.
+NAMES = (
+    *("No completed run", "no completed run", "largest", "Demonstrations apart"),
+    *("position error", "attitude error", "mujoco a", "mujoco b", "mujoco c"),
+)
 
 
 @pytest.mark.parametrize("name", OF_ONE_BODY)
@@ -120,12 +127,14 @@ def test_findings_leave_out_what_is_within_the_truths_own_error() -> None:
         return {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
 
     within = told(*runs)
-    assert within["Position"] == "No completed run has a position error of more than 0.001 m."
+    assert facts(within["Position"], *NAMES) == ["No completed run", "position error", "0.001"]
     assert "Angular momentum" not in within
     beyond = told(*runs, ran(FLIP, integrator="c", position_error=2.0, angular_momentum_drift=1e-4, **uncertain))
-    assert beyond["Position"].startswith("The largest position error is 2 m, with mujoco c in ")
-    assert beyond["Position"].endswith("No completed run of another method has a position error of more than 0.001 m.")
-    assert "changes by up to 0.01 % with mujoco c in " in beyond["Angular momentum"]
+    assert facts(beyond["Position"], *NAMES, FLIP) == [
+        *("largest", "position error", "2", "mujoco c", FLIP, "1"),
+        *("No completed run", "position error", "0.001"),
+    ]
+    assert facts(beyond["Angular momentum"], *NAMES)[:2] == ["0.01", "mujoco c"]
 
 
 def test_an_engine_spans_its_columns_in_its_colour() -> None:
@@ -148,10 +157,9 @@ def test_a_known_discrepancy_is_not_said_to_hold() -> None:
     verdicts = [ended(ran(FLIP), True, judged=(held,)), ended(ran(FLIGHT), True, "known until then", judged=(known,))]
     assert [expectation_status(verdict) for verdict in verdicts] == ["held", "known"]
     complete: Any = SimpleNamespace(complete=True, unchecked=())
-    told = "None of 2 runs failed: 1 met all expectations and 1 has a known discrepancy"
-    assert headline(complete, verdicts) == told
+    assert facts(headline(complete, verdicts), "None", "failed", "known") == ["None", "2", "failed", "1", "1", "known"]
     assert dict(tally(verdicts))["known discrepancies"] == 1
-    assert headline(complete, verdicts[:1]) == "None of 1 run failed: 1 met all expectations"
+    assert facts(headline(complete, verdicts[:1]), "None", "failed", "known") == ["None", "1", "failed", "1"]
 
 
 def test_what_failed_is_told_with_the_first_of_it() -> None:
@@ -161,9 +169,10 @@ def test_what_failed_is_told_with_the_first_of_it() -> None:
     alone, both = broken(runs[:1], lines), broken(runs, lines)
     assert alone is not None
     assert both is not None
-    assert alone.text == f"mujoco Euler failed in {FLIP} (expectation broken): attitude_error is 1 rad."
-    first = f"mujoco Euler in {FLIP} (expectation broken): attitude_error is 1 rad."
-    assert both.text == f"2 runs failed in 2 cases. The first is {first}"
+    first = ["mujoco Euler", FLIP, "expectation broken", "attitude_error", "1"]
+    names = ("mujoco Euler", FLIP, FLIGHT, "expectation broken", "attitude_error")
+    assert facts(alone.text, *names) == first
+    assert facts(both.text, *names) == ["2", "2", *first]
 
 
 def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
@@ -173,10 +182,11 @@ def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
         for way, size in (("a", 1e-3), ("b", 1e-6))
     ]
     slide = [ran(SLIDE, penetration=1e-4)]
-    for verdicts, words in ((flights, "over all cases"), (flights + slide, "over 2 flights")):
+    for verdicts, words in ((flights, ["all cases"]), (flights + slide, ["2", "flights"])):
         lines = assign(verdict.key.over_cases for verdict in verdicts)
         told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
-        assert f"The attitude error {words} is smallest with mujoco b: at most 1e-6 rad" in told["Closest"]
+        names = ("attitude error", "all cases", "flights", "smallest", "mujoco b")
+        assert facts(told["Closest"], *names)[: 4 + len(words)] == ["attitude error", *words, "smallest", "mujoco b", "1e-6"]
 
 
 def test_findings_are_about_demonstrations_only_where_nothing_else_was_run() -> None:
@@ -193,8 +203,10 @@ def test_findings_are_about_demonstrations_only_where_nothing_else_was_run() -> 
         return {finding.subject: finding.text for finding in found}
 
     assert "naive" not in str(told(*runs))
-    assert told(*runs)["Position"] == "Demonstrations apart, no completed run has a position error of more than 1e-9 m."
-    assert told(*runs)["Attitude"].startswith("Demonstrations apart, the largest attitude error is 0.001 rad, with mujoco a")
+    assert facts(told(*runs)["Position"], *NAMES) == ["Demonstrations apart", "no completed run", "position error", "1e-9"]
+    assert facts(told(*runs)["Attitude"], *NAMES)[:5] == [
+        *("Demonstrations apart", "largest", "attitude error", "0.001", "mujoco a"),
+    ]
     assert "17 m, with pinocchio naive" in told(runs[0])["Position"]
     assert "apart" not in str(told(*runs[1:])) + str(told(runs[0]))
 
@@ -208,4 +220,5 @@ def test_rounding_is_not_compared_between_engines() -> None:
     ]
     lines = assign(verdict.key.over_cases for verdict in verdicts)
     told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
-    assert "mujoco Euler and pinocchio Euler have the same attitude and position errors in all cases" in told["Alike"]
+    names = ("mujoco Euler", "pinocchio Euler", "attitude", "position", "all cases")
+    assert facts(told["Alike"], *names)[:5] == list(names)

@@ -12,6 +12,13 @@ from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.unsupported import not_supported, with_place
 from bodycheck.results.key import RunKey
 from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
+from tests.support.wording import facts
+
+#: What a notice on what was not supported may name.
+NAMES = (
+    *("Not modelled", "Without results", "other reasons", "rotation", "drag", "contact"),
+    *("brax", "drake", "exudyn", "mujoco", "newton"),
+)
 
 BRICK = "free-brick"
 
@@ -94,20 +101,22 @@ def test_what_engines_do_not_model_is_told_in_one_line() -> None:
         refused(DRAG, "newton", "newton 1 does not model drag"),
         refused(DRAG, "mujoco@3.17.0", "mujoco 1 does not model rotation"),
     ]
-    assert not_supported([*refusals, ran(SLIDE), ran(DRAG)]) == (
-        "Not modelled: rotation by mujoco@3.17.0; drag by newton; contact by brax and exudyn.",
-    )
+    (told,) = not_supported([*refusals, ran(SLIDE), ran(DRAG)])
+    assert facts(told, *NAMES, "mujoco@3.17.0") == [
+        *("Not modelled", "rotation", "mujoco@3.17.0", "drag", "newton", "contact", "brax", "exudyn"),
+    ]
     assert not_supported([ran(SLIDE)]) == ()
 
 
 def test_other_reasons_are_told_by_kind_of_scene_with_the_runs_that_they_concern() -> None:
     slides = [refused(SLIDE, "mujoco", f"the friction is {place}", f"i{place}") for place in range(5)]
     drag = refused(DRAG, "drake", "no such model")
-    assert not_supported([*slides, ran(SLIDE), drag]) == (
-        "Without results: drag by drake (no such model).",
-        "Without results: contact by mujoco in 1 of 6 runs (the friction is 0); by mujoco in 1 of 6 runs (the friction is 1); "
-        "by mujoco in 1 of 6 runs (the friction is 2); and for 2 other reasons.",
-    )
+    first, second = not_supported([*slides, ran(SLIDE), drag])
+    assert facts(first, *NAMES, "no such model") == ["Without results", "drag", "drake", "no such model"]
+    each = [word for place in "012" for word in ("mujoco", "1", "6", f"the friction is {place}")]
+    assert facts(second, *NAMES, *(f"the friction is {place}" for place in range(5))) == [
+        *("Without results", "contact", *each, "2", "other reasons"),
+    ]
 
 
 def test_where_only_cases_are_known_an_engine_that_refuses_all_runs_of_some_is_named_alone() -> None:
@@ -116,8 +125,10 @@ def test_where_only_cases_are_known_an_engine_that_refuses_all_runs_of_some_is_n
         Asked(case, "brax", "1", f"brax 1 does not model {lack}")
         for case, lack in (("a", "drag"), ("b", "drag"), ("c", "contact"))
     ]
-    assert notices.not_supported([*asked, Asked("d", "brax", "1", "")]) == ("Not modelled: drag by brax; contact by brax.",)
-    assert notices.not_supported([*asked[:1], Asked("a", "brax", "1", "")]) == ("Not modelled: drag by brax in 1 of 2 runs.",)
+    (several,) = notices.not_supported([*asked, Asked("d", "brax", "1", "")])
+    assert facts(several, *NAMES) == ["Not modelled", "drag", "brax", "contact", "brax"]
+    (some,) = notices.not_supported([*asked[:1], Asked("a", "brax", "1", "")])
+    assert facts(some, *NAMES) == ["Not modelled", "drag", "brax", "1", "2"]
 
 
 @pytest.mark.parametrize(("passed", "seen"), [(None, 1), (True, 1), (False, 2)])

@@ -29,6 +29,10 @@ from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.results.outcome import Completed
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs
+from tests.support.wording import facts
+
+#: What a note says of an animation.
+NOTES = ("no animation", "leaves out", "small", "too far")
 
 FLIP, SLIDE, SHAPELESS, STILL = "intermediate-axis-flip", "curling-brick", "dumbbell", "projectile"
 METHODS = {
@@ -215,7 +219,7 @@ def test_a_small_room_keeps_what_is_shown_first(flips: Played) -> None:
     assert len(json.dumps(small.data, separators=(",", ":"))) < room + 1000
     assert len(small.data["runs"]) < len(whole["runs"])
     (note,) = small.notes
-    assert note.startswith("The animation leaves out methods to keep this file small: ")
+    assert facts(note, *NOTES)[:2] == ["leaves out", "small"]
     kept = {run["label"] for run in small.data["runs"]}
     assert all((run["label"] in note) != (run["label"] in kept) for run in whole["runs"])
 
@@ -223,7 +227,7 @@ def test_a_small_room_keeps_what_is_shown_first(flips: Played) -> None:
 def test_without_room_nothing_is_played(flips: Played) -> None:
     found = played(FLIP, flips, 100)
     assert found.data is None
-    assert found.notes == ("There is no animation, to keep this file small.",)
+    assert [facts(note, *NOTES) for note in found.notes] == [["no animation", "small"]]
 
 
 def test_a_run_that_goes_too_far_is_told_of_and_left_out(flips: Played) -> None:
@@ -238,7 +242,7 @@ def test_a_run_that_goes_too_far_is_told_of_and_left_out(flips: Played) -> None:
     )
     assert found.data is not None
     assert "mujoco Euler" not in [run["label"] for run in found.data["runs"]]
-    assert found.notes[-1].endswith("or that go too far: mujoco Euler.")
+    assert facts(found.notes[-1], *NOTES, "mujoco Euler", "mujoco RK4")[-2:] == ["too far", "mujoco Euler"]
 
 
 def astray(one: Verdict, by: float) -> Verdict:
@@ -287,7 +291,7 @@ def test_the_common_time_step_is_played_and_named(flips: Played) -> None:
     fewer = {line: one for line, one in runs.items() if line != dropped}
     found = played(FLIP, (fewer, truths))
     assert found.data is not None
-    assert found.notes == ("The animation shows the runs with a time step of 4 ms.",)
+    assert [facts(note, *NOTES, "time step") for note in found.notes] == [["time step", "4"]]
     assert len(found.data["runs"]) == 6
     assert all("ms" not in run["label"] for run in found.data["runs"])
 
@@ -296,9 +300,7 @@ def test_a_body_without_a_shape_is_drawn_as_its_ellipsoid() -> None:
     runs = runs_of(SHAPELESS, 1.0, 101, 0.002)
     found = played(SHAPELESS, runs)
     assert found.data is not None
-    assert found.notes == (
-        "The case gives no shape. The animation shows the solid ellipsoid that has the same mass and moments of inertia.",
-    )
+    assert [facts(note, *NOTES, "no shape", "ellipsoid") for note in found.notes] == [["no shape", "ellipsoid"]]
     body, scene = found.data["body"], load(SHAPELESS).scene
     a, b, c = (length * body["reach"] for length in body["semi_axes"])
     expected = [scene.body.mass / 5 * (one**2 + other**2) for one, other in ((b, c), (a, c), (a, b))]
@@ -309,7 +311,7 @@ def test_a_body_without_a_shape_is_drawn_as_its_ellipsoid() -> None:
 def test_where_nothing_turns_nothing_is_played() -> None:
     found = played(STILL, runs_of(STILL, 0.5, 51, 0.002))
     assert found.data is None
-    assert found.notes == ("There is no animation because nothing rotates in this case.",)
+    assert [facts(note, *NOTES, "nothing rotates") for note in found.notes] == [["no animation", "nothing rotates"]]
 
 
 def test_a_truth_that_is_too_fast_is_told_of() -> None:
@@ -321,7 +323,7 @@ def test_a_truth_that_is_too_fast_is_told_of() -> None:
     found = animated(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)
     assert found is not None
     assert found.data is None
-    assert found.notes[0].startswith("There is no animation because the body turns by more than 1 rad between samples")
+    assert facts(found.notes[0], *NOTES, "turns")[:3] == ["no animation", "turns", "1"]
 
 
 def test_without_a_truth_there_is_no_playback(flips: Played) -> None:

@@ -26,6 +26,7 @@ from bodycheck.results.store import Results
 from tests.support import pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
 from tests.support.report_cases import FLIGHT, FLIP
+from tests.support.wording import facts
 
 
 def altered(results: Results, verdicts: list[Verdict], **strings: str) -> list[ResultSet]:
@@ -116,7 +117,8 @@ def test_every_figure_within_the_truths_own_error_is_called_so(results: Results,
 def test_all_within_the_truths_own_error(results: Results, verdicts: list[Verdict]) -> None:
     flight = [verdict for verdict in verdicts if verdict.run.case == FLIGHT]
     told = {finding.subject: finding.text for finding in gather([ResultSet(results, flight)]).findings}
-    assert "in every completed run the attitude error is within the truth's own error" in told["Attitude"]
+    names = ("every completed run", "attitude error", "truth's own error")
+    assert facts(told["Attitude"], *names)[:3] == list(names)
 
 
 def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: list[Verdict]) -> None:
@@ -126,14 +128,18 @@ def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: li
     frame = frame[frame["integrator"] != "body-twist-euler"]
     told = {finding.subject: finding for finding in contents.findings}
     assert not any("body-twist-euler" in finding.text for finding in contents.findings)
-    assert told["Position"].text.startswith("Demonstrations apart, the largest position error is ")
+    assert facts(told["Position"].text, "Demonstrations apart", "position error")[:2] == [
+        "Demonstrations apart",
+        "position error",
+    ]
     for subject, column in (("Position", "position_error"), ("Attitude", "attitude_error")):
         worst = frame.loc[frame[column].idxmax()]
         assert told[subject].where == worst["case"]
         assert f"{worst['engine']} {worst['integrator']}" in told[subject].text
         assert number(worst[column]) in told[subject].text
     assert "mujoco RK4 and pinocchio rk4" in told["Closest"].text
-    assert "mujoco Euler and pinocchio semi-implicit-euler are one algorithm" in told["Same algorithm"].text
+    alike = ("mujoco Euler", "pinocchio semi-implicit-euler", "one algorithm")
+    assert facts(told["Same algorithm"].text, *alike)[:3] == list(alike)
     assert "semi-implicit-euler" not in told["Alike"].text  # which is about methods that err alike and are not the same
 
 
@@ -197,7 +203,8 @@ def test_a_case_that_no_engine_supports_has_no_table(results: Results, verdicts:
     assert [matrix.kind.name for matrix in contents.matrices] == ["translation"]
     for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
         assert text.count("No run of this case has a result.") == 1
-        assert "Without results: rotation by mujoco and pinocchio (it does not turn)." in text
+        names = ("rotation", "mujoco", "pinocchio", "it does not turn")
+        assert facts(text.partition("Without results:")[2], *names)[:4] == list(names)
 
 
 def test_a_headline_says_why_no_run_has_a_result(results: Results, verdicts: list[Verdict]) -> None:
@@ -208,8 +215,9 @@ def test_a_headline_says_why_no_run_has_a_result(results: Results, verdicts: lis
         runs = [replace(one, outcome=end, discrepancy=None, passed=None) for one, end in zip(verdicts, refused, strict=False)]
         return headline(results, runs)
 
-    assert told("it has no truth", "it has no truth") == "None of 2 runs has a result: it has no truth"
-    assert told("it has no truth", "no drag").endswith(": the engines or the truth do not support them")
+    names = ("None", "it has no truth", "no drag", "engines", "truth")
+    assert facts(told("it has no truth", "it has no truth"), *names) == ["None", "2", "it has no truth"]
+    assert facts(told("it has no truth", "no drag"), *names) == ["None", "2", "engines", "truth"]
 
 
 def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
@@ -247,7 +255,8 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
     assert "img" not in seen.tags
     for text in (seen.text, markdown_report.render(contents)):
         assert "drake is not installed" in text
-        assert "Without results: by mujoco in 1 of 4 runs (it does not model drag)." in text
+        refused = facts(text.partition("Without results:")[2], "mujoco", "it does not model drag")
+        assert refused[:4] == ["mujoco", "1", "4", "it does not model drag"]
         assert "stopped after 300 s" in text
         assert "way-2" in text
         assert "way-3" not in text, "what is unsupported has no row"

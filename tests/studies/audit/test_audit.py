@@ -16,6 +16,7 @@ from bodycheck.studies.audit.wording import sentences
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant
 from tests.support.processes import calls_here
+from tests.support.wording import facts
 
 #: An engine that is stepped by semi-implicit Euler, up to how it spoils the state from which it starts.
 STEPPED = """
@@ -236,10 +237,12 @@ def test_sentences_tell_defaults_and_deviations_apart_with_their_sizes() -> None
             row("rk4", "sleeping", None, "", "none", "sleeping", 0.0),
         ]
     )
-    assert [f"{one.status}: {one.text}" for one in told] == [
-        "deviates: changes the energy of rotation in each turn: -2e-5 to 0.0035 (0 expected), with euler and heun (flip off by "
-        "0.25 to 1.5 rad).",
-        "deviates: moves otherwise if the body is given in another form (two welded links), by a difference that vanishes with "
-        "the time step: 0.001 to 0.002 m (0 expected), with heun and euler (flip off by 0.25 to 1.5 rad).",
-        "default: damps the angular velocity: 0.0499 1/s (0 expected), with euler:settings=engine (flip off by 2 rad).",
+    names = ("euler:settings=engine", "euler", "heun", "rk4", "two welded links", "vanishes", "does not vanish", "1/s")
+    assert [(one.status, one.property, facts(one.text, *names)) for one in told] == [
+        ("deviates", "energy-per-turn", ["-2e-5", "0.0035", "0", "euler", "heun", "0.25", "1.5"]),
+        (
+            *("deviates", "representation"),
+            ["two welded links", "vanishes", "0.001", "0.002", "0", "heun", "euler", "0.25", "1.5"],
+        ),
+        ("default", "angular-damping", ["0.0499", "1/s", "0", "euler:settings=engine", "2"]),
     ]

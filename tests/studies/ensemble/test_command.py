@@ -15,6 +15,7 @@ from bodycheck.studies.ensemble.rows import DependenceRow, Row
 from tests.support import pages, processes
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck, call
+from tests.support.wording import facts
 
 BRICK = {"shape": "brick", "semi_axes": [0.1, 0.2, 0.3], "mass": 1.0}
 SPIN = {"angular_velocity": [0.1, 5.0, 0.0]}
@@ -85,9 +86,9 @@ def test_a_broken_expectation_is_a_failure(case: Path, tmp_path: Path) -> None:
     strict.write_text(a_case(body=BRICK, initial=SPIN, expect=expected) + ENSEMBLE, "utf-8")
     done = bodycheck("ensemble", strict, *METHODS, "--jobs", "1", "--quiet", "--members", "20")
     assert done.returncode == 1
-    assert done.stdout.startswith(
-        "FAILED spin, mujoco Euler at 0.002 s: 20 of 20 members, the first is member 0: attitude_error"
-    )
+    assert facts(done.stdout, "FAILED", "spin", "mujoco Euler", "attitude_error")[:8] == [
+        *("FAILED", "spin", "mujoco Euler", "0.002", "20", "20", "0", "attitude_error"),
+    ]
     assert done.stdout.count("FAILED") == 1
 
 

@@ -16,6 +16,7 @@ from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, growth
 from bodycheck.studies.extremes.study import follow
 from bodycheck.studies.extremes.symptoms import flips, gyration
 from tests.support.cases import shortened
+from tests.support.wording import facts
 
 CASE = shortened(load("intermediate-axis-flip"), 4.0, 401)
 SCENE = CASE.scene
@@ -144,7 +145,8 @@ def test_what_ended_a_run_is_told_with_what_went_before() -> None:
     found = diagnose(SCENE, Diverged("not a number at t = 3.01 s", trajectory=broken), NoTruth("it did not end"))
     assert (found.status, found.engine_said) == ("diverged", "healthy")
     # exp(2 * 3 s): the last sound state.
-    assert "not a number at t = 3.01 s; before, energy of rotation 403 times" in found.detail
+    names = ("not a number", "energy of rotation")
+    assert facts(found.detail, *names)[:4] == ["not a number", "3.01", "energy of rotation", "403"]
 
 
 def test_what_has_no_states() -> None:
@@ -159,11 +161,13 @@ def test_without_a_truth_a_run_is_judged_by_what_is_conserved_and_says_so() -> N
     why = NoTruth("the reference does not model that")
     lost = replace(MOTION, quaternion=turned(3 * T / 4))
     found = diagnose(SCENE, Completed(lost, 400, 1.0), why)
-    assert found == Diagnosis("ok", "healthy", "judged by what is conserved alone: the reference does not model that")
+    judged = ("conserved", "the reference does not model that")
+    assert (found.status, found.engine_said) == ("ok", "healthy")
+    assert facts(found.detail, *judged) == list(judged)
     gaining = replace(MOTION, angular_velocity=MOTION.angular_velocity * (1 + T[:, None]))
     found = diagnose(SCENE, Completed(gaining, 400, 1.0), why)
     assert found.status == "energy-gain"
-    assert found.detail.endswith("judged by what is conserved alone: the reference does not model that")
+    assert facts(found.detail, *judged)[-2:] == list(judged)
 
 
 def test_one_sample_is_enough() -> None:

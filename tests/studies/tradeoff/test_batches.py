@@ -31,6 +31,7 @@ from tests.support import campaigns
 from tests.support.cases import OF_ONE_BODY, TOUCHING, a_case, shortened
 from tests.support.commands import bodycheck
 from tests.support.processes import calls_here
+from tests.support.wording import facts
 
 FLIP = shortened(load("intermediate-axis-flip"), 1.0, 51)
 
@@ -192,7 +193,7 @@ def test_the_report_is_written_again_from_the_folder(measured: Measured) -> None
     assert titles[-2:] == ["Time per step and scene in batches", "Position error, the worst of all scenes in batches"]
     drawn = json.dumps(part.charts[-2].specification)
     assert '"scenes": 7' in drawn
-    assert any("exact steps one scene at a time" in notice for notice in made.notices)
+    assert ["exact", "one"] in [facts(notice, "exact", "one") for notice in made.notices]
     # The other charts, tables and findings are of single runs alone.
     alone = [row for row in measured.rows if row["batch"] is None]
     assert part.charts[:-2] == present(results.header, alone, []).parts[0].charts
@@ -218,5 +219,5 @@ def test_command_and_function_measure_batches(calls_here: None, tmp_path: Path, 
 
 def test_mechanisms_are_named_that_have_no_batches() -> None:
     rows = [{"case": name, "kind": kind} for name, kind in (("top", "turning"), ("chain", "mechanism"), ("chain", "mechanism"))]
-    assert batch_page.without(rows) == "chain is a mechanism, and has no batches: mechanisms are stepped one at a time."
+    assert facts(batch_page.without(rows), "top", "chain", "no batches") == ["chain", "no batches"]
     assert batch_page.without(rows[:1]) == ""

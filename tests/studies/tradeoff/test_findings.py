@@ -13,8 +13,13 @@ from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.page import present
 from tests.support.pages import Page
 from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, measurements, order, row, texts
+from tests.support.wording import facts
 
 EULER = "semi-implicit Euler"
+
+#: What a sentence may name besides methods.
+NAMES = (EULER, "attitude", "position", "spin", "limit", "rounding")
+METHODS = ("mujoco Euler", "mujoco RK4")
 
 errors = st.one_of(st.just(0.0), st.sampled_from([1e-3, 2e-3]), st.floats(1e-17, 10))
 
@@ -85,41 +90,39 @@ def test_methods_that_fall_short_alike_are_told_together() -> None:
             observed = 2.0 if integrator != "three" else 1.5
             spread = {"order": observed, "order_low": observed, "order_high": observed, "claimed": 4}
             orders.append(order(case=case, integrator=integrator, **spread))
-    assert texts(present(HEADER, rows, orders), "Order") == [
-        "mujoco one and mujoco two have an observed order of 2.00 in attitude instead of the claimed 4, "
-        "on spin and 1 other case.",
-        "mujoco three has an observed order of 1.50 in attitude instead of the claimed 4, on spin and 1 other case.",
+    methods = ("mujoco one", "mujoco two", "mujoco three")
+    told = [facts(text, *methods, *NAMES) for text in texts(present(HEADER, rows, orders), "Order")]
+    assert told == [
+        ["mujoco one", "mujoco two", "2.00", "attitude", "4", "spin", "1"],
+        ["mujoco three", "1.50", "attitude", "4", "spin", "1"],
     ]
 
 
 def test_orders_as_claimed() -> None:
     report = present(HEADER, curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2]), [order(), order(quantity="position")])
     (sentence,) = texts(report, "Order")
-    assert sentence == "None of 2 observed orders of attitude and position is lower than claimed by more than 0.25."
+    assert facts(sentence, "None", *METHODS, *NAMES) == ["None", "2", "attitude", "position", "0.25"]
     assert report.parts[0].tables[0][1].failed == (False,)
 
 
 @pytest.mark.parametrize(
-    ("residual", "meaning"),
-    [(2e-13, "This explains a discrepancy of 0.1 rad."), (0.02, "The discrepancy is 0.1 rad.")],
+    ("residual", "explains"),
+    [(2e-13, True), (0.02, False)],
 )
-def test_a_scheme_explains_what_it_leaves_nothing_of(residual: float, meaning: str) -> None:
+def test_a_scheme_explains_what_it_leaves_nothing_of(residual: float, explains: bool) -> None:
     rows = curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2])
     report = present(HEADER, rows, [order(scheme=EULER, nearest_scheme=EULER, scheme_residual=residual)])
     (sentence,) = texts(report, "Scheme")
-    assert sentence == (
-        f"mujoco Euler agrees with semi-implicit Euler to within {number(residual)} rad over the whole run, on spin. {meaning}"
-    )
+    assert facts(sentence, *METHODS, *NAMES) == ["mujoco Euler", EULER, number(residual), "spin", "0.1"]
+    assert ("agrees" in sentence, "explains" in sentence) == (True, explains)
 
 
 def test_a_scheme_that_is_only_near_is_called_near() -> None:
     rows = [*curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2]), *curve("RK4", [1e-1, 1e-2], [1e-3, 1e-2])]
     report = present(HEADER, rows, [order(nearest_scheme=EULER, scheme_residual=1e-4), order(integrator="RK4")])
     (sentence,) = texts(report, "Scheme")
-    assert sentence == (
-        "mujoco Euler is near semi-implicit Euler to within 0.0001 rad over the whole run, on spin. "
-        "This explains a discrepancy of 0.1 rad."
-    )
+    assert facts(sentence, *METHODS, *NAMES) == ["mujoco Euler", EULER, "0.0001", "spin", "0.1"]
+    assert ("near" in sentence, "agrees" in sentence, "explains" in sentence) == (True, False, True)
     words = [[entry.text for entry in row[2:4]] for row in report.parts[0].tables[0][1].rows]
     assert words == [["near semi-implicit Euler", "0.0001"], ["not identified", "–"]]
 
@@ -128,30 +131,26 @@ def test_floors_above_rounding_are_told() -> None:
     rows = [*curve("Euler", [1e-1, 2.7e-4], [1e-3, 1e-2]), *curve("RK4", [1e-9, 1e-12], [1e-3, 1e-2])]
     orders = [order(floor=2.7e-4), order(integrator="RK4", floor=1e-12)]
     (sentence,) = texts(present(HEADER, rows, orders), "Floor")
-    assert (
-        sentence
-        == "With mujoco Euler the attitude error does not fall below 0.00027 rad at any time step down to 5 ms, on spin."
-    )
+    assert facts(sentence, *METHODS, *NAMES) == ["mujoco Euler", "attitude", "0.00027", "5", "spin"]
+    assert "tend" not in sentence
 
 
 @pytest.mark.parametrize(
-    ("cause", "words"),
-    [("limit", ", to which its runs tend"), ("rounding", ", because of rounding in the engine's precision")],
+    ("cause", "word"),
+    [("limit", "tend"), ("rounding", "rounding")],
 )
-def test_the_cause_of_a_floor_is_told(cause: str, words: str) -> None:
+def test_the_cause_of_a_floor_is_told(cause: str, word: str) -> None:
     report = present(HEADER, curve("Euler", [1e-1, 2.7e-4], [1e-3, 1e-2]), [order(floor=2.7e-4, floor_cause=cause)])
     (sentence,) = texts(report, "Floor")
-    assert sentence.endswith(f"does not fall below 0.00027 rad at any time step down to 5 ms{words}, on spin.")
+    assert facts(sentence, word, *METHODS, "spin") == ["mujoco Euler", "0.00027", "5", word, "spin"]
+    assert {"tend", "rounding"} & set(sentence.replace(",", " ").split()) == {word}
     assert f"0.00027 ({cause})" in [entry.text for entry in report.parts[0].tables[0][1].rows[0]]
 
 
 def test_an_order_of_the_beginning_is_told_as_such() -> None:
     rows = curve("Euler", [3.1, 2.9], [1e-3, 1e-2])
     report = present(HEADER, rows, [order(horizon=2.5, floor=1e-3, floor_cause="limit")])
-    assert texts(report, "Order")[-1] == (
-        "With mujoco Euler the attitude is lost by the end at any time step; "
-        "the order is that of the first 2.5 s of the same runs, on spin."
-    )
+    assert facts(texts(report, "Order")[-1], *METHODS, *NAMES, "lost") == ["mujoco Euler", "attitude", "lost", "2.5", "spin"]
     assert texts(report, "Floor") == []
     assert "1.00 (0.98–1.02) in 2.5 s" in [entry.text for entry in report.parts[0].tables[0][1].rows[0]]
 
@@ -159,15 +158,16 @@ def test_an_order_of_the_beginning_is_told_as_such() -> None:
 def test_the_cheapest_on_one_case() -> None:
     rows = [*curve("Euler", [1e-1, 1e-4], [1e-4, 1e-2]), *curve("RK4", [1e-4, 1e-7], [4e-4, 5e-3])]
     first, second = texts(present(HEADER, rows, []), "Cheapest")
-    assert first == (
-        "The cheapest method with an attitude error of at most 0.001 rad is mujoco RK4 at 10 ms on spin. "
-        "Its error is 0.0001 rad, and a simulated second takes 0.0004 s (0.00036 to 0.00048 s in repeated timings). "
-        "The next is mujoco Euler at 5 ms, at 25 times the cost."
-    )
-    assert "an attitude error of at most 1e-6 rad is mujoco RK4 at 5 ms on spin" in second
+    assert facts(first, *METHODS, *NAMES) == [
+        *("attitude", "0.001", "mujoco RK4", "10", "spin"),
+        *("0.0001", "0.0004", "0.00036", "0.00048"),
+        *("mujoco Euler", "5", "25"),
+    ]
+    assert "overlap" not in first
+    assert facts(second, *METHODS, *NAMES)[:5] == ["attitude", "1e-6", "mujoco RK4", "5", "spin"]
     rows = [*curve("Euler", [1e-7], [1e-3]), *curve("RK4", [1e-7], [1.1e-3])]
     (only,) = texts(present(HEADER, rows, []), "Cheapest")
-    assert only.endswith("The next is mujoco RK4 at 10 ms, at 1.1 times the cost, although their timings overlap.")
+    assert facts(only, *METHODS, "overlap")[-4:] == ["mujoco RK4", "10", "1.1", "overlap"]
 
 
 def test_the_cheapest_on_many_cases() -> None:
@@ -177,22 +177,26 @@ def test_the_cheapest_on_many_cases() -> None:
 
     rows = [*best("a", "Euler"), *best("b", "RK4"), *best("c", "RK4"), row(case="d", attitude_error=1.0)]
     first, second = texts(present(HEADER, rows, []), "Cheapest")
-    assert first == (
-        "Over 4 cases, the cheapest method with an attitude error of at most 0.001 rad is mujoco RK4 in 2 (at 10 ms) and "
-        "mujoco Euler in 1 (at 10 ms). In 1 no method achieves this."
-    )
-    assert second == "No method has an attitude error of at most 1e-6 rad in any of 4 cases."
+    names = ("attitude", "no method", "No method", *METHODS)
+    assert facts(first, *names) == [
+        *("4", "attitude", "0.001", "mujoco RK4", "2", "10", "mujoco Euler", "1", "10"),
+        *("1", "no method"),
+    ]
+    assert facts(second, *names) == ["No method", "attitude", "1e-6", "4"]
     (only,) = texts(present(HEADER, [row(attitude_error=1.0)], []), "Cheapest")
-    assert only == "No method has an attitude error of at most 0.001 rad."
+    assert facts(only, *names) == ["No method", "attitude", "0.001"]
 
 
 def test_what_limits_the_study_is_said_first() -> None:
     rows = [row(), failed(engine="drake", status="unsupported", reason="it does not model drag")]
     report = present(HEADER | {"missing": {"dart": "dart is not installed"}}, rows, [])
-    assert report.notices == (
-        "The engine dart was not used: dart is not installed.",
-        "Without results: by drake (it does not model drag).",
-    )
+    missing, refused = report.notices
+    assert "dart is not installed" in missing
+    assert facts(refused, "Without results", "drake", "it does not model drag") == [
+        "Without results",
+        "drake",
+        "it does not model drag",
+    ]
     for text in (Page(html.render_study(report)).text, markdown.render_study(report)):
         assert "dart is not installed" in text
-        assert "Runs with the status unsupported have no results: drake Euler at 10 ms." in text
+        assert facts(text.partition("unsupported")[2], "drake Euler")[:2] == ["drake Euler", "10"]

@@ -24,6 +24,7 @@ from tests.support import campaigns, pages
 from tests.support.cases import shortened
 from tests.support.pages import Page, attributes_of, markdown_tables
 from tests.support.tradeoff_rows import Row, drawn, measurements
+from tests.support.wording import facts
 
 FLIP, FLIGHT, SLIDE = "intermediate-axis-flip", "projectile", "sliding-brick"
 
@@ -156,7 +157,8 @@ def test_nothing_dominates_a_front(study: Study) -> None:
 
 def test_methods_that_are_the_same_algorithm_are_told_together(study: Study) -> None:
     (told,) = study.told("Same algorithm").split("; ")
-    assert told.startswith("In flight, mujoco Euler and pinocchio semi-implicit-euler are one algorithm")
+    names = ("flight", "mujoco Euler", "pinocchio semi-implicit-euler", "one algorithm")
+    assert facts(told, *names)[:4] == list(names)
 
 
 def test_findings_have_the_measured_numbers(study: Study) -> None:
@@ -164,17 +166,20 @@ def test_findings_have_the_measured_numbers(study: Study) -> None:
     for quantity in ("attitude", "position"):
         assert naive[quantity].order == pytest.approx(2, abs=0.1)  # at five time steps of a second of tumbling
         assert f"{naive[quantity].order:.2f}" in study.told("Order")
-    assert "pinocchio rk4-naive has an observed order of " in study.told("Order")
-    assert f"instead of the claimed 4, on {FLIP}." in study.told("Order")
+    for sentence in study.told("Order").splitlines():
+        assert facts(sentence, "pinocchio rk4-naive", "claimed")[0] == "pinocchio rk4-naive"
+        assert facts(sentence, "claimed", FLIP)[-3:] == ["claimed", "4", FLIP]
     assert "mujoco" not in study.told("Order")
 
     euler = [o for o in study.orders if o.case == FLIP and o.scheme == "semi-implicit Euler"]
     assert {o.engine for o in euler} == {"mujoco", "pinocchio"}
     (sentence,) = [text for text in study.told("Scheme").splitlines() if " semi-implicit Euler to within " in text]
     coarsest = next(r for r in study.rows if (r["case"], r["integrator"], r["timestep"]) == (FLIP, "Euler", STEPS[0]))
-    assert sentence.startswith("mujoco Euler and pinocchio semi-implicit-euler agree with semi-implicit Euler to within ")
-    assert sentence.endswith(f"on {FLIP}. This explains a discrepancy of up to {number(coarsest['attitude_error'], 2)} rad.")
-    residual = float(sentence.partition(" Euler to within ")[2].split()[0])
+    names = ("mujoco Euler", "pinocchio semi-implicit-euler", "agree", "semi-implicit Euler")
+    *methods, residual_told, case, explains, explained = facts(sentence, *names, FLIP, "explains")
+    assert (methods, case, explains) == (list(names), FLIP, "explains")
+    assert explained == number(coarsest["attitude_error"], 2)
+    residual = float(residual_told)
     largest = max(o.scheme_residual or 0.0 for o in euler)
     assert largest <= residual <= 1.1 * largest  # rounded up to two digits
 
@@ -182,8 +187,9 @@ def test_findings_have_the_measured_numbers(study: Study) -> None:
 def test_the_soft_contact_has_a_floor(study: Study) -> None:
     """A soft contact tends to another motion than a rigid one's, whatever the time step."""
     for sentence in study.told("Floor").splitlines():
-        assert re.match(r"With mujoco .* the \w+ error does not fall below .* at any time step down to 1 ms, on ", sentence)
-        assert sentence.endswith(f"{SLIDE}.")
+        told = facts(sentence, "mujoco", "error", SLIDE)
+        assert told[:2] == ["mujoco", "error"]
+        assert told[-2:] == ["1", SLIDE]
     slid = [o for o in study.orders if (o.case, o.integrator) == (SLIDE, "Euler") and o.floor is not None]
     told = [o.quantity for o in slid if o.quantity in ("attitude", "position")]
     assert told

@@ -20,6 +20,7 @@ from tests.support.ensembles import EULER, RK4, made, many_methods
 from tests.support.pages import HOSTILE, Page
 from tests.support.terminals import terminal
 from tests.support.tradeoff_rows import HEADER
+from tests.support.wording import facts
 
 #: The largest size of a report that is promised, in bytes.
 LARGEST = 6_000_000
@@ -85,8 +86,8 @@ def test_what_the_report_says(tmp_path: Path) -> None:
 
 def test_an_ensemble_without_failures(tmp_path: Path) -> None:
     report = reported(ensemble_of(tmp_path, 1000, [EULER], failing=0.0))
-    assert report.headline == "1000 members with 1 method: no run failed"
-    assert report.findings[0].text == "No member failed with mujoco Euler: the probability is at most 0.3 %."
+    assert facts(report.headline, "no run failed") == ["1000", "1", "no run failed"]
+    assert facts(report.findings[0].text, "No member failed", "mujoco Euler") == ["No member failed", "mujoco Euler", "0.3"]
     assert not any(table.columns[3] == "How" for part in report.parts for _, table in part.tables)
 
 
