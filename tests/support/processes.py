@@ -26,8 +26,8 @@ def calls_here() -> Iterator[None]:
         yield
 
 
-class _Here(pool.Workers[Any, Any]):
-    """Workers without processes."""
+class _Here(pool.Workers[pool.Argument, pool.Result]):
+    """Workers without processes. Modules that are imported meanwhile may name its types, as those of what it stands for."""
 
     def map(self, arguments: Sequence[Any]) -> Generator[tuple[Any, Any], None, None]:
         for argument in arguments:

@@ -12,8 +12,7 @@ from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change as Effect
 from bodycheck.studies.ablation.rows import ModelRow
 from bodycheck.studies.audit import page as audit
-from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
-from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row
+from bodycheck.studies.audit.rows import PROPERTIES, Classes, ClassRow, Facts, Fault, Row, Unclassed
 from bodycheck.studies.contact import page as contact
 from bodycheck.studies.contact.rows import ContactRow
 from bodycheck.studies.ensemble.findings.analysis import analyse
