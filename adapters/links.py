@@ -70,7 +70,7 @@ class Links(Protocol):
 
 
 def link_of(body: Body) -> Link:
-    """Return the one link that a body is, with its origin at the centre of mass and the axes of the body's frame."""
+    """Return a body as a single link, whose origin is the centre of mass and whose axes are the axes of the body's frame."""
     inertia = inertia_tensor(body)
     xx, yy, zz, xy, xz, yz = (float(inertia[index]) for index in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
     return Link(body.mass, (xx, yy, zz, xy, xz, yz))

@@ -83,7 +83,7 @@ class Method:
         return replace(self, timestep=timestep)
 
     def is_at(self, timestep: float) -> bool:
-        """Return whether the method's time step equals this one (s), apart from the rounding of a product or quotient."""
+        """Return whether the method's time step equals `timestep` (s) to within the rounding of a product or quotient."""
         return math.isclose(self.timestep, timestep, rel_tol=1e-12)
 
     def __str__(self) -> str:

@@ -16,7 +16,7 @@ from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene,
 
 @dataclass(frozen=True)
 class TouchingBody:
-    """A free body, its shape, and the state of its centre of mass at t = 0. Its frame is that of the case about that point."""
+    """A free body, its shape, and its state at t = 0. Its frame has the case's axes and its origin at the centre of mass."""
 
     name: str
     body: Body
@@ -26,7 +26,7 @@ class TouchingBody:
 
 @dataclass(frozen=True)
 class Law:
-    """The law of a pair: the indices of two bodies, the lower first, of which the first may be `WORLD`, and coefficients."""
+    """The contact law of a pair: the indices of two bodies, the lower one first, which may be `WORLD`, and coefficients."""
 
     bodies: tuple[int, int]
     friction: float
@@ -54,13 +54,13 @@ def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
 
 
 def plane_of(scene: AnyScene) -> Plane:
-    """Return the plane of a scene that touches one."""
+    """Return the plane of a scene whose bodies touch a plane."""
     assert scene.plane is not None  # `requirements.touches` has said so
     return scene.plane
 
 
 def laws(scene: AnyScene) -> tuple[Law, ...]:
-    """Return the law of the plane, for all pairs, and those of the pairs that touch otherwise."""
+    """Return the law of the plane, which holds for all pairs, then the laws of the pairs with coefficients of their own."""
     plane = plane_of(scene)
     pairs = scene.contacts if isinstance(scene, Mechanism) else ()
     usual = Law((WORLD, WORLD), plane.friction, plane.restitution)
@@ -68,9 +68,9 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
 
 
 def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, ...]]:
-    """Return the pushes that act from each step on at which any begins or ends, by the numbers of the steps, ascending.
+    """Return the pushes that act from each step at which a push begins or ends, by the number of the step, in ascending order.
 
-    A push begins and ends at the starts of steps that are nearest to its instants. Step 0 is always there.
+    A push begins and ends at the starts of the steps nearest to its instants. Step 0 is always included. timestep: in s.
     """
     spans = [(_nearest(push.start, timestep), _nearest(push.end, timestep), push) for push in pushes]
     steps = sorted({0.0, *(edge for first, end, _ in spans for edge in (first, end) if np.isfinite(edge))})
@@ -88,7 +88,7 @@ def _shaped(shape: Shape | None) -> Shape:
 
 
 def not_flat(scene: Scene) -> str | None:
-    """Return why no adapter models the contact of a scene with a plane as that of a flat body, as a noun phrase; else None."""
+    """Return, as a noun phrase, why no adapter models the contact with the plane as one of a flat body; None if one does."""
     if scene.drag:
         return "drag together with contact"
     try:

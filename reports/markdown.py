@@ -34,7 +34,10 @@ def escape(text: str, longest: int = LONGEST) -> str:
 
 
 def code(text: str) -> str:
-    """Return a string from outside as code, which shows it as it is; too long a string is described, since half is no use."""
+    """Return a string from outside as inline code, which shows it as it is.
+
+    A string of more than `LONGEST_SENTENCE` characters is replaced by its length, because a part of it would be of no use.
+    """
     line = INVISIBLE.sub(" ", text).strip()
     if len(line) > LONGEST_SENTENCE:
         return f"*{len(line)} characters*"

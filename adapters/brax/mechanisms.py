@@ -119,7 +119,7 @@ def align_slides(root: ElementTree.Element) -> None:
 
 
 def _align(parent: ElementTree.Element, turns: bool) -> None:
-    """Align the bodies in a body. turns: whether its attitude changes; if not, its frame has the axes of the world."""
+    """Align the bodies in a body. turns: whether the body rotates; if not, its frame already has the axes of the world."""
     for body in parent.findall("body"):
         kinds = {joint.get("type"): joint for joint in body.findall("joint")}
         if "slide" in kinds:
@@ -133,7 +133,10 @@ def _align(parent: ElementTree.Element, turns: bool) -> None:
 
 
 def turn_content(body: ElementTree.Element, attitude: Array) -> None:
-    """Turn what is in the frame of a body, whose attitude (4,) is taken away from it. Without one the digits stay."""
+    """Rotate the content of a body's element by the attitude (4,), w x y z, that is removed from the body's frame.
+
+    The axes of joints, the inertia, and the poses of child bodies are rotated. Without a rotation nothing is written anew.
+    """
     if not attitude[1:].any():
         return
     for joint in body.findall("joint"):
@@ -149,7 +152,7 @@ def turn_content(body: ElementTree.Element, attitude: Array) -> None:
 
 
 def tensor_of(inertial: ElementTree.Element) -> Array:
-    """Return the inertia tensor (3, 3) of an element, whose axes are those of the body."""
+    """Return the inertia tensor (3, 3), kg m^2, of an `inertial` element, along the axes of the body."""
     if (full := inertial.get("fullinertia")) is None:
         return np.diag(numbers(inertial.get("diaginertia", "")))
     xx, yy, zz, xy, xz, yz = numbers(full)
@@ -157,5 +160,5 @@ def tensor_of(inertial: ElementTree.Element) -> Array:
 
 
 def numbers(text: str) -> Array:
-    """Return the numbers of an attribute."""
+    """Return the numbers in the text of an attribute."""
     return np.array(text.split(), dtype=float)

@@ -31,7 +31,7 @@ from bodycheck.reference.trajectory import Array
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Brax makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused` and `FormatUnknown`."""
+    """Return how Brax reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused` and `FormatUnknown`."""
     if file.format != "mjcf":
         raise FormatUnknown("Brax reads MJCF only")
     system = loaded(file.path)
@@ -78,9 +78,9 @@ def kept(system: Any) -> Any:
 
 
 def terms_of(system: Any, names: Sequence[str], columns_of_states: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
-    """Return what Brax computes at states.
+    """Return the terms that Brax computes at states.
 
-    names: those of all links. columns_of_states: positions, velocities, accelerations and applied forces (n, k).
+    names: the names of all links. columns_of_states: positions, velocities, accelerations and applied forces (n, k).
     """
     down = jnp.array(gravity)
     terms = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *columns_of_states)
@@ -89,7 +89,7 @@ def terms_of(system: Any, names: Sequence[str], columns_of_states: Sequence[Any]
 
 
 def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> Mapping[str, Any]:
-    """Return what Brax computes at one state with a gravity (3,)."""
+    """Return the terms that Brax computes at one state with a gravity (3,), by their names."""
     falling, floating = system.replace(gravity=gravity), system.replace(gravity=0 * gravity)
     moving, resting = state_of(system, q, qd), state_of(system, q, 0 * qd)
     matrix, bias = mass.matrix(system, moving), dynamics.inverse(falling, moving)
@@ -107,7 +107,7 @@ def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> 
 
 
 def state_of(system: Any, q: Any, qd: Any) -> Any:
-    """Return the state of the generalized pipeline, without constraints."""
+    """Return the state of Brax's generalized pipeline at coordinates q and velocities qd, without constraints."""
     return dynamics.transform_com(system, State.init(q, qd, *kinematics.forward(system, q, qd)))
 
 

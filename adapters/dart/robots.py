@@ -61,7 +61,7 @@ NO_TIME = 1e-30
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what DART makes of a file, as `RobotModels.read_robot` does."""
+    """Return how DART reads a file, as `RobotModels.read_robot` does."""
     skeleton, warnings = loaded(file) if file.format == "urdf" else of_mjcf(file)
     with overheard():  # DART repeats its warnings
         standard = vector(skeleton.getGravity())
@@ -98,7 +98,7 @@ def loaded(file: RobotFile) -> tuple[Any, list[str]]:
 def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
     """Return the skeleton of an MJCF, and what DART says of the file.
 
-    Raises `ModelRefused`, and `FormatUnknown` if there are several.
+    Raises `ModelRefused`, and `FormatUnknown` if the file has several skeletons.
     """
     with overheard() as said:
         world = dart.utils.MjcfParser.readWorld(file.path)
@@ -130,7 +130,7 @@ def moving(skeleton: Any) -> list[Any]:
 
 
 def place_of(joint: Any) -> slice:
-    """Return where the velocities, and the coordinates, of a joint are among those of the skeleton."""
+    """Return the slice of a joint's velocities and coordinates in the vectors of the skeleton."""
     first = joint.getIndexInSkeleton(0)
     return slice(first, first + joint.getNumDofs())
 
@@ -189,7 +189,7 @@ def axis(joint: Any) -> Vector | None:
 
 
 def freed(skeleton: Any) -> None:
-    """Lift the limits at which DART cuts efforts, and have mimic joints take efforts too, which DART holds by a constraint."""
+    """Lift the limits at which DART cuts efforts, and let mimic joints, which DART moves by a constraint, take efforts."""
     for joint in moving(skeleton):
         joint.setActuatorType(dart.dynamics.ActuatorType.FORCE)
         for index in range(joint.getNumDofs()):
@@ -198,7 +198,7 @@ def freed(skeleton: Any) -> None:
 
 
 def terms(skeleton: Any, state: RobotState, frictionless: bool) -> Terms:
-    """Return what DART computes at a state."""
+    """Return the terms that DART computes at a state."""
     number = skeleton.getNumDofs()
     put(skeleton, state)
     if not number:
@@ -221,13 +221,13 @@ def terms(skeleton: Any, state: RobotState, frictionless: bool) -> Terms:
 
 
 def inverted(skeleton: Any, passive: bool) -> Array:
-    """Return the efforts for the accelerations of a skeleton, those against damping and springs included or not."""
+    """Return the efforts for the accelerations of a skeleton, with or without the efforts against damping and springs."""
     skeleton.computeInverseDynamics(False, passive, passive)
     return np.array(skeleton.getForces())
 
 
 def put(skeleton: Any, state: RobotState) -> None:
-    """Put a skeleton into the positions and velocities of a state."""
+    """Set a skeleton to the positions and velocities of a state."""
     positions = np.array(skeleton.getPositions())
     for joint in moving(skeleton):
         if joint.getName() in state.positions:
@@ -237,7 +237,7 @@ def put(skeleton: Any, state: RobotState) -> None:
 
 
 def coordinates(joint: Any, position: Sequence[float]) -> Any:
-    """Return DART's coordinates of a joint. A ball joint has a rotation vector."""
+    """Return DART's coordinates of a joint from its position in a robot model; a ball joint has a rotation vector (rad)."""
     if joint.getType() == "BallJoint":
         return rotation_vector(np.array(position))
     if joint.getType() == "FreeJoint":

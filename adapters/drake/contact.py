@@ -39,10 +39,10 @@ EDGE_IN_RADII = 0.2
 
 
 def contact_of(method: Method) -> str:
-    """Return how a body touches the plane: hydroelastic, points, or engine. Raises `SceneUnsupported` for two answers."""
+    """Return the model of contact with the plane: hydroelastic, points or engine. Raises `SceneUnsupported` for two of them."""
     chosen, settings = method.option("contact"), method.option("settings")
     if chosen and settings:
-        raise SceneUnsupported(f"contact={chosen} together with settings={settings}, which has a contact of its own")
+        raise SceneUnsupported(f"contact={chosen} together with settings={settings}, which choose the contact themselves")
     return settings or chosen or "hydroelastic"
 
 

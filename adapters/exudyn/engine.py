@@ -106,7 +106,7 @@ class Model:
     formulation
         The formulation of the body's rotation.
     contacts
-        Exudyn's contacts; None without a plane.
+        The contacts of Exudyn; None in a scene without a plane.
     """
 
     stepper: stepping.Stepper

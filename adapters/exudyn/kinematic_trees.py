@@ -47,7 +47,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Link:
-    """A link of a tree: the type of its joint, its parent, the joint's frame in that of the parent, start and what acts."""
+    """A link of a tree: its joint's type, its parent, the joint's frame in the parent's frame, the start and what acts."""
 
     kind: str
     parent: int
@@ -214,7 +214,7 @@ def marker(
 
 
 def told(system: "exudyn.MainSystem", tree: Any, frame: Place, body: JointedBody) -> list[Any]:
-    """Add sensors of a body, at its centre of mass, to a system, and return their numbers; none where it cannot move."""
+    """Add sensors at the centre of mass of a body to a system, and return their numbers; empty if the body cannot move."""
     if frame.link < 0:
         return []
     centre = frame.origin + rotate(frame.turn, np.array(exact.nearest_inertia(body).centre))
@@ -233,7 +233,7 @@ def told(system: "exudyn.MainSystem", tree: Any, frame: Place, body: JointedBody
 
 
 def rows(mechanism: Mechanism, places: Sequence[Place], numbers: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract from what the sensors of a tree tell (n, k)."""
+    """Return the states (n, bodies, 13) of the contract from the outputs (n, k) of the sensors of a tree."""
     first = kinematics.initial(mechanism)
     states = []
     readings = iter(np.split(numbers, range(18, numbers.shape[1], 18), axis=1))

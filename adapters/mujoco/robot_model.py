@@ -50,7 +50,7 @@ def model_name(model: mujoco.MjModel) -> str:
 def _link(model: mujoco.MjModel, body: int) -> RobotLink:
     """Return a body as a link, whose inertia is turned from MuJoCo's principal axes to those of the body.
 
-    MuJoCo takes both frames for one where they differ by a nanometre or so.
+    MuJoCo takes the two frames to be the same where they differ by about a nanometre.
     """
     name, mass, moments = body_name(model, body), float(model.body_mass[body]), wide(model.body_inertia[body])
     if model.body_sameframe[body] == int(mujoco.mjtSameFrame.mjSAMEFRAME_BODY):
@@ -64,7 +64,7 @@ def _chain(
 ) -> list[tuple[str, RobotJoint]]:
     """Return the names of the links between a body and its parent, that of the body last, and the joint that moves each.
 
-    parent: the place of the parent's link. next_place: that of the first of these links.
+    parent: the index of the parent's link. next_place: the index of the first of these links.
     """
     name = body_name(model, body)
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
@@ -88,7 +88,7 @@ def _chain(
 def _joint(
     model: mujoco.MjModel, index: int, mimic: Mimic | None, links: tuple[int, int], frame: tuple[Wide, Wide]
 ) -> RobotJoint:
-    """Return one of MuJoCo's joints between two links, by their places, in a frame given by its origin and its axes."""
+    """Return one of MuJoCo's joints between two links, given by their indices, in a frame given by its origin and its axes."""
     type, dof = TYPES[int(model.jnt_type[index])], int(model.jnt_dofadr[index])
     single = type in ("revolute", "prismatic")
     lower, upper = limits(model, index)
@@ -111,7 +111,7 @@ def _joint(
 
 
 def _reference(model: mujoco.MjModel, index: int) -> tuple[Wide, Wide]:
-    """Return by how much the joint's frame is shifted (3,) and turned (3, 3) back from the pose of the file."""
+    """Return the shift (3,), m, and the rotation (3, 3) of a joint's frame that undo its `ref` in the pose of the file."""
     reference = wide(model.qpos0[[model.jnt_qposadr[index]]])
     type, axis = TYPES[int(model.jnt_type[index])], unit(model.jnt_axis[index])
     if type == "prismatic":

@@ -217,7 +217,7 @@ def check_options(scene: AnyScene, method: Method) -> None:
     contact.check_time_constant(chosen, contact.shortest_time_constant(method.integrator, method.timestep))
     if "restitution" in chosen:
         if "solref" in chosen:
-            raise SceneUnsupported("restitution=solref besides solref: both choose the stiffness of a contact")
+            raise SceneUnsupported("restitution=solref together with solref: both set the stiffness of a contact")
         coefficients = [law.restitution for law in laws(scene) if law.restitution]
         if not coefficients:
             raise SceneUnsupported("restitution=solref: nothing in the scene has a coefficient of restitution")

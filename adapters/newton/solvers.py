@@ -27,7 +27,7 @@ class Solver:
     Parameters
     ----------
     make
-        Returns the solver of a model for a method.
+        Function that returns the solver of a model for a method.
     order, evaluations
         As for `Integrator`.
     kinds
@@ -37,7 +37,7 @@ class Solver:
     collides
         Whether Newton's collision detection runs before each step; otherwise the solver has its own.
     lacks
-        What the solver does not model of mechanisms, or ignores; see `Engine.models`.
+        The features of mechanisms that the solver does not model, or ignores; see `Engine.models`.
     """
 
     make: Callable[[Any, Method], Any]

@@ -71,7 +71,7 @@ class Built:
     places
         For each body, the index of the joint that it hangs on, and its frame in that of the joint.
     first
-        For each joint of the mechanism, the first of its places in q and that in v.
+        For each joint of the mechanism, its first index in q and its first index in v.
     kinds
         The joints of the model, without the one that does not move.
     """
@@ -87,7 +87,7 @@ class Built:
 def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built:
     """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it.
 
-    hinges: whether a ball is three hinges.
+    hinges: whether a ball joint is modelled by three hinges.
     """
     model = world(mechanism.gravity)
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
@@ -121,7 +121,11 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
 
 
 def add_armature(model: pin.Model, armatures: Sequence[tuple[int, float]]) -> None:
-    """Add armature to velocities, given as pairs of a place in v and the inertia. Raises `SceneUnsupported`."""
+    """Set the armature of a model.
+
+    armatures: pairs of an index of v and the inertia for this velocity, in kg m^2 or, for a slide, in kg. Raises
+    `SceneUnsupported` if the release of Pinocchio has no armature.
+    """
     if not armatures:
         return
     if not hasattr(model, "armature"):
@@ -138,7 +142,7 @@ def is_ball(joint: Joint | None) -> bool:
 
 
 def joints_of(joint: Joint | None, body_twist: bool) -> list[Kind]:
-    """Return Pinocchio's joints of a joint; None stands for that of a free body."""
+    """Return the kinds of Pinocchio's joints that make up a joint; None stands for the joint of a free body."""
     if joint is not None and joint.type in ALIGNED:
         axis = exact.nearest_axis(joint)
         if (aligned := ALIGNED[joint.type].get(axis)) is not None:
@@ -152,7 +156,7 @@ def joints_of(joint: Joint | None, body_twist: bool) -> list[Kind]:
 
 
 def placement(position: Vector, quaternion: Quaternion) -> pin.SE3:
-    """Return a place of Pinocchio from a position (m) and a unit quaternion (w, x, y, z)."""
+    """Return Pinocchio's placement from a position (m) and a unit quaternion (w, x, y, z)."""
     return pin.SE3(to_pinocchio(quaternion).matrix(), np.array(position))
 
 

@@ -41,7 +41,7 @@ class Joint:
     name, type
         Its name, and its type in the words of robot models or, if they have none, Pinocchio's.
     index
-        The place in the model of the joint that it is, or that it is a part of.
+        The index in the model of the joint, or of the composite joint that has it as a part.
     position, coordinates
         The place of its first coordinate, and how many it has.
     first, count
@@ -87,13 +87,13 @@ def _joint(joint: pin.JointModel, name: str, index: int) -> Joint:
 
 
 def word(kind: str) -> str:
-    """Return the type of a joint by Pinocchio's name for it, or that name."""
+    """Return the type of a joint in the words of robot models, or Pinocchio's name if they have none."""
     starts = [start for start in TYPES if kind.startswith(start)]
     return TYPES[max(starts, key=len)] if starts else kind
 
 
 def names_of_parts(file: RobotFile, composite: str) -> list[str]:
-    """Return the names of the joints that Pinocchio has made one of, from that name, which is `Composite_` and the first's."""
+    """Return the names of the parts of a composite joint from its name: `Composite_` and the name of the first part."""
     first = composite.removeprefix("Composite_")
     for body in ElementTree.parse(file.path).getroot().iter("body"):
         names = [joint.get("name", "") for joint in body.findall("joint")]
@@ -138,7 +138,7 @@ def coordinates(model: pin.Model, joints: Sequence[Joint], state: RobotState) ->
 
 
 def configuration(joint: Joint, position: Array) -> Array:
-    """Return the positions of a joint in Pinocchio's coordinates."""
+    """Return the position of a joint in Pinocchio's coordinates, from its position in the coordinates of robot models."""
     match joint.type:
         case "floating":
             origin, turn = position[:3], position[3:]

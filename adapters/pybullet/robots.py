@@ -58,7 +58,7 @@ NOTES = (
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of PyBullet: its place, which is that of its link, its name, type and first velocity, and its link's name."""
+    """A joint of PyBullet: its index, which its link shares, its name, type and first velocity, and the name of its link."""
 
     index: int
     name: str
@@ -90,13 +90,13 @@ class Loaded:
         return sum(joint.count for joint in self.joints)
 
     def dynamics(self, index: int) -> tuple[Any, ...]:
-        """Return PyBullet's numbers of the dynamics of a link."""
+        """Return the entries of PyBullet's `getDynamicsInfo` for a link, by the index of its joint."""
         dynamics: tuple[Any, ...] = pybullet.getDynamicsInfo(self.body, index, physicsClientId=self.client)
         return dynamics
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what PyBullet makes of a file, as `RobotModels.read_robot` does."""
+    """Return how PyBullet reads a file, as `RobotModels.read_robot` does."""
     with server() as client:
         standard = default_gravity(client)
         robot, warnings = loaded(client, file)
@@ -163,13 +163,13 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
 
 
 def warnings_in(said: Sequence[str]) -> list[str]:
-    """Return the messages that PyBullet has written, each once, without the places in its source from which they are."""
+    """Return the messages that PyBullet has written, each once, without the places in its source that print them."""
     messages = [message.strip() for message in PLACES.split(" ".join(said))]
     return [message for message in dict.fromkeys(messages) if message]
 
 
 def text(name: bytes) -> str:
-    """Return a name."""
+    """Return a name of PyBullet as text."""
     return name.decode("utf-8", "replace")
 
 
@@ -187,7 +187,7 @@ def read_body(robot: Loaded, index: int, name: str, parent: str | None) -> ReadB
 
 
 def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
-    """Return a joint that moves. Limits of which the lower one is above the upper one are none to Bullet."""
+    """Return a joint that moves. Bullet ignores limits of which the lower one is above the upper one."""
     _, _, _, _, _, _, damping, friction, lower, upper, effort, _, _, axis, *_ = joint.info
     limited, turned = lower <= upper, matrix(scalar_first(robot.dynamics(joint.index)[4]))
     return ReadJoint(
@@ -207,7 +207,10 @@ def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
 
 
 def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
-    """Return what Bullet computes at a state."""
+    """Return the terms that Bullet computes at a state.
+
+    With a spherical joint they are the poses alone, and with a planar joint there are none.
+    """
     place(robot, state)
     if any(joint.type == "planar" for joint in robot.joints):
         return Terms()
@@ -231,7 +234,7 @@ def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
 
 
 def computed(function: Any, robot: Loaded, *arguments: list[float]) -> Array | None:
-    """Return what a function of PyBullet computes for a robot; None where it fails, as for a robot on which nothing moves."""
+    """Return the result of a function of PyBullet for a robot; None if it fails, for example if no joint of the robot moves."""
     try:
         numbers = function(robot.body, *arguments, physicsClientId=robot.client)
     except pybullet.error:
@@ -240,12 +243,15 @@ def computed(function: Any, robot: Loaded, *arguments: list[float]) -> Array | N
 
 
 def rates(robot: Loaded, values: Values) -> list[float]:
-    """Return PyBullet's coordinates, velocities or accelerations of all joints, of which each has one."""
+    """Return the coordinates, velocities or accelerations of all joints in PyBullet's order; each joint has exactly one."""
     return [values.get(joint.name, (0.0,))[0] for joint in robot.moving]
 
 
 def place(robot: Loaded, state: RobotState) -> None:
-    """Put a robot into the positions of a state, but for planar joints. A ball's are along the principal axes of its child."""
+    """Set the joints of a robot, except planar ones, to the positions of a state.
+
+    Bullet takes the position of a spherical joint along the principal axes of its child.
+    """
     for joint in robot.moving:
         position = state.positions.get(joint.name)
         if position is not None and joint.count == 1:
@@ -257,9 +263,10 @@ def place(robot: Loaded, state: RobotState) -> None:
 
 
 def poses(robot: Loaded) -> Mapping[str, Array]:
-    """Return the poses of the frames of all links, from those of PyBullet at the centres of mass, along the principal axes.
+    """Return the poses (7,) of the frames of all links, by the names of the links.
 
-    There are none of a robot with more than 128 joints, fixed ones included, for which PyBullet has no room.
+    They are computed from PyBullet's poses, which are at the centres of mass and along the principal axes. The result is empty
+    for a robot with more than 128 joints, fixed ones included, because PyBullet has no room for them.
     """
     try:
         return dict(posed(robot))
@@ -268,7 +275,7 @@ def poses(robot: Loaded) -> Mapping[str, Array]:
 
 
 def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
-    """Give the names of the links and the poses of their frames."""
+    """Yield the name of each link and the pose (7,) of its frame: position (m) and quaternion w, x, y, z, world frame."""
     for index, name in ((BASE, robot.base), *((joint.index, joint.link) for joint in robot.joints)):
         if index == BASE:
             at, turn = pybullet.getBasePositionAndOrientation(robot.body, physicsClientId=robot.client)
@@ -280,7 +287,7 @@ def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
 
 
 def jacobians(robot: Loaded, positions: list[float], at_rest: list[float]) -> Mapping[str, Array]:
-    """Return the Jacobians (6, n) of the origins of the links' frames, in which PyBullet takes the point."""
+    """Return the Jacobians (6, n) of the origins of the links' frames, the linear rows first, by the names of the links."""
     origin = (0.0, 0.0, 0.0)
     by_link = {robot.base: np.zeros((6, robot.velocities))}  # a base that is fixed does not move
     for joint in robot.joints if robot.velocities else ():

@@ -111,7 +111,7 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 
 def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states, with quaternions of any norm, from what is seen (n, 13)."""
+    """Return the rows (n, 13) of states, with quaternions of any norm, from rows (n, 13) of `seen`."""
     spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
     return states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin)
 
@@ -129,7 +129,10 @@ def step(world: World) -> World:
 
 
 def resisted_step(drag: float) -> Callable[[World], World]:
-    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+    """Return a function that takes a time step with the drag -c |v| v, c in kg/m, at the centre of mass.
+
+    The velocity v is the velocity at the start of the step.
+    """
 
     def resisted(world: World) -> World:
         velocity = world.body.linear_velocity
@@ -204,7 +207,7 @@ def collision_shape(scene: Scene) -> Any:
 
 
 def material(friction: float) -> Any:
-    """Return a material with a coefficient of friction. PhysX takes the mean of two bodies, so both have that of the plane."""
+    """Return a material with a coefficient of friction. PhysX takes the mean of two bodies, so both have the plane's."""
     return physx.PhysxMaterial(friction, friction, 0.0)
 
 

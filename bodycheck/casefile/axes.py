@@ -85,49 +85,51 @@ class Axis:
 
 
 def spin(case: Case, value: float) -> Case:
-    """The initial angular velocity at this size (rad/s), its direction kept."""
+    """The case with an initial angular velocity of this size (rad/s) in the same direction."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
 
 
 def speed(case: Case, value: float) -> Case:
-    """The initial velocity at this size (m/s), its direction kept."""
+    """The case with an initial velocity of this size (m/s) in the same direction."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
 
 
 def steps(case: Case, value: float) -> Case:
-    """As many steps of the default time step as this."""
+    """The case with a duration of this many default time steps."""
     return replace(case, duration=round(value) * DEFAULT_TIMESTEP)
 
 
 def distance(case: Case, value: float) -> Case:
-    """The start moved away from the origin by this along x (m)."""
+    """The case with the start moved away from the origin by this distance (m) along x."""
     initial = alone(case.scene).initial
     x, y, z = initial.position
     return _with_state(case, replace(initial, position=(x + value, y, z)))
 
 
 def gravity(case: Case, value: float) -> Case:
-    """Another gravity (m/s^2)."""
+    """The case with this gravity (m/s^2)."""
     return replace(case, scene=replace(alone(case.scene), gravity=value))
 
 
 def friction(case: Case, value: float) -> Case:
-    """Another coefficient of friction of the plane."""
+    """The case with this coefficient of friction of the plane."""
     plane = alone(case.scene).plane
     assert plane is not None  # a case file that has this axis without a plane is refused
     return replace(case, scene=replace(alone(case.scene), plane=replace(plane, friction=value)))
 
 
 def mass(case: Case, value: float) -> Case:
-    """Another mass (kg) of the same shape: the moments in proportion."""
+    """The case with this mass (kg) of the same shape; the moments change in proportion."""
     body = alone(case.scene).body
     return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
 
 
 def size(case: Case, value: float) -> Case:
-    """All lengths of the body times this at the same density: its mass goes with the cube, its moments with the fifth power.
+    """The case with all lengths of the body multiplied by this factor at the same density.
+
+    The mass changes with the cube of the factor, and the moments with its fifth power.
 
     A body on a plane still lies on it.
     """
@@ -140,10 +142,12 @@ def size(case: Case, value: float) -> Case:
 
 
 def moment_ratio(case: Case, value: float) -> Case:
-    """The body stretched along its principal axis K until C / (A + B) is this: 1 for a disc across K, towards 0 for a needle.
+    """The case with the body stretched along its principal axis K until C / (A + B) has this value.
+
+    The value is 1 for a disc perpendicular to K, and tends to 0 for a needle.
 
     With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
-    alone, and no value breaks A + B >= C. The shape, which free flight does not know, is dropped.
+    alone, and no value breaks A + B >= C. The shape, which has no effect in free flight, is dropped.
     """
     body = alone(case.scene).body
     a, b, c = body.moments
@@ -152,7 +156,9 @@ def moment_ratio(case: Case, value: float) -> Case:
 
 
 def separatrix(case: Case, value: float) -> Case:
-    """A spin of the same size about the axis of the middle moment, and a wobble of this part of it about that of the least.
+    """The case with a spin of the same size about the axis of the middle moment, and a wobble about the axis of the least one.
+
+    The wobble is this fraction of the spin.
 
     The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
     """

@@ -104,7 +104,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class OnSphere:
-    """A vector of three components, uniformly on the surface of the sphere of this radius about 0."""
+    """A vector (3,) that is distributed uniformly over the surface of the sphere with this radius about the origin."""
 
     radius: float
 

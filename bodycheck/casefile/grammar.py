@@ -312,7 +312,7 @@ class ExpectTable(LimitsTable):
 
 
 class ExtremesTable(AxesTable):
-    """How far the case may be pushed: axes, each with the values at which it is tried."""
+    """The axes along which the case is pushed to extremes, each with the values that are tried."""
 
 
 #: The keys `tags` and `expect` of a case file.

@@ -56,7 +56,7 @@ MAX_LISTED = 30
 
 
 class Unknown(Exception):
-    """There is no number or vector of this path; the text says what there is."""
+    """Raised for a path without a number or vector; the text lists the paths that exist."""
 
 
 def keys(document: Mapping[str, Any]) -> dict[str, Key]:
@@ -136,7 +136,7 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
 
 
 def _with_name(text: str, document: Mapping[str, Any]) -> str:
-    """Return a path with the name of a body or joint that it counts."""
+    """Return a path with the name of a body or joint instead of its index."""
     array, _, rest = text.partition(".")
     number, _, key = rest.partition(".")
     if array not in ("bodies", "joints") or not INDEX.fullmatch(number):
@@ -192,7 +192,7 @@ def base(document: Mapping[str, Any], key: Key) -> Any:
 
 
 def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) -> str:
-    """Return why there is no key of a path, and what there is."""
+    """Return a sentence on why a path has no key, with the allowed paths."""
     parts = text.split(".")
     for length in range(2, len(parts)):
         path = tuple(parts[:length])
@@ -218,7 +218,7 @@ class _Form:
 
 
 def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Iterator[Key]:
-    """Yield the keys of a table with this grammar, of which a document has this content."""
+    """Yield the keys of the table at `path`, from its grammar and its content in a document."""
     for name, forms in _forms(table).items():
         value = content.get(name)
         if value is None and table.model_fields[name].default is None and name not in OPTIONAL:
@@ -234,7 +234,7 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
 
 
 def _depth(value: Any) -> int:
-    """Return how many arrays are around the first number of a value: 2 for a tensor. No key has more."""
+    """Return the depth of nested arrays down to the first number of a value: 2 for a tensor. No key has more."""
     if not (isinstance(value, list) and value):
         return 0
     return 2 if isinstance(value[0], list) else 1
@@ -271,7 +271,7 @@ def _forms_of(kind: Any) -> Iterator[_Form]:
 
 
 def _sign(kind: Any) -> Sign:
-    """Return which numbers an annotation of the grammar allows."""
+    """Return the sign of the numbers that an annotation of the grammar allows."""
     if _fits(kind, -1.0):
         return "any"
     return "not negative" if _fits(kind, 0.0) else "positive"

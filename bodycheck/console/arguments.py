@@ -75,7 +75,7 @@ class Engines:
     missing
         Why engines that are installed cannot be used, by their names.
     broken
-        Those of the missing engines that fail when they are imported.
+        The missing engines that fail when they are imported.
     named
         Whether the user named the engines.
     """
@@ -96,7 +96,7 @@ class Engines:
         return Absence(fault.reason, fault.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
-        """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
+        """Return whether an engine fails that the user named or, if the user named none, of which a case expects something."""
         return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
 
 
@@ -166,7 +166,7 @@ def check_engine(name: str) -> None:
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
     """Return the files of cases, by the name of the case; shipped cases have none.
 
-    `names` are those that `case_names` returned, from which `load_cases` loaded the cases.
+    `names` are the names that `case_names` returned, from which `load_cases` loaded the cases.
     """
     from bodycheck.casefile.case import shipped
 
@@ -210,9 +210,10 @@ def make_folder(option: str, path: Path | None) -> None:
 
 
 def batch_sizes(option: str, texts: Iterable[str]) -> tuple[int, ...]:
-    """Return the different numbers of scenes that an option gives, each time one or several with commas between them.
+    """Return the numbers of scenes that the texts of an option give, each number once, in ascending order.
 
-    Raises `BadInput` for anything but whole numbers from 1 to `MOST_SCENES`.
+    A text has one number, or several with commas between them. Raises `BadInput` for anything but whole numbers from 1 to
+    `MOST_SCENES`.
     """
     sizes = set()
     for text in texts:

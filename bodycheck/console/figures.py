@@ -20,9 +20,9 @@ def figure_text(value: float | None) -> str:
 
 
 def error_text(row: Mapping[str, Any], *names: str) -> str:
-    """Return the first of some errors that a row of results has, or the truth's own error if it is no smaller, with a sign.
+    """Return the text of the first of the named errors that a row of results has; empty if it has none of them.
 
-    The text is empty if the row has none of them.
+    If the error is no larger than the bound of the truth's own error, the text is this bound with a sign before it.
     """
     name = next((name for name in names if row.get(name) is not None), None)
     if name is None:

@@ -35,13 +35,14 @@ class Column(Generic[Row]):
     Attributes
     ----------
     name
-        The word for it in `--columns` and `--sort`. It is the name of the column in the files of results where there is one.
+        The name of the column in `--columns` and `--sort`, which is also its name in the files of results, if they have it.
     head
         The head of the column, with the unit.
     text
         Function from a row to the text of its cell.
     value
-        Function from a row to what rows are sorted by; None for the text. It returns None for a row without a value.
+        Function from a row to the value by which rows are sorted; None to sort by the text. It returns None for a row without a
+        value.
     goes
         Columns with larger numbers are left out first where the terminal is narrow; those with 0 stay.
     wraps
@@ -117,7 +118,7 @@ class Layout:
 
 
 def check(view: View, *tables: Sequence[Column[Any]]) -> None:
-    """Raise `BadInput` if a view names a column that none of some tables has. This is checked before a long run."""
+    """Raise `BadInput` if a view names a column that no table has. This is checked before a long run."""
     columns = {column.name: column for table in tables for column in table}
     usual = ", ".join(name for name, column in columns.items() if not column.asked)
     others = " and the columns of the CSV file" if any(column.asked for column in columns.values()) else ""
@@ -138,7 +139,7 @@ def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_US
     rows
         The rows.
     view
-        The columns and the order of rows that the user asks for. A table that has none of the columns is not printed.
+        The columns and the order of rows that the user requests. A table that has none of these columns is not printed.
     """
     ordered = _sorted(columns, rows, view.sort)
     if view.names:
@@ -213,7 +214,7 @@ def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
 
 
 def _sorted(columns: Sequence[Column[Row]], rows: Iterable[Row], name: str) -> list[Row]:
-    """Return rows in ascending order of a column, those without a value at the end; as they are if there is no such column."""
+    """Return rows in ascending order of a column, rows without a value last; in their given order without such a column."""
     table_rows = list(rows)
     by = next((column for column in columns if column.name == name), None)
     if by is None:

@@ -22,20 +22,20 @@ REST = 1e-28
 
 
 def total_energy(compared: Comparison) -> Array:
-    """Return how far (..., n) the total energy is from its initial value or from that of the truth, relative."""
+    """Return the relative distance (..., n) of the total energy from its initial value or from the value of the truth."""
     size = energy_size(compared.expected)
     return _relative(compared, compared.seen.total_energy[..., None], compared.expected.total_energy[..., None], size)
 
 
 def rotational_energy(compared: Comparison) -> Array:
-    """Return how far (..., n) the rotational energy is from its initial value or from that of the truth, relative."""
+    """Return the relative distance (..., n) of the rotational energy from its initial value or from the value of the truth."""
     seen, expected = _of_one_body(compared)
     size = rotational_energy_size(expected)
     return _relative(compared, seen.rotational_energy[..., None], expected.rotational_energy[..., None], size)
 
 
 def angular_momentum(compared: Comparison) -> Array:
-    """Return how far (..., n) the angular momentum (world) is from its initial value or from that of the truth, relative."""
+    """Return the relative distance (..., n) of the angular momentum (world frame) from its initial or from its true value."""
     seen, expected = _of_one_body(compared)
     assert not isinstance(compared.scene, Mechanism)
     size = angular_momentum_size(compared.scene, expected)
@@ -43,7 +43,7 @@ def angular_momentum(compared: Comparison) -> Array:
 
 
 def energy_size(reference: AnyObservables) -> Array:
-    """Return the size (J) that a total energy is relative to, from the truth's values: one number, or (m,) of m scenes.
+    """Return the energy (J) by which total energies are divided, from the truth: a number, or (m,) for m scenes.
 
     It is the initial kinetic energy or, where that is zero but for rounding, the largest kinetic energy. A potential energy
     would make it depend on where the origin is.
@@ -54,7 +54,7 @@ def energy_size(reference: AnyObservables) -> Array:
 
 
 def rotational_energy_size(reference: Observables) -> Array:
-    """Return the size (J) that a rotational energy is relative to, from the truth's values: one number, or (m,) of m scenes.
+    """Return the energy (J) by which rotational energies are divided, from the truth: a number, or (m,) for m scenes.
 
     It is the initial rotational energy or, where that is zero, the largest kinetic energy.
     """
@@ -62,7 +62,7 @@ def rotational_energy_size(reference: Observables) -> Array:
 
 
 def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Array:
-    """Return the size (kg m^2/s) that an angular momentum is relative to, from the truth's values: one number, or (m,).
+    """Return the angular momentum (kg m^2/s) by which others are divided, from the truth: a number, or (m,) for m scenes.
 
     It is the initial angular momentum or, where that is zero, the one that the largest kinetic energy would give to the largest
     moment of the body.
@@ -78,13 +78,13 @@ def _largest(reference: AnyObservables) -> Array:
 
 
 def _first(size: Array, other: Callable[[], Array]) -> Array:
-    """Return sizes, and other ones where they are zero."""
+    """Return sizes, with other sizes in the places of zeros."""
     has_size = size != 0
     return size if has_size.all() else np.where(has_size, size, other())
 
 
 def _of_one_body(compared: Comparison) -> tuple[Observables, Observables]:
-    """Return what was observed of the run, and of the truth, of a scene that is no mechanism."""
+    """Return the observables of the run and of the truth in a scene that is not a mechanism."""
     assert isinstance(compared.seen, Observables)
     assert isinstance(compared.expected, Observables)
     return compared.seen, compared.expected
@@ -103,7 +103,7 @@ def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
 
 
 def _alone(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
-    """Return a function that computes a figure as that of `_where` does, of single bodies alone."""
+    """Return the function of `_where`, restricted to single bodies."""
     where = _where(conserves, compute)
     return lambda compared: where(compared) if compared.mechanism is None else None
 

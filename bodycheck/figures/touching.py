@@ -1,7 +1,7 @@
 """Figures of bodies that roll, bounce, rest and tip: instants of events and the states after them, energy gained, and loads.
 
 Exact instants are those of the truth's events, and those of a run are measured from its samples; see
-`bodycheck.reference.contact.observables` and `impacts`. Of several bodies, that which is farthest from the truth counts.
+`bodycheck.reference.contact.observables` and `impacts`. Of several bodies, the body that is farthest from the truth counts.
 """
 
 import math
@@ -27,7 +27,7 @@ LAST_PART = 0.1
 
 
 def transitions(compared: Comparison) -> Iterator[tuple[Event, Rolling]]:
-    """Yield the begins of rolling of bodies that slip from the start without an impact, of the truth and of the run."""
+    """Yield the transitions to rolling, in the truth and in the run, of bodies that slip from the start without an impact."""
     for body, motion, events in _bodies(compared):
         first = next((event for event in events if event.time > 0), None)
         if first is not None and first.kind == "roll":
@@ -36,7 +36,7 @@ def transitions(compared: Comparison) -> Iterator[tuple[Event, Rolling]]:
 
 
 def first_impacts(compared: Comparison) -> Iterator[tuple[Event, Impact | None, Touching]]:
-    """Yield the first impacts of bodies on the plane: of the truth, and of the run if it has any."""
+    """Yield the first impact of each body on the plane, in the truth and in the run (None if the run has none)."""
     if not compared.events:
         return
     for index, (body, _, events) in enumerate(_bodies(compared)):
@@ -46,24 +46,24 @@ def first_impacts(compared: Comparison) -> Iterator[tuple[Event, Impact | None, 
 
 
 def transition_time_error(compared: Comparison) -> float | None:
-    """Return how far (s) the begin of rolling is from that of the truth."""
+    """Return the distance (s) of the instant at which rolling begins from the same instant of the truth."""
     return max((abs(seen.time - exact.time) for exact, seen in transitions(compared)), default=None)
 
 
 def roll_speed_error(compared: Comparison) -> float | None:
-    """Return how far (m/s) the velocity at the begin of rolling is from that of the truth."""
+    """Return the distance (m/s) of the velocity when rolling begins from the velocity of the truth."""
     return max((math.dist(seen.velocity, exact.velocity) for exact, seen in transitions(compared)), default=None)
 
 
 def impact_time_error(compared: Comparison) -> float | None:
-    """Return how far (s) the first impact is from that of the truth; a run without one has it at its last instant."""
+    """Return the distance (s) of the first impact from the first impact of the truth; a run without one has it at its end."""
     last = float(compared.trajectory.t[-1])
     errors = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
     return max(errors, default=None)
 
 
 def impact_speed_error(compared: Comparison) -> float | None:
-    """Return how far (m/s) the velocity just after the first impact is from that of the truth."""
+    """Return the distance (m/s) of the velocity just after the first impact from the velocity of the truth."""
     pairs = [
         (exact, velocity)
         for exact, seen, body in first_impacts(compared)
@@ -73,7 +73,7 @@ def impact_speed_error(compared: Comparison) -> float | None:
 
 
 def bounce_ratio_error(compared: Comparison) -> float | None:
-    """Return how far the ratio of the speeds after and before an impact is from the coefficient of restitution."""
+    """Return the distance of the ratio of the speeds after and before an impact from the coefficient of restitution."""
     errors = []
     for index, (body, _, events) in enumerate(_bodies(compared)):
         first = _first(events, "impact")
@@ -86,7 +86,7 @@ def bounce_ratio_error(compared: Comparison) -> float | None:
 
 
 def rest_time_error(compared: Comparison) -> float | None:
-    """Return how far (s) the instant from which on a body rests is from that of the truth."""
+    """Return the distance (s) of the instant from which on a body rests from the same instant of the truth."""
     errors = []
     for index, (body, motion, events) in enumerate(_bodies(compared)):
         if events and events[-1].kind == "rest" and events[-1].time > 0:
@@ -180,7 +180,7 @@ def energy_from_plane(scene: AnyScene, trajectory: Trajectory) -> Array:
 
 
 def load_error(compared: Comparison) -> float | None:
-    """Return how far the mean load of an interface is from the exact one, relative."""
+    """Return the largest relative error of the mean load of an interface; None if there is no exact load to compare with."""
     if compared.interfaces is None:
         return None
     seen = {interface.bodies: interface.load for interface in compared.interfaces}

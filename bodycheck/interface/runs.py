@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Kept:
-    """A folder, and what removes it if it is temporary."""
+    """A folder, and the stack of callbacks that removes it if it is temporary."""
 
     folder: Path
     stack: ExitStack
 
     def keep_for(self, owner: object) -> None:
-        """Keep the folder until an object is collected, or this process ends."""
+        """Keep the folder until `owner` is garbage-collected or this process ends."""
         weakref.finalize(owner, self.stack.pop_all().close)
 
 

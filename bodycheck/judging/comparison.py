@@ -37,7 +37,7 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
             raise TypeError(f"read {value!r:.60} as the {name}; allowed: what bodycheck.{MADE_BY[kind]} returns")
     if run.scene is not None and run.scene != truth.scene:
         raise ValueError(
-            f"the truth is of another scene than the run, which is of the case {run.case!r}; allowed: that of its case"
+            f"the truth is of another scene than the run, which is of the case {run.case!r}; allowed: the truth of this case"
         )
     if isinstance(run.outcome, Completed):
         truth = at(truth, run.outcome.trajectory.t)

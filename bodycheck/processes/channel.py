@@ -56,7 +56,7 @@ class Parent:
         self._flush()
 
     def read(self) -> bool:
-        """Receive what is there, up to `CHUNK_BYTES`; return whether there was anything."""
+        """Receive the bytes that have arrived, at most `CHUNK_BYTES`; return whether there were any."""
         self._flush()
         try:
             chunk = self.socket.recv(CHUNK_BYTES)
@@ -99,7 +99,7 @@ class Parent:
 
 
 class Worker:
-    """The worker's end of a channel, which waits for its parent."""
+    """The worker's end of a channel, whose methods wait for the parent."""
 
     def __init__(self, theirs: socket.socket, mark: bytes) -> None:
         self._socket, self._mark = theirs, mark

@@ -32,11 +32,11 @@ class Interpreter:
     Parameters
     ----------
     python
-        The program.
+        The path of the program.
     variables
-        Environment variables that its processes have besides those of this process.
+        Environment variables of its processes in addition to the variables of this process.
     apart
-        Whether it imports from its own path, and not from where this process does.
+        Whether it ignores `PYTHONPATH` and `PYTHONHOME`, so that it imports from its own path.
     """
 
     python: Path

@@ -103,7 +103,7 @@ class Workers(Generic[Argument, Result]):
         Whether each group has one process, which lives until the context ends. Otherwise a group has as many as there are free,
         and a process ends when `map` has no further calls for it.
     cancelled
-        An event that another thread sets when nobody waits for the calls any more.
+        An event that another thread sets when the calls are not needed any more.
     """
 
     function: Callable[[Argument], Result]
@@ -202,7 +202,7 @@ class Workers(Generic[Argument, Result]):
 
 
 class _Queue(Generic[Argument]):
-    """The indices of the calls that are to be made, by group, and of those that are repeated in a fresh process.
+    """The indices of the calls to be made, by group, and of the calls to be repeated in a fresh process.
 
     A group is served by at most `most` workers at the same time, and by one in the first `ALONE_S`.
     """
@@ -219,17 +219,17 @@ class _Queue(Generic[Argument]):
         return bool(self._waiting or self._suspects)
 
     def wants(self, workers: "Sequence[_Worker]") -> bool:
-        """Return whether there are more calls than workers that have not made any yet."""
+        """Return whether any group lacks a worker for its remaining calls."""
         return any(self._lacks(group, workers) for group in (*self._suspects, *self._waiting))
 
     def group_for(self, workers: "Sequence[_Worker]") -> Hashable:
-        """Return the group that another worker is to serve: the first that has fewest, as each costs its preparation."""
+        """Return the group that a new worker is to serve: the first of the groups that have the fewest workers."""
         served = Counter(worker.group for worker in workers)
         wanting = [group for group in (*self._suspects, *self._waiting) if self._lacks(group, workers)]
         return min(wanting, key=lambda group: served[group])
 
     def following(self, worker: "_Worker") -> int | None:
-        """Take and return the next call for a worker; None if it must not make any that is left."""
+        """Take and return the next call for a worker; None if it must not make any of the remaining calls."""
         for calls in (self._suspects, self._waiting) if worker.fresh else (self._waiting,):
             if worker.group in calls:
                 index = calls[worker.group].popleft()
@@ -255,7 +255,7 @@ class _Queue(Generic[Argument]):
 
 
 class _Answer(NamedTuple):
-    """The result of a call. `reusable` says whether its process can make another call, and `died` whether it is dead."""
+    """The result of a call, whether its process can make another call (`reusable`), and whether its process `died`."""
 
     result: Any
     reusable: bool
@@ -266,8 +266,8 @@ class _Answer(NamedTuple):
 class _Worker:
     """A worker process of a group and this end of its channel.
 
-    `index` is that of the argument of its present call; None while it starts and is prepared. `number` is that of the
-    message which it is to answer, and `calls` how many calls it was given.
+    `index` is the index of the argument of its present call; None while it starts and is prepared. `number` is the number of
+    the message that it is to answer, and `calls` is the number of calls that it was given.
     """
 
     process: "subprocess.Popen[bytes]"

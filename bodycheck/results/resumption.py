@@ -25,7 +25,9 @@ def identity(*work: object) -> str:
 
 
 def opened(path: Path, head: Header, *work: object, what: str = "study", **entries: Mapping[str, Any]) -> Journal:
-    """Return the journal of some work. If the file has the same work, interrupted, the journal has its records.
+    """Return the journal of some work.
+
+    If the file is the journal of the same work, which was interrupted, its records are kept, and a message says so.
 
     Parameters
     ----------
@@ -36,7 +38,7 @@ def opened(path: Path, head: Header, *work: object, what: str = "study", **entri
     work
         Everything that determines the results besides the versions in the header.
     what
-        The word for the work in the message that it is resumed.
+        The word for the work in the message.
     entries
         Further entries of the header.
 

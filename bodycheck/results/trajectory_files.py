@@ -39,9 +39,9 @@ BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
 
 @dataclass(frozen=True)
 class StoredTrajectory:
-    """The trajectory in a file, which is read each time that it is needed and not kept.
+    """The trajectory in a file, which is read each time it is needed and is not kept in memory.
 
-    bodies: the names of the bodies, if it is that of a mechanism.
+    bodies: the names of the bodies, if it is the trajectory of a mechanism.
     """
 
     file: Path
@@ -87,7 +87,7 @@ def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, A
     more
         Further columns (n,) by their names.
     bodies
-        The names of the bodies, if it is the trajectory of a mechanism; they stand before the columns of their states.
+        The names of the bodies, if it is the trajectory of a mechanism; each is a prefix of the columns of the body's state.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def _path(case: str, name: str) -> Path:
 
 
 def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict[str, Array]:
-    """Return the columns of a trajectory by their names, and those of the wanted ones that the file has.
+    """Return the columns of a trajectory, and the `wanted` columns that the file has, by their names.
 
     Raises `BadFolder` if the file is missing or damaged.
     """

@@ -29,7 +29,10 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def read_numbers(text: str) -> tuple[float, ...] | None:
-    """Return the numbers in the text of an attribute, which may be NaN or infinite; None if it has none, or anything else."""
+    """Return the numbers in the text of an attribute, which may be NaN or infinite.
+
+    Returns None if the text is empty, too long, or has anything but numbers.
+    """
     words = text.strip(SPACE)
     if not 0 < len(words) <= MAX_CHARACTERS:
         return None

@@ -37,7 +37,7 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
     into
         The folder of the copy.
     removed
-        Where it is counted what is removed.
+        The counts of removed elements, which are increased.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
 
 
 def _include(root: Element, folders: Folders) -> dict[Element, Path]:
-    """Put the content of files that are included in their places, and return the folder from which each element is.
+    """Replace the `include` elements by the content of their files, and return the folder of the file of each element.
 
     Raises `BadInput` for a file that cannot be read, is included twice, or makes the model too large.
     """
@@ -86,7 +86,7 @@ def _include(root: Element, folders: Folders) -> dict[Element, Path]:
 
 
 def _content(include: Element, folder: Path, folders: Folders, included: set[Path]) -> tuple[Path, Element]:
-    """Return the path and the root of a file that is included in one of a folder."""
+    """Return the path and the root element of a file that an `include` element in a file of `folder` names."""
     name = include.attributes.get("file", "")
     try:
         path = folders.find(name, (folders.home, folder))
@@ -104,7 +104,7 @@ def _content(include: Element, folder: Path, folders: Folders, included: set[Pat
 
 
 def _name(root: Element) -> None:
-    """Give names to the bodies and joints that have none: what they are, and the first number that makes a name of its own."""
+    """Name the bodies and joints without a name: each gets its kind and the first number that makes its name unique."""
     taken = {element.attributes.get("name", "") for element in root.everything()}
     numbers = dict.fromkeys(NAMED.values(), 0)
     for around in root.everything():
@@ -118,7 +118,7 @@ def _name(root: Element) -> None:
 
 
 def _flatten(hfield: Element, removed: Removed) -> None:
-    """Make a height field one without heights, which has no inertia in any case."""
+    """Make a height field flat, which changes nothing, because it has no inertia."""
     if "file" in hfield.attributes:
         name = Path(hfield.attributes["file"]).stem
         hfield.attributes.setdefault("name", name)

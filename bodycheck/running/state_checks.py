@@ -63,7 +63,7 @@ def check_start(scene: AnyScene, trajectory: Trajectory) -> None:
                 raise AdapterFault(f"at t = 0 {subject.format(name)} is {vector.tolist()}, not {exact.tolist()}")
         angle = float(geodesic_angle(got.quaternion[0], asked.quaternion[0]))
         if angle > START_TOLERANCE:
-            raise AdapterFault(f"at t = 0 {subject.format('attitude')} is {angle:.3g} rad from that of the scene")
+            raise AdapterFault(f"at t = 0 {subject.format('attitude')} is {angle:.3g} rad from the attitude of the scene")
 
 
 def standstill(scene: AnyScene, trajectory: Trajectory, timestep: float) -> Diverged | None:

@@ -63,7 +63,7 @@ class Question:
 
 
 def group(argument: TruthTask | Task) -> str | None:
-    """Return what a task shares its processes with: the tasks of its engine, or the truths (None)."""
+    """Return the group of tasks that share processes: the name of the engine, or None for truths."""
     return argument.engine if isinstance(argument, Task) else None
 
 
@@ -75,7 +75,7 @@ def perform_run(task: Task) -> Run:
 
 
 def perform_stop(task: StopTask) -> Stop | None:
-    """Compute the stop of a task; None if the reference knows none."""
+    """Compute where the body of a task stops under its law of friction; None if the reference knows no stop."""
     from bodycheck.running import truths
 
     return truths.stop_under(task.case, task.law)
@@ -94,7 +94,7 @@ def perform(argument: TruthTask | Task) -> Run | Truths:
 
 
 def answer(question: Question) -> Truth | Certificate | NoTruth:
-    """Compute the truth or the certificate that is asked for; `NoTruth` if the reference has none."""
+    """Compute the requested truth or certificate; `NoTruth` if the reference has none."""
     from bodycheck.running import truths
 
     compute = truths.certify if question.certified else truths.truth

@@ -66,7 +66,7 @@ class Entry:
 
     @property
     def order(self) -> tuple[Version, str, str]:
-        """Return what sorts entries: those of newer versions are later, and of one version those that were made later."""
+        """Return the key that sorts entries by version, and entries of one version by the time at which they were made."""
         return version_key(self.version), self.source.header.started, self.source.key
 
 
@@ -88,7 +88,7 @@ class Scene:
     Parameters
     ----------
     name
-        Its name; it ends with a part of the digest of its text where two files have one name, see `submissions.cases`.
+        The name of the case; it ends with a part of the digest of its text where files share a name; see `submissions.cases`.
     case
         What its file says.
     shipped
@@ -138,7 +138,7 @@ class Catalogue:
 
     @cached_property
     def engines(self) -> tuple[str, ...]:
-        """Return the names of all engines that any table is about, in alphabetical order."""
+        """Return the names, without versions, of all engines in headers and tables, in alphabetical order."""
         told = {adapter_of(name) for source in self.submissions for name in source.header.engines}
         rows = {
             adapter_of(row["engine"])
@@ -171,7 +171,7 @@ class Catalogue:
     def allowances(self) -> Mapping[tuple[str, str, str, str, float | None], Row]:
         """Return the rows of studies of releases, which have the effect of rounding on each figure.
 
-        They are given by engine, version, case and method. Of several, that of the newest submission counts.
+        They are given by engine, version, case and method. If there are several, the row of the newest submission counts.
         """
         return {
             (entry.engine, entry.version, entry.row["case"], *entry.method): entry.row for entry in self.entries("releases.csv")
@@ -204,7 +204,7 @@ class Catalogue:
 
 @lru_cache(maxsize=4096)
 def version_key(version: str) -> Version:
-    """Return what sorts versions; one that is not of PEP 440 is the oldest."""
+    """Return the key that sorts versions; a version that does not follow PEP 440 is the oldest."""
     try:
         return Version(version)
     except InvalidVersion:

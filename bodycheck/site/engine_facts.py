@@ -25,7 +25,7 @@ class MethodFacts:
     name
         The integrator with its options.
     counts
-        The number of its runs that ran, failed, were refused, and are unsupported.
+        The number of its runs with each outcome: ran, failed, refused or unsupported.
     orders
         The rows of orders.csv about it, of the newest release that has any.
     """
@@ -47,13 +47,13 @@ class MethodFacts:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """Return the textbook schemes with which it agrees, or that it is near."""
+        """Return the textbook schemes with which the integrator agrees, or to which it is close."""
         told = (entry.get("scheme") or _near(entry.get("nearest_scheme")) for entry in self.orders)
         return tuple(dict.fromkeys(filter(None, told)))
 
 
 def methods(release: Release) -> tuple[MethodFacts, ...]:
-    """Return what is known of each integrator of a release that has runs, and of those whose order was observed."""
+    """Return the facts about each integrator of a release that has runs, or whose order was observed."""
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for name, runs in release.runs.items():
         scene = release.catalogue.scenes[name]
@@ -67,7 +67,7 @@ def methods(release: Release) -> tuple[MethodFacts, ...]:
 
 
 def newest(catalogue: Catalogue, table: str, engine: str) -> tuple[Entry, ...]:
-    """Return the rows of a table about an engine, those of its newest version in the newest submission that has it there."""
+    """Return the rows of a table about the newest version of an engine, from the newest submission that has such rows."""
     entries = [entry for entry in catalogue.entries(table) if entry.engine == engine and entry.get("version")]
     if not entries:
         return ()
@@ -76,7 +76,7 @@ def newest(catalogue: Catalogue, table: str, engine: str) -> tuple[Entry, ...]:
 
 
 def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Submission | None]:
-    """Return the choices that an engine makes where a user makes none, and the newest submission that tells them."""
+    """Return the choices that an engine makes where a user makes none, and the newest submission that lists them."""
     found: tuple[Mapping[str, str], Submission | None] = ({}, None)
     latest = version_key("0")
     for source in catalogue.submissions:
@@ -118,16 +118,16 @@ def _contact_row(entry: Entry) -> ContactRow:
 
 @dataclass(frozen=True, eq=False)
 class RobotFacts:
-    """What an engine makes of a robot model.
+    """The comparison of an engine's reading of a robot model with the file.
 
     Parameters
     ----------
     model, version
-        The model, and the newest version of the engine that was asked.
+        The model, and the newest version of the engine that was compared.
     counts
-        The number of rows by their status.
+        The number of compared quantities by status.
     causes
-        Why something differs.
+        The causes of the differences.
     """
 
     model: str
@@ -137,7 +137,7 @@ class RobotFacts:
 
 
 def robots(catalogue: Catalogue, engine: str) -> Iterator[RobotFacts]:
-    """Yield what the newest version of an engine that was asked makes of each robot model."""
+    """Yield the facts about each robot model, from the newest version of an engine that was compared on it."""
     for model, entries in catalogue.robots.items():
         own = [entry for entry in entries if entry.engine == engine]
         if own:
@@ -155,7 +155,7 @@ def issues(catalogue: Catalogue, engine: str) -> Iterator[tuple[Issue, tuple[Evi
 
 
 def findings(rows: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Return the rows of the audit that say that something was found."""
+    """Return the rows of the audit with a status that counts as a finding."""
     return tuple(entry for entry in rows if entry.get("status") in FINDINGS)
 
 

@@ -197,7 +197,7 @@ def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
 
 
 def told(cell: Cell, scene: Scene, head: Head) -> str:
-    """Return what a cell says in words."""
+    """Return the content of a cell in words: the verdict, its reason, the method, the version and changes."""
     parts = [SCENES[cell.verdict].title if cell.verdict != "error" else ""]
     if cell.value is not None:
         known = f", bound {bound(cell.bound, 2)}" if cell.bound is not None else ", bound unknown"

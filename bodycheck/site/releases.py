@@ -32,7 +32,7 @@ class Release:
 
     @cached_property
     def runs(self) -> Mapping[str, tuple[Entry, ...]]:
-        """Return the runs by scene, those of the newest submission that has the scene in this release."""
+        """Return the runs by scene, each scene's from the newest submission that has it in this release."""
         found = {}
         for name in self.catalogue.scenes:
             own = [run for run in self.catalogue.runs.get((self.engine, name), ()) if run.version == self.version]
@@ -84,7 +84,7 @@ class Release:
 
     @cached_property
     def environment(self) -> Mapping[str, str]:
-        """Return the packages of the environment of this release, as the newest submission tells; empty if none tells it."""
+        """Return the packages in the environment of this release from the newest submission that has them, or none."""
         found: Mapping[str, str] = {}
         for source in self.sources:
             for engine, version in source.header.engines.items():
@@ -107,7 +107,7 @@ class VerdictChange:
 
 @dataclass(frozen=True, eq=False)
 class Upgrade:
-    """What differs between a release and the last one before it of which there are runs.
+    """The differences between a release and the previous release that has runs.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Upgrade:
 
     @cached_property
     def changes(self) -> tuple[tuple[Scene, Change], ...]:
-        """Return what changed beyond rounding, with the scene."""
+        """Return the changes beyond rounding, each with its scene."""
         found = ((scene, changes.change(self.after.catalogue, scene, run, earlier)) for scene, earlier, run in self.pairs)
         return tuple((scene, change) for scene, change in found if change is not None)
 
@@ -147,7 +147,10 @@ class Upgrade:
 
     @cached_property
     def verdicts(self) -> tuple[VerdictChange, ...]:
-        """Return the scenes whose verdict changed. Between exact and not exact, a change beyond rounding is needed."""
+        """Return the scenes in which the verdict changed.
+
+        A change between "exact" and "error" counts only if a number in the scene changed beyond rounding.
+        """
         numbers = {scene.name for scene, _ in self.changes}
         found = []
         for name, scene in self.after.catalogue.scenes.items():
@@ -186,7 +189,7 @@ def upgrades(known: tuple[Release, ...]) -> Mapping[str, Upgrade]:
 
 
 def measured_changes(catalogue: Catalogue, engine: str, version: str) -> tuple[Entry, ...]:
-    """Return the rows of studies of releases about what changed with a release, each once, the newest submission's."""
+    """Return the rows of studies of releases about what changed with a release, each once, from the newest submission."""
     found = {}
     for entry in catalogue.entries("changes.csv"):
         if entry.engine == engine and entry.get("to_version") == version:
@@ -196,13 +199,13 @@ def measured_changes(catalogue: Catalogue, engine: str, version: str) -> tuple[E
 
 
 def order_changed(change: Entry) -> bool:
-    """Return whether a row of changes.csv says that the observed order is another one."""
+    """Return whether a row of changes.csv says that the observed order has changed."""
     before, after = change.get("order_before"), change.get("order_after")
     return before is not None and after is not None and abs(before - after) > OTHER
 
 
 def lasts(catalogue: Catalogue, change: Entry) -> bool:
-    """Return whether no later release is known to have changed an order again that a row of changes.csv tells."""
+    """Return whether the order of a row of changes.csv is not known to have changed again in a later release."""
     return not any(
         order_changed(other)
         for other in _same(catalogue, change)

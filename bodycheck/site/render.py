@@ -56,7 +56,7 @@ def page(path: str, template: str, **values: Any) -> File:
 
 
 def asset(name: str) -> File:
-    """Return a style or a script of the folder `templates`, which stands in `assets/` of the site."""
+    """Return a style sheet or a script of the folder `templates` as a file in `assets/` of the site."""
     return File(f"assets/{name}", (resources.files("bodycheck.site") / "templates" / name).read_bytes())
 
 

@@ -26,11 +26,11 @@ class Found:
     Parameters
     ----------
     run
-        Its row.
+        The row of the run.
     motion
-        The motions of its case in its submission.
+        The motions of the case in the submission of the run.
     own
-        Its own motion.
+        The motion of the run itself.
     """
 
     run: Entry
@@ -39,13 +39,13 @@ class Found:
 
 
 def moving(catalogue: Catalogue, scene: Scene) -> list[Found]:
-    """Return the runs of a scene whose motion is known: of each engine that of the cell on the front page."""
+    """Return the runs of a scene whose motion is known: for each engine, the run of its cell on the front page."""
     runs = [cell(catalogue, engine, scene).run for engine in catalogue.engines]
     return [found for run in runs if run is not None and (found := _found(run)) is not None]
 
 
 def played(scene: Scene, found: list[Found]) -> dict[str, Any]:
-    """Return what the player reads.
+    """Return the data that the player reads.
 
     The truth is that of the newest submission. found: at least one run; see `moving`.
     """
@@ -74,7 +74,7 @@ def _found(run: Entry) -> Found | None:
 
 
 def _told(found: Found) -> dict[str, Any]:
-    """Return what the player tells of a run."""
+    """Return the entry of a run for the player: its label, its colour and its errors."""
     run = found.run
     label = f"{run.engine} {run.version} {run.get('integrator')}, {milliseconds(found.motion.timestep)}"
     errors = {name: run.get(name) for name in ERRORS}
@@ -87,7 +87,7 @@ def _badness(found: Found) -> float:
 
 
 def _entry(parts: list[Part], own: Frame | None, frame: Frame | None) -> dict[str, Any]:
-    """Return a motion as the player reads it in a frame, from parts that are stored in their own."""
+    """Return a motion as the player reads it in `frame`, from parts that are stored in the frame `own`."""
     if frame is None or own is None:
         (part,) = parts
         return _encoded(part)
@@ -99,7 +99,7 @@ def _encoded(part: Part) -> dict[str, Any]:
 
 
 def _moved(part: Part, own: Frame, frame: Frame) -> Part:
-    """Return a part whose places are in another frame."""
+    """Return a part with its positions converted from the frame `own` to another frame."""
     if part.course is None or (own.middle, own.extent) == (frame.middle, frame.extent):
         return part
     t, shares = arrays(part.course)

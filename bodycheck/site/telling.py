@@ -40,16 +40,17 @@ def plain(sentence: Sentence) -> str:
 
 
 def of_upgrade(upgrade: Upgrade) -> Iterator[Sentence]:
-    """Yield what the runs of two releases say of the upgrade."""
+    """Yield sentences on an upgrade, from the runs of its two releases."""
     before = upgrade.before.version
     yield from tally(upgrade.changes, len(upgrade.pairs), f"in {before}")
     yield from methods(upgrade)
 
 
 def tally(changes: Sequence[tuple[Scene, Change]], compared: int, earlier: str) -> Iterator[Sentence]:
-    """Yield how many runs changed, and those that changed most.
+    """Yield sentences on how many runs changed, and on the largest changes.
 
-    changes: with their scenes. compared: the number of runs that have a run before. earlier: where that is.
+    changes: the changes with their scenes. compared: the number of runs that have an earlier run of the same method. earlier: a
+    phrase that says where the earlier runs are.
     """
     if not compared:
         yield (Piece(f"There are no runs of the same methods {earlier}."),)
@@ -74,16 +75,17 @@ def tally(changes: Sequence[tuple[Scene, Change]], compared: int, earlier: str) 
 
 
 def methods(upgrade: Upgrade) -> Iterator[Sentence]:
-    """Yield which integrators only one of two releases has runs of."""
+    """Yield sentences on the integrators of which only one of the two releases has runs."""
     for names, release in ((upgrade.new_methods, upgrade.after), (upgrade.gone_methods, upgrade.before)):
         if names:
             yield (Piece(f"Only {release.version} has runs with {listing(names)}."),)
 
 
 def orders(catalogue: Catalogue, measured: Sequence[Entry]) -> Iterator[Sentence]:
-    """Yield which methods have another order of convergence since a release.
+    """Yield sentences on the methods whose order of convergence has changed since a release.
 
-    Quantities in which a method changed alike on a case are told in one sentence, of which the first case is told.
+    A sentence is about all quantities in which the order of a method changed alike on a case. For each quantity of a method,
+    only the first case is mentioned.
 
     measured: rows of changes.csv of studies of releases, all about the same later release.
     """
@@ -102,7 +104,7 @@ def orders(catalogue: Catalogue, measured: Sequence[Entry]) -> Iterator[Sentence
 
 
 def _order(catalogue: Catalogue, alike: Sequence[Entry]) -> Sentence:
-    """Return the sentence about the order of a method in some quantities, in which it changed from and to the same words."""
+    """Return the sentence on the order of a method in some quantities whose orders, in words, are the same before and after."""
     row = alike[0].row
     since = f"From {row['to_version']} on" if lasts(catalogue, alike[0]) else f"In {row['to_version']}"
     subjects = [change.row["quantity"].rpartition("_")[0].replace("_", " ") for change in alike]

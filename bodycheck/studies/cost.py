@@ -84,7 +84,7 @@ class _Size:
 
 
 def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) -> list[Measured | Crashed | TimedOut]:
-    """Return what was measured of each stretch, or why nothing was.
+    """Return the measurements of each stretch, or why there are none.
 
     Set-up is not timed with the steps, and every measurement begins at the start of the scene.
 
@@ -102,7 +102,7 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
     with pool.Workers(_apply, 1, limit, group=lambda call: call[1].engine, home=home, kept=True) as workers:
 
         def measured(index: int, function: Callable[..., Any], *arguments: object) -> Any:
-            """Make a call for a stretch that has not failed; None if it has, or does so now."""
+            """Make a call for a stretch, and return its result; None if this call or an earlier call for the stretch failed."""
             if index in failed:
                 return None
             answer = workers.call((function, stretches[index], *arguments))
@@ -125,7 +125,7 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
 
 
 def summarise(times: Array) -> Cost:
-    """Return the cost that repeated measurements (rounds,) tell."""
+    """Return the cost from repeated measurements (rounds,)."""
     return Cost(float(np.median(times)), float(times.min()), float(times.max()))
 
 

@@ -60,13 +60,13 @@ class Problem:
     bodies
         The bodies.
     plane
-        The plane, with the friction and restitution of whatever pair `contacts` does not name.
+        The plane, with the friction and restitution of all pairs that `contacts` does not name.
     contacts
-        The pairs that touch otherwise.
+        The pairs with a friction and restitution of their own.
     gravity
         (3,) gravitational acceleration (m/s^2).
     pushes
-        The constant forces; their force is along the axes of the plane.
+        The constant forces, with components along the axes of the plane.
     turn
         (4,) unit quaternion w, x, y, z from the axes of the plane to those of the world.
     """
@@ -79,7 +79,7 @@ class Problem:
     turn: WideArray
 
     def pair(self, one: int, other: int = WORLD) -> tuple[float, float]:
-        """Friction and restitution of two bodies, by their places; by default of a body and the plane."""
+        """Friction and restitution of two bodies, given by their indices; by default those of a body and the plane."""
         both = min(one, other), max(one, other)
         contact = next((pair for pair in self.contacts if pair.bodies == both), None)
         return (self.plane.friction, self.plane.restitution) if contact is None else (contact.friction, contact.restitution)

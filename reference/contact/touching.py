@@ -22,13 +22,13 @@ class Touching:
     Attributes
     ----------
     shape
-        Its shape, about the centre of mass.
+        The shape of the body, about the centre of mass.
     mass, tensor
         Mass (kg) and inertia tensor (3, 3) about the centre of mass, along its axes (kg m^2).
     normal
         The normal of the plane, world frame.
     restitution
-        Coefficient of restitution between it and the plane.
+        Coefficient of restitution between the body and the plane.
     """
 
     shape: Shape

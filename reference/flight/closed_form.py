@@ -150,7 +150,8 @@ def parabola(scene: Scene, times: Array) -> tuple[Array, Array]:
 def parabolas(position: Array, velocity: Array, gravity: Array, times: Array) -> tuple[Array, Array]:
     """Positions (..., n, 3), m, and velocities (..., n, 3), m/s, world frame, at times (n,), s, under gravity alone.
 
-    position, velocity: (..., 3) at t = 0. gravity: (...), m/s^2. All is computed in the wide type and rounded once.
+    position, velocity: (..., 3) at t = 0. gravity: (...), m/s^2, along -z. All values are computed in the wide type and rounded
+    once.
     """
     t, half = times.astype(Wide), -gravity.astype(Wide)[..., None] / 2
     positions, velocities = (np.empty((*position.shape[:-1], len(t), 3)) for _ in range(2))

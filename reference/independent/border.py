@@ -38,7 +38,7 @@ class Border:
     tensor
         Rows of the inertia tensor about the centre of mass, in the frame of the body (kg m^2).
     mobility
-        Rows of its inverse (1/(kg m^2)).
+        Rows of the inverse of the inertia tensor (1/(kg m^2)).
     cosines
         Rows of the matrix of direction cosines at t = 0, which takes body to world components: its rows are the axes of the
         world along those of the body.
@@ -59,8 +59,8 @@ class Border:
 def border(scene: Scene) -> Border:
     """Return the start of the motion of a scene.
 
-    What the definition of the scene says is used as far as it is valid (see `definition.valid`), and otherwise the doubles of
-    the scene.
+    The numbers come from the definition of the scene as far as it is valid (see `definition.valid`), and otherwise from the
+    doubles of the scene.
     """
     return _border(scene, valid(scene))
 
@@ -138,20 +138,20 @@ def times(matrix: Matrix, vector: Triple) -> Triple:
 
 @functools.lru_cache(maxsize=64)
 def _of_file(definition: Definition) -> tuple[Number, Matrix, Matrix]:
-    """Mass, inertia tensor and its inverse of the body that a file defines."""
+    """Mass, inertia tensor and inverse inertia tensor of the body that a file defines."""
     mass, tensor = mass_and_tensor(definition, _rational_cosines)
     return _number(mass), _numbers(tensor), _numbers(inverse(tensor))
 
 
 @functools.lru_cache(maxsize=64)
 def _of_doubles(body: Body) -> tuple[Number, Matrix, Matrix]:
-    """Mass, inertia tensor and its inverse of a body with the moments and axes of a scene."""
+    """Mass, inertia tensor and inverse inertia tensor of a body with the moments and axes of a scene."""
     tensor = along_axes(body.moments, _of_quaternion(body.axes))
     return MP.mpf(body.mass), _numbers(tensor), _numbers(inverse(tensor))
 
 
 def _rational_cosines(orientation: Attitude) -> Rows:
-    """The matrix of an attitude in rational numbers; that of Euler angles is rounded to the digits of `MP`."""
+    """The matrix of an attitude in rational numbers; from Euler angles it is rounded to the digits of `MP`."""
     if not isinstance(orientation, EulerAngles):
         return _of_quaternion(orientation)
     return [[Fraction(*mpmath.libmp.to_rational(entry._mpf_)) for entry in row] for row in attitude(orientation)]
@@ -175,5 +175,5 @@ def _numbers(rows: Rows) -> Matrix:
 
 
 def _number(value: Fraction) -> Number:
-    """A rational number in this arithmetic."""
+    """A rational number as a number of `MP`, rounded to its digits."""
     return MP.mpf(value.numerator) / value.denominator

@@ -81,7 +81,7 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
     """
     instants = t if t is not None else free.t if free is not None else None
     if instants is None:
-        raise ValueError("the instants of a mechanism without free bodies are missing")
+        raise ValueError("no instants: a mechanism without free bodies needs `t`")
     held = dict(zip(mechanism.joints, places(mechanism), strict=True))
     frames: dict[int, _Frame] = {WORLD: _at_rest(len(instants))}
     unheld = (index for index, joint in enumerate(mechanism.joint_of) if joint is None)

@@ -260,7 +260,7 @@ def _add_jointed(draft: _Draft, body: int, joint_index: int, joint: Joint) -> No
 
 
 def _axes(joint: Joint) -> list[tuple[Kind, Vector3]]:
-    """The elementary joints of a joint of slides and turns, each with its axis in the frame of the joint."""
+    """The kinds of the slides and turns that make up a joint, each with its axis in the frame of the joint."""
     return [
         (_KINDS[motion.kind], exact.unit_axis(joint) if motion.axis == "given" else _AXES[motion.axis])
         for motion in joint.form.motions

@@ -76,8 +76,8 @@ def letters(mechanism: Mechanism) -> tuple[str, str]:
 def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
     """Return the differences (n,) of two motions at each instant, by the names of `bounds.STATES`.
 
-    Each is the largest over all bodies and joints: angles of attitudes and joints together, places and slides, and their rates.
-    All differences are formed in the wider of the two types.
+    Each is the largest over all bodies and joints. Angles of joints count with attitudes (rad), slides with positions (m), and
+    their rates with angular velocities (rad/s) and velocities (m/s). Differences are formed in the wider of the two types.
     """
     held, moving = letters(mechanism)
     turned = _angles(one.bodies.quaternion, other.bodies.quaternion)
@@ -144,9 +144,9 @@ def _differences(one: WideArray, other: WideArray, letters: str, letter: str) ->
 
 
 def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: dict[str, Array]) -> Bounds:
-    """The bounds of all figures from those of the states, which hold for errors in any direction.
+    """The bounds (n,) of the errors of all figures, from the bounds of the states, for errors in any direction.
 
-    Energy and angular momentum are those of `observables.observe`, whose own rounding is not in them.
+    Energy and angular momentum are computed by `observables.observe`, whose own rounding the bounds do not include.
 
     Parameters
     ----------

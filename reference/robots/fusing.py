@@ -12,10 +12,10 @@ _Place = tuple[int, Wide, Wide]
 
 
 def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
-    """The model without fixed joints to links other than those that are kept, whose masses their carriers take over.
+    """The model without the links on fixed joints, except kept ones; the carriers of these links take over their masses.
 
-    The carrier of a link is its nearest ancestor that is the root, is kept, or moves against its parent. The root carries what
-    is welded to the world.
+    The carrier of a link is its nearest ancestor that is the root, is kept, or moves against its parent. The root carries
+    everything that is welded to the world.
 
     Parameters
     ----------
@@ -47,15 +47,16 @@ def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
 
 
 def in_frame(link: RobotLink, origin: Wide, rotation: Wide) -> RobotLink:
-    """A link given in a frame that has an origin (3,) and a rotation (3, 3) in another one, in that one."""
+    """A link in an outer frame, in which the link's present frame has an origin (3,) and a rotation (3, 3)."""
     centre, tensor = origin + rotation @ link.center_of_mass, rotation @ link.inertia @ rotation.T
     return replace(link, center_of_mass=centre, inertia=tensor)
 
 
 def joined(parts: Sequence[RobotLink]) -> RobotLink:
-    """One rigid link of the masses of several, given in one frame, with the name of the first, by the parallel-axis theorem.
+    """One rigid link with the masses of several links that are given in one frame, by the parallel-axis theorem.
 
-    Where the masses sum to zero there is no centre of mass, and the inertia is about the origin of the frame.
+    It has the name of the first link. If the masses sum to zero, there is no centre of mass, and the inertia is about the
+    origin of the frame.
     """
     first, *others = parts
     if not others:
@@ -79,7 +80,7 @@ def _carried(parent: _Place, joint: RobotJoint) -> _Place:
 
 
 def _hung(joint: RobotJoint, parent: _Place, new: dict[int, int]) -> RobotJoint:
-    """A joint on the carrier of its parent. new: the places of the links that stay."""
+    """A joint on the carrier of its parent. new: the new indices of the links that stay, by their old ones."""
     carrier, origin, rotation = _carried(parent, joint)
     return replace(joint, parent=new[carrier], child=new[joint.child], position=origin, rotation=rotation)
 

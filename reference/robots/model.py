@@ -129,9 +129,9 @@ class RobotModel:
 
 
 def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
-    """The joints, each followed by all that hang on its child, and those of one parent in the order of the file.
+    """The joints from the root on, each followed by all joints below its child; joints of one parent are in the file's order.
 
-    Raises `ValueError` if the joints are no tree: if a link is the child of two joints, or if the root does not lead to it.
+    Raises `ValueError` if the joints are not a tree: a link is the child of two joints, or the root does not lead to it.
     """
     carried: dict[int, list[RobotJoint]] = {}
     for joint in model.joints:
@@ -144,7 +144,7 @@ def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
         ordered.append(joint := waiting.pop())
         waiting += carried.get(joint.child, [])[::-1]
     if len(ordered) + 1 < len(model.links):
-        raise ValueError("the root does not lead to all links")
+        raise ValueError(f"the joints lead from the root to {len(ordered)} of {len(model.links) - 1} links; allowed: all")
     return tuple(ordered)
 
 

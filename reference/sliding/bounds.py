@@ -38,10 +38,10 @@ class PlanarBounds:
 def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> PlanarBounds:
     """The bounds of a motion and of the trajectory made from it: twice the error that the witness estimates, and rounding.
 
-    Those of position and yaw are the largest of all panels so far, whichever instants are asked for.
+    The bounds of position and yaw are the largest over all panels so far, whatever the n instants are.
 
     After the stop the true body may move on for as long as the error of its velocity takes to be braked. The velocity is
-    bounded by that error until then, and by zero later; the way that is left by that error times that duration.
+    bounded by that error until then, and by zero later. The remaining distance is bounded by that error times that duration.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     Returns
     -------
     PlanarBounds
-        The bounds; those of position and yaw never decrease.
+        The bounds. The bounds of position and yaw never decrease.
     """
     times, rows, start = trajectory.t, motion.rows, motion.panels.rows[0]
     estimate = deviation(scene, motion.panels)
@@ -95,10 +95,11 @@ def largest_deviation(estimate: Deviation) -> Array:
 
 
 def _nearly_at_rest(motion: Motion, estimate: Deviation) -> tuple[float, int]:
-    """A bound of the error of the speed |u| (m/s) from some panel on, and the number of that panel.
+    """A bound of the error of the speed |u| (m/s) from some panel on, and the index of that panel.
 
-    It is the first panel at whose beginning the estimated error exceeds `LINEAR` of the speed, or the stop, after all panels.
-    Both motions are then no faster than the speed at its beginning and the error. The bound is zero without such a panel.
+    The panel is the first one at whose beginning the estimated error exceeds `LINEAR` times the speed, or else the stop, which
+    follows the last panel. From then on neither motion is faster than the sum of that speed and the error. If there is neither
+    such a panel nor a stop, the bound is zero and the index is the number of instants at which panels begin or end.
     """
     metric = np.array([1.0, 1.0, estimate.gyration])
     speeds = np.linalg.norm(motion.panels.rows[:, 3:] * metric, axis=1)

@@ -49,7 +49,10 @@ class Comparison:
 
 
 def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:
-    """Return the cases of all sets. Cases that differ in more than their title or expectations are different cases."""
+    """Return the cases of all sets as the report shows them.
+
+    Cases of one name that differ in more than their title or expectations are shown as different cases.
+    """
     found = []
     for name in dict.fromkeys(name for one in sets for name in one.results.cases):
         versions: dict[str, list[ResultSet]] = {}
@@ -98,7 +101,7 @@ def header(sets: Sequence[ResultSet]) -> Header:
 
 
 def _merged_by_engine(groups: Sequence[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
-    """What sets say of each engine; where sets have other releases of its packages, all of them are there."""
+    """The entries of all sets on each engine; where sets have different releases of its packages, all are listed."""
     engines = dict.fromkeys(engine for own in groups for engine in own)
     return {engine: {k: v for own in groups for k, v in own.get(engine, {}).items()} for engine in engines}
 

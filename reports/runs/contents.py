@@ -66,18 +66,18 @@ class Section:
     Parameters
     ----------
     name, title, source, tags
-        Those of the case; the name has a number behind it if several sets have different cases of this name, and the title has
-        the name behind it if several cases have this title.
+        The name, title, source and tags of the case. If several sets have different cases of this name, a number
+        follows the name. If several cases have this title, the name follows the title.
     facts
         The case in words.
     table
         The runs; None if there are none to show.
     absence
-        Why there are none.
+        The reason why there are no runs to show.
     commands
         The commands that make the runs.
     steps
-        Charts of errors over the time step; none if there is only one.
+        Charts of errors over the time step; empty if there is only one time step.
     origins
         Parts of the contact discrepancies; None without contact.
     curves
@@ -102,7 +102,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Room:
-    """What one case may take of a page: points of a curve, instants of the angular momentum, characters of the animation."""
+    """The room of one case on a page: points of a curve, instants of the angular momentum, characters of the animation."""
 
     points: int
     instants: int
@@ -169,7 +169,7 @@ class Contents:
 def gather(sets: Sequence[ResultSet]) -> Contents:
     """Return the contents of a report of one set of results or, to compare them, of several sets with labels.
 
-    What is computed from states that are too large, or that are not numbers, is not finite: it is shown as a dash, or left out.
+    Quantities that are not finite, because states are too large or not numbers, are shown as a dash or left out.
     """
     every = comparison.shown(sets)
     lines = assign(verdict.key.over_cases for case in every for verdict in case.verdicts)
@@ -225,7 +225,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
 
 
 def _room(cases: Sequence[Shown]) -> Room:
-    """Return the room of each case of those that are drawn."""
+    """Return the room on the page of each case that is drawn."""
     curved, amount = sum(len(case.verdicts) for case in cases), max(1, len(cases))
     return Room(
         points=max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * curved))),
@@ -248,7 +248,7 @@ def _section(
     room: Room | None,
     title: str,
 ) -> Section:
-    """Return the section of a case. room: what its curves and animation may take; None for neither."""
+    """Return the section of a case. room: the room of its curves and animation; None if it has neither."""
     case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
@@ -288,9 +288,9 @@ def _section(
 
 
 def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
-    """Return what is told of the truth for the runs of a case in a set of results with a time step (s).
+    """Return the report's facts about the truth for the runs of a case in one set of results with a time step (s).
 
-    The largest error of a truth with which a run was compared is known, so that it is not read again.
+    If a run was compared with the truth, the truth's largest error is known, and the truth is not read again.
     """
     runs = (v for v in shown.verdicts if v.label == one.label and v.run.method.timestep == timestep)
     errors = (run.discrepancy.largest.get(ATTITUDE.name) for run in runs if run.discrepancy is not None)
@@ -304,7 +304,10 @@ def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
 def _drawn(
     shown: Shown, known: Mapping[tuple[str, float], Truth], lines: Mapping[RunKey, Line], room: Room
 ) -> tuple[Curves, Playback | None]:
-    """Return the curves and the animation of a case. known: its truths by the label of their set and the time step."""
+    """Return the curves and the animation of a case; None instead of an animation if there is nothing to show.
+
+    known: the truths of the case by the label of their set of results and the time step (s).
+    """
     labels = [one.label for one in shown.sets]
     completed = sorted(
         (v for v in shown.verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label)
@@ -342,7 +345,7 @@ def drawn_cases(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collecti
 
 
 def _undrawn(case: str) -> str:
-    """Return what the chapter of a case that is not drawn says of it."""
+    """Return the sentence in the section of a case that is not drawn, with the command that draws it."""
     return f"curves and animation, to keep this page small; bodycheck report FOLDER --case {case} --out OTHER draws them"
 
 

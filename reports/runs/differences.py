@@ -58,7 +58,7 @@ class Change:
     name
         The column of the number.
     base, now
-        The number in the first set and in the other.
+        The number in the first set and in the other set.
     least
         The difference that the truths' own errors and rounding explain.
     """
@@ -72,7 +72,7 @@ class Change:
 
     @property
     def factor(self) -> float:
-        """Return the ratio of the distances of both numbers from the ideal; distances that rounding explains count as equal."""
+        """Return the ratio of both numbers' distances from the ideal; distances that rounding explains count as equal."""
         low, high = sorted(
             max(distance_from_ideal(self.name, value), self.least, NEARLY_ZERO) for value in (self.base, self.now)
         )
@@ -106,7 +106,7 @@ class Pair:
 
     @cached_property
     def common(self) -> list[tuple[Shown, Verdict, Verdict]]:
-        """Return the runs that both have, of cases that are the same in both."""
+        """Return the runs that both sets have, of cases that are the same in both."""
         found = []
         for case in self.cases:
             here, there = ({v.run.key: v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
@@ -115,7 +115,7 @@ class Pair:
 
     @cached_property
     def changed(self) -> list[Change]:
-        """Return the runs whose numbers differ by more than truths and rounding explain, the largest change first."""
+        """Return the changes of runs by more than the truths' own errors and rounding explain, the largest change first."""
         found = [change for case, *pair in self.common if (change := self._change(case, *pair)) is not None]
         return sorted(found, key=lambda change: -change.factor)
 

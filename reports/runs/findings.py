@@ -48,7 +48,7 @@ class Measured:
         return self.verdict.run.case
 
     def within_truth(self, name: str) -> bool:
-        """Return whether the error in a column is no larger than the truth's own, and so has no meaning."""
+        """Return whether the error in a column is no larger than the truth's own error, so that it has no meaning."""
         return QUANTITIES[name].within_truth(self.maxima) is not None
 
     def at_most(self, name: str) -> float:
@@ -87,7 +87,7 @@ def findings(
     lines
         The lines of all methods.
     demonstrations
-        Methods that are there to demonstrate something.
+        Methods that are included as demonstrations.
     classes
         The classes of methods that are the same algorithm, by kind of scene.
     """
@@ -234,7 +234,7 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
 def _alike(runs: Sequence[Measured], classes: Classes) -> Finding | None:
     """Return two methods of different engines that have the same errors, which then come from the integration scheme.
 
-    Methods that are the same algorithm are not among them, because another finding says more of these.
+    Methods that are the same algorithm are excluded, because another finding describes them.
     """
     by_line, known = _by_line(runs), memberships(classes)
     within = {line: known.get(line.key.over_steps, set()) for line in by_line}

@@ -99,7 +99,7 @@ def _scaled(by: float) -> Callable[[np.ndarray], object]:
         ),
         (
             lambda states: states[..., [0, 1, 2, 4, 5, 6, 3, *range(7, 13)]],
-            "at t = 0 its attitude is 3.14 rad from that of the scene",
+            "at t = 0 its attitude is 3.14 rad from the attitude of the scene",
         ),
     ],
 )

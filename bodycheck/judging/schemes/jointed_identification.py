@@ -106,7 +106,7 @@ def _judged(apart: dict[str, Array], allowed: Array, t: Array, error: Array, rou
 
 
 def _samples(taken: Strides, limit: int) -> int:
-    """Return the number of samples within some steps, at least two."""
+    """Return the number of samples within the first `limit` steps, at least two. taken: the step of each sample."""
     return max(2, int(np.searchsorted(taken, limit, side="right")))
 
 

@@ -173,7 +173,7 @@ def found(folder: Path, identity: str) -> list[ChunkFile]:
 
 
 def _belongs(path: Path, identity: str) -> bool:
-    """Return whether a file is whole and belongs to some work."""
+    """Return whether a file is whole and belongs to the work with an identity. Raises `BadFolder` if it cannot be read."""
     try:
         metadata = pq.read_metadata(pa.BufferReader(reading.content(path, MAX_BYTES)))
     except reading.Refused as error:

@@ -38,7 +38,7 @@ class Role:
     prepare: Callable[[Any], object]
 
     def home(self, engine: str | None) -> pool.Home:
-        """Return where the processes of an engine live, or of the reference (None), which use one thread each."""
+        """Return the home of the processes of an engine, or of the reference (None). Each process uses one thread."""
         home = engines.home(engine)
         variables = tuple(pair for pair in home.interpreter.variables if pair[0] not in dict(ONE_THREAD))
         interpreter = replace(home.interpreter, variables=(*variables, *ONE_THREAD))
@@ -48,12 +48,12 @@ class Role:
 class ChunkWorkers:
     """The worker processes of a thread, and a temporary folder in which they leave files for each other.
 
-    They end with the context that this is.
+    The object is a context manager, at whose end the processes end and the folder is removed.
 
     Parameters
     ----------
     cancelled
-        An event that is set when nobody waits any more for the work of the thread.
+        An event that is set when the work of the thread is not needed any more.
     """
 
     def __init__(self, cancelled: threading.Event | None = None) -> None:
@@ -75,14 +75,15 @@ class ChunkWorkers:
         self._stack.close()
 
     def check(self) -> None:
-        """Raise `Cancelled` if nobody waits any more for the work of the thread."""
+        """Raise `Cancelled` if the work of the thread is not needed any more."""
         if self._cancelled.is_set():
             raise pool.Cancelled
 
     def call(self, role: Role, engine: str | None, limit: float, memory: int, argument: Any) -> Any:
-        """Make a call in the process of an engine, or of the reference (None); that of another engine ends.
+        """Make a call in the process of an engine, or of the reference (None), and return the result.
 
-        limit, memory: those of the call, in s and bytes. Raises `Cancelled`.
+        A process of another engine, or with another role or other limits, is ended first. limit, memory: the limits of the
+        call, in s and bytes. Raises `Cancelled`.
         """
         wanted = (role, engine, limit, memory)
         present, workers = self._workers.get(engine is None, (None, None))
@@ -94,7 +95,7 @@ class ChunkWorkers:
         return workers.call(argument)
 
     def call_apart(self, role: Role, engine: str | None, limit: float, memory: int, argument: Any) -> Any:
-        """Make a call as `call` does, in a new process that makes no other one."""
+        """Make a call as `call` does, in a new process that makes no other call."""
         with self._new(role, engine, limit, memory) as workers:
             return workers.call(argument)
 
@@ -116,16 +117,16 @@ LEAST_PART = 1 / 16
 def in_halves(
     attempt: Callable[[int, int], Result | Crashed | TimedOut], first: int, last: int
 ) -> list[tuple[range, Result | Crashed | TimedOut]]:
-    """Return what calls about parts of some things gave, in the order of the things.
+    """Return the results of calls about ranges of items, in the order of the items, each with its range.
 
-    The first call is about all of them. Where a call fails, its things are halved, until a failure is that of one thing alone.
+    The first call is about all items. If a call fails, its range is halved, until only single items fail.
 
     Parameters
     ----------
     attempt
-        Makes a call about the things from one place up to another one, without it.
+        Function that makes a call about the items from one index up to another one, which is excluded.
     first, last
-        The places of all things, without the last.
+        The range of all items; the last index is excluded.
     """
     result = attempt(first, last)
     if last - first == 1 or not isinstance(result, Crashed | TimedOut):
@@ -135,8 +136,8 @@ def in_halves(
 
 
 def limit_of(part: int, whole: int, limit: float) -> float:
-    """Return the time limit (s) of a call about a part of some things, from that of a call about the whole.
+    """Return the time limit (s) of a call about `part` of `whole` items, from the limit of a call about all of them.
 
-    What stops short of it is halved further, so that a small limit costs time and changes no result.
+    A call that exceeds it is halved further, so that a small limit costs time and changes no result.
     """
     return limit if part == 1 else limit * max(LEAST_PART, part / whole)

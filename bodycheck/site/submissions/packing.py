@@ -143,7 +143,7 @@ def _table(path: Path, clean: Cleaning) -> bytes:
     try:
         rows = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise BadInput(f"{path}: is no table of UTF-8 text: {str(error)[:200]}") from error
+        raise BadInput(f"{path}: is not a CSV table in UTF-8: {str(error)[:200]}") from error
     whole = len(rows)
     if path.name == "parity.csv":
         rows = list(map(list, condensed(rows)))
@@ -183,7 +183,7 @@ def _note(paths: list[Path]) -> Mapping[str, Any]:
     notes = [_note_of(path) for path in paths]
     for path, note in zip(paths, notes, strict=True):
         if note != notes[0]:
-            raise BadInput(f"{path}: has the results of another command than {paths[0].name}; submit each by itself")
+            raise BadInput(f"{path}: has the results of another command than {paths[0].name}; submit each separately")
     return notes[0]
 
 
@@ -197,7 +197,7 @@ def _note_of(table: Path) -> Mapping[str, Any]:
     except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise BadInput(f"{beside}: is not as bodycheck writes it") from error
     if more or not isinstance(note, dict):
-        raise BadInput(f"{table}: has the results of several folders; submit each of them by itself")
+        raise BadInput(f"{table}: has the results of several folders; submit each folder separately")
     return note
 
 

@@ -102,9 +102,9 @@ def _check_run(name: str, line: int, row: Row, case: Case) -> None:
     if row["status"] != Completed.status:
         found = next((column for column in MEASURED if row.get(column) is not None), None)
         if found is not None:
-            raise fault(name, line, found, row[found], f"nothing, as the run is {row['status']}")
+            raise fault(name, line, found, row[found], f"an empty entry, because the run is {row['status']}")
         if not row.get("reason"):
-            raise fault(name, line, "reason", row.get("reason"), f"why the run is {row['status']}")
+            raise fault(name, line, "reason", row.get("reason"), f"the reason why the run is {row['status']}")
         return
     for figure in LIMITED:
         value = row.get(figure)

@@ -116,7 +116,7 @@ def read(name: str, content: bytes) -> tuple[Row, ...]:
                     raise _fault(name, reader.line_num, column, entry, str(error)) from error
             found.append(values)
     except (UnicodeDecodeError, csv.Error) as error:
-        raise BadInput(f"{name}: is no table of UTF-8 text: {str(error)[:200]}") from error
+        raise BadInput(f"{name}: is not a CSV table in UTF-8: {str(error)[:200]}") from error
     return tuple(found)
 
 
@@ -136,7 +136,7 @@ def _check_columns(name: str, columns: list[str]) -> None:
     if missing := [column for column in required if column not in columns]:
         raise BadInput(f"{name}:1: has no column {missing[0]}")
     if len(set(columns)) < len(columns):
-        raise BadInput(f"{name}:1: has a column twice")
+        raise BadInput(f"{name}:1: has the column {max(columns, key=columns.count)} twice")
 
 
 def _fault(name: str, line: int, column: str, entry: str, why: str) -> BadInput:

@@ -35,7 +35,7 @@ MOST_CHARACTERS = 800_000
 
 
 def traced(folder: Path, rows: Sequence[Row]) -> Tracks:
-    """Return the tracks of a results folder. rows: those of its results.csv. Raises `BadFolder` if it is damaged."""
+    """Return the tracks of a results folder. rows: the rows of its results.csv. Raises `BadFolder` if it is damaged."""
     motions_at = folder / TRAJECTORIES
     if motions_at.is_symlink():
         raise BadFolder(f"{motions_at}: is a symbolic link; a results folder must not contain any, remove it")
@@ -68,7 +68,7 @@ def _motions(results: Results, case: Case, rows: Sequence[Row]) -> Iterator[Moti
 
 
 def _motion(results: Results, case: Case, exact: Trajectory, rows: Sequence[Row]) -> Motion | None:
-    """Return the motions of a truth and of runs with one time step; None if there is none that can be shown."""
+    """Return the motion of a truth and the motions of runs with one time step; None if no motion of a run can be shown."""
     by_label = {}
     for row in rows:
         if (shown := _shown(results, case, exact, row)) is not None:
@@ -96,7 +96,7 @@ def _motion(results: Results, case: Case, exact: Trajectory, rows: Sequence[Row]
 
 
 def _shown(results: Results, case: Case, exact: Trajectory, row: Row) -> Shown | None:
-    """Return a run that can be shown beside the truth at its instants; None if there is none."""
+    """Return the motion of a run and of the truth at the instants of the run; None if they cannot be shown together."""
     key = RunKey.of_row(row)
     run = results.run(key)
     if run is None or not isinstance(run.outcome, Completed):
@@ -116,7 +116,7 @@ def _named(row: Row) -> dict[str, Any]:
 
 
 def _parts(entry: Mapping[str, Any], several: bool) -> list[dict[str, Any]]:
-    """Return the parts of what the player reads of a motion."""
+    """Return the parts of a motion from its entry in the data of the player."""
     if several:
         return list(entry.get("parts", ()))
     return [{name: entry[name] for name in ("turning", "course") if name in entry}]

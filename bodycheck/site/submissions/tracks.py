@@ -262,7 +262,8 @@ def _check(motion: Motion, case: Case) -> None:
     scene = case.scene
     several = isinstance(scene, Mechanism) or touches(scene)
     if several != (motion.frame is not None):
-        raise ValueError(f"have pictures of {case.name} that its bodies do not have")
+        verb = "lack" if several else "have"
+        raise ValueError(f"{verb} a frame for the pictures of {case.name}; mechanisms and bodies that touch have one")
     bodies = len(scene.bodies) if isinstance(scene, Mechanism) else 1
     goes = several or (not isinstance(scene, Mechanism) and scene.plane is not None)
     _check_parts(motion, motion.truth, bodies, turns=True, goes=goes)

@@ -197,14 +197,14 @@ def compared(times: Sequence[Array]) -> list[tuple[Cost, Cost]]:
 
 
 def changes(coarse: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:
-    """Return the differences of a model's motion from that of the smallest model; empty if a run has not completed.
+    """Return the differences of a model's motion from the smallest model's, by quantity; empty if a run has not completed.
 
     Parameters
     ----------
     coarse, finer
         The verdicts on the model's runs with the time step and with half of it.
     smallest, finer_smallest
-        The same for the smallest model.
+        The verdicts on the smallest model's runs with the same time steps.
     """
     outcomes = [verdict.outcome for verdict in (coarse, finer, smallest, finer_smallest)]
     runs = [outcome for outcome in outcomes if isinstance(outcome, Completed)]

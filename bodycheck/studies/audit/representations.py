@@ -52,8 +52,8 @@ class Representation:
 def representations(body: Body) -> tuple[Representation, ...]:
     """Return representations of a body that is given along its principal axes.
 
-    All but the first are the same body. The first has twice the mass and the moments of inertia, and without forces other than
-    gravity it moves as that body does.
+    The first one has twice the mass and twice the moments of inertia, and moves like the given body without forces other than
+    gravity. All others are the given body.
     """
     first, second, third = body.moments
     heavy = replace(body, mass=2 * body.mass, moments=(2 * first, 2 * second, 2 * third))

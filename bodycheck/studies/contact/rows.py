@@ -66,7 +66,7 @@ class Line:
 
     @property
     def row(self) -> ContactRow:
-        """Return the row that says what both have in common."""
+        """Return the row from which entries that both rows share are read."""
         row = self.at_defaults or self.at_best
         assert row is not None  # a line has a row
         return row
@@ -93,22 +93,22 @@ class Line:
 
     @property
     def truth(self) -> float | None:
-        """Return the value of mechanics."""
+        """Return the value in exact mechanics; None if it is not known."""
         return self.row.truth
 
     @property
     def default(self) -> float | None:
-        """Return the value at the defaults."""
+        """Return the value at the defaults; None without a row at the defaults."""
         return None if self.at_defaults is None else self.at_defaults.value
 
     @property
     def best(self) -> float | None:
-        """Return the smallest value."""
+        """Return the smallest value over all methods; None without a row at the best settings."""
         return None if self.at_best is None else self.at_best.value
 
     @property
     def method(self) -> str:
-        """Return the method of the smallest value in words; empty if no method ran."""
+        """Return the method with the smallest value, in words; empty if no method ran."""
         if self.at_best is None or self.at_best.timestep is None:
             return ""
         return f"{self.at_best.integrator} at {1e3 * self.at_best.timestep:g} ms"

@@ -26,7 +26,7 @@ def _first(truth: Truth, kind: EventKind) -> Event | None:
 
 
 def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
-    """Return the function to the instant of the first event of a kind."""
+    """Return a function that gives the instant (s) of the first event of a kind and its error; None without such an event."""
 
     def time(_: Case, truth: Truth) -> Known | None:
         event = _first(truth, kind)
@@ -36,7 +36,7 @@ def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
 
 
 def _speed_after(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
-    """Return the function to the speed just after the first event of a kind."""
+    """Return a function that gives the speed (m/s) just after the first event of a kind and its error; None without one."""
 
     def speed(_: Case, truth: Truth) -> Known | None:
         event = _first(truth, kind)

@@ -54,9 +54,10 @@ def with_contact(engine: Engine, case: Case) -> list[str]:
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Return the tasks: every method that an engine offers for a case, at its own time step and at a quarter of it.
+    """Return the tasks: each method that an engine offers for a case, at the engine's own time step and at a quarter of it.
 
-    integrators: spellings of methods, besides those that an engine offers. timesteps: time steps (s) in place of these two.
+    integrators: spellings of methods in addition to the methods that an engine offers. timesteps: time steps (s) that replace
+    these two.
 
     Raises `BadInput` as `bodycheck.running.plan.plan`.
     """

@@ -165,8 +165,10 @@ def read(folder: Path) -> EnsembleHeader:
     """Return the header of an ensemble. Raises `BadFolder` if it is missing or damaged."""
     try:
         header: Any = json.loads(reading.content(folder / FILE, MAX_BYTES))
-        if not isinstance(header, dict) or header.get("format") != FORMAT:
-            raise ValueError(f"its format is not {FORMAT}")
+        if not isinstance(header, dict):
+            raise ValueError(f"read {header!r:.60}; allowed: an object")
+        if header.get("format") != FORMAT:
+            raise ValueError(f"its format is {header.get('format')!r:.60}, not {FORMAT}")
         records.typed(records.HeaderRecord, header)
         for name, kind in EnsembleHeader.__annotations__.items():
             _check(name, kind, header)

@@ -15,13 +15,14 @@ class Compared:
     Parameters
     ----------
     status
-        What came of it.
+        The result of the comparison.
     quantity
         The quantity; empty in a row about a file that an engine does not read at all.
     subject
         The name of the body or joint; "model" for the whole.
     engine_value, truth_value
-        The numbers or words of both sides. Of what is compared at states, they are those of the largest difference.
+        The numbers or words of both sides. Of a quantity that is compared at states, they are the values with the
+        largest difference.
     difference
         The largest difference of a component, in the unit of the quantity; None where there are no numbers.
     relative
@@ -29,7 +30,7 @@ class Compared:
     cause
         Why it differs.
     convention
-        The convention in which the engine writes the quantity, if it is another one than bodycheck's.
+        The convention in which the engine writes the quantity, if that differs from bodycheck's.
     """
 
     status: Status
@@ -87,7 +88,7 @@ TABLES = (READINGS,)
 
 
 def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:
-    """Return a row of the table. Names of bodies and joints and words of engines are a stranger's: they are made printable."""
+    """Return a row of the table, in which names of bodies and joints and texts of engines are made printable."""
     shown = replace(
         compared,
         subject=printable(compared.subject),

@@ -51,13 +51,13 @@ def differs(parity: Parity) -> bool:
 
 
 def of_file(parity: Parity) -> tuple[str, ...]:
-    """Return what is wrong with the file itself, behind the name of the link or joint that is at fault."""
+    """Return the faults of the file itself, each after the name of the link or joint that has it."""
     file_rows = (row for row in parity.rows if row.engine == FILE)
     return tuple(row.engine_value if row.subject == MODEL else f"{row.subject}: {row.engine_value}" for row in file_rows)
 
 
 def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
-    """Return what was found of an engine, the verdict first."""
+    """Return the verdict on an engine and then its differences, as clauses without a subject."""
     refusal = next((row for row in rows if row.quantity is None), None)
     if refusal is not None:
         verb = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
@@ -73,7 +73,7 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
 
 
 def brief(rows: Sequence[ParityRow]) -> str:
-    """Return what differs in an engine in few words: its causes, each with the number of bodies and joints."""
+    """Return the causes of an engine's differences in few words, each with the number of bodies and joints."""
     sentences = of_engine(rows)
     if len(sentences) == 1:
         return sentences[0]
@@ -107,7 +107,10 @@ def _shortest(parity: Parity) -> str:
 
 
 def _by_cause(rows: Sequence[ParityRow]) -> dict[Cause, list[ParityRow]]:
-    """Return the rows that differ by their cause; those about the whole model only where no other names the cause."""
+    """Return the differing rows by cause. Rows about the whole model are left out if other rows have the cause.
+
+    All rows without an explanation are kept.
+    """
     causes: dict[Cause, list[ParityRow]] = defaultdict(list)
     for row in rows:
         if row.status == "differs":
@@ -119,7 +122,7 @@ def _by_cause(rows: Sequence[ParityRow]) -> dict[Cause, list[ParityRow]]:
 
 
 def _subjects(rows: Sequence[ParityRow]) -> str:
-    """Return the subjects of rows, of one of them with the numbers of both sides."""
+    """Return the subjects of rows as a list; a single subject is followed by the values of both sides."""
     if len(rows) == 1 and rows[0].subject != MODEL:
         (row,) = rows
         return f"{row.subject} ({name_of(row.quantity)} {row.engine_value or 'none'} instead of {row.truth_value or 'none'})"
@@ -128,7 +131,7 @@ def _subjects(rows: Sequence[ParityRow]) -> str:
 
 
 def _largest(rows: Sequence[ParityRow]) -> str:
-    """Return the largest relative difference of what agrees, for a sentence."""
+    """Return the largest relative difference among agreeing rows, as the end of a sentence."""
     known = [row for row in rows if row.relative is not None and row.status == "agrees"]
     if not known:
         return ""

@@ -25,7 +25,7 @@ TIME_LIMIT_S = 3600.0
 
 @dataclass(frozen=True)
 class Question:
-    """A question to a release about one case.
+    """A request for results of a release on one case.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ class Question:
     name, text
         The name of the case, and the text of its file.
     integrators
-        Spellings of methods; all that the release offers if it is empty.
+        Spellings of methods; if it is empty, all methods that the release offers.
     timesteps
-        Time steps (s); those of `bodycheck.running.plan.plan` if it is empty.
+        Time steps (s); if it is empty, the time steps of `bodycheck.running.plan.plan`.
     """
 
     kind: Literal["figures", "orders"]

@@ -141,7 +141,7 @@ class Found:
 
 
 def comparable(studies: Sequence[Found]) -> list[Found]:
-    """Return studies that are compared, without the figures whose definitions differ between them."""
+    """Return the studies without the figures whose definitions differ between them; notices in their headers name these."""
     first, *others = (one.header["revisions"] for one in studies)
     there = {name for one in studies for row in one.rows for name, value in row.items() if value is not None}
     apart = {name for other in others for name in redefined(first, other)} & there

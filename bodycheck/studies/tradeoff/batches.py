@@ -264,8 +264,8 @@ def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
             states = np.asarray(simulation.advance(strides[part]), dtype=np.float64)
             run_pass.seconds += time.perf_counter() - start
             run_pass.processor_seconds += time.process_time() - processor
-            if states.shape != (batch.scenes, len(strides[part]), 1, 13):
-                raise AdapterFault(f"its states have the shape {states.shape}")
+            if states.shape != (shape := (batch.scenes, len(strides[part]), 1, 13)):
+                raise AdapterFault(f"its states have the shape {states.shape}, not {shape}")
             run_pass.rows[part] = states[0, :, 0]
             position, attitude = errors(states[:, :, 0], batch.truth.part(part))
             run_pass.position_error = np.maximum(run_pass.position_error, position.max(axis=1))

@@ -277,7 +277,7 @@ def _at(point: Measured, lines: Lines) -> str:
 
 
 def _others(cases: Collection[str]) -> str:
-    """Return what follows the name of one case if there are others."""
+    """Return the words that follow the name of one case if there are other cases."""
     return f" and {count(len(cases) - 1, 'other case')}" if len(cases) > 1 else ""
 
 
@@ -286,5 +286,5 @@ def _names(lines: Sequence[Line]) -> str:
 
 
 def _range(texts: Sequence[str]) -> str:
-    """Return the first and the last of numbers in order, or only one if they are the same."""
+    """Return the range of sorted numbers, given as texts: the first and the last one, or one number if both are equal."""
     return texts[0] if texts[0] == texts[-1] else f"{texts[0]} to {texts[-1]}"

@@ -28,7 +28,7 @@ THETA, P, Q, S, PHI, PSI, X, Y = range(8)
 
 @dataclass(frozen=True, eq=False)
 class Accelerated:
-    """The rates of change of p, q and s, and how the centre of mass is accelerated along n, e and K: arrays (n,)."""
+    """The rates of change of p, q and s, and the acceleration of the centre of mass along n, e and K, as arrays (n,)."""
 
     p: WideArray
     q: WideArray
@@ -93,7 +93,7 @@ def equations(coin: Coin) -> Derivatives:
 
 
 def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
-    """The force of the plane along it and out of it (n,), in weights of the coin, in states (n, 8)."""
+    """The components (n,) of the plane's force along the plane and normal to it, in weights of the coin, in states (n, 8)."""
     along, up, out = accelerated(coin, states).acceleration
     cosine, sine = np.cos(states[:, THETA]), np.sin(states[:, THETA])
     tangential = np.hypot(along, out * sine - up * cosine)

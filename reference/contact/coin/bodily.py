@@ -58,7 +58,7 @@ def accelerated(coin: Coin, states: WideArray) -> _Vectors:
 
 
 def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
-    """The force of the plane along it and out of it (n,), in weights of the coin, in states (n, 10)."""
+    """The components (n,) of the plane's force along the plane and normal to it, in weights of the coin, in states (n, 10)."""
     _, _, acceleration = accelerated(coin, states)
     upward = _upward(states)
     raised = (acceleration * upward).sum(axis=1)

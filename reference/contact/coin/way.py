@@ -55,11 +55,11 @@ class _Vouched:
     poses
         The motion.
     apart
-        By how much its positions, velocities, attitudes and angular velocities disagree with those of the witness so far (k,).
+        The largest differences so far (k,) from the positions, velocities, attitudes and angular velocities of the witness.
     model, witness
         The names of the two solutions.
     slack_error
-        By how much the two disagree in the forces shortly before the end.
+        The difference of the forces in the two solutions shortly before the end, in weights of the coin.
     """
 
     poses: _Poses
@@ -140,7 +140,10 @@ def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
 
 
 def _slack_error(coin: Coin, end: End, other: WideArray) -> float:
-    """By how much two solutions disagree in the forces shortly before an end. other: the second solution there (1, 10)."""
+    """The sum of the differences of both forces, in weights of the coin, between two solutions shortly before an end.
+
+    other: the state (1, 10) of the second solution there.
+    """
     forces = zip(angles.forces(coin, end.state_before[None]), bodily.forces(coin, other), strict=True)
     return sum(abs(float((a - b)[0])) for a, b in forces)
 
@@ -173,7 +176,7 @@ def _drift(coin: Coin, poses: _Poses, errors: list[Array]) -> Array:
 
 
 def _event(coin: Coin, end: End, slack_error: float) -> Event:
-    """The begin of slipping."""
+    """The event that slipping begins."""
     position, velocity, quaternion, spin = _in_units(coin, angles.poses(coin, end.state[None]))
     time = float(end.time * coin.time)
     error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(coin.time) + EPS * time
@@ -182,7 +185,7 @@ def _event(coin: Coin, end: End, slack_error: float) -> Event:
 
 
 def _reason(coin: Coin, end: End | None) -> str:
-    """Why the equations are exact, and until when.
+    """The reason why the equations are exact, and until when.
 
     That the coin meets the plane with more than a point is no event: its rim touches the plane before, and no law says how fast
     it is after that.

@@ -82,7 +82,7 @@ def face_of(body: ContactBody) -> Face | None:
 
 
 def exact_quaternion(quaternion: WideArray) -> Quaternion4:
-    """A quaternion of the wide type in exact arithmetic."""
+    """The components w, x, y, z of a quaternion (4,) of the wide type, converted to `MP` without rounding."""
     w, x, y, z = (real(part) for part in quaternion)
     return w, x, y, z
 

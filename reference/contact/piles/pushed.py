@@ -182,7 +182,7 @@ def _check_straight(scene: Pushed, solution: Accelerations) -> None:
 
 
 def _end(scene: Pushed, solution: Accelerations) -> tuple[float, EventKind | None, int]:
-    """The instant (s) from which on the motion is another one, what happens there, and to which body."""
+    """The instant (s) at which the accelerations change, the kind of event (None without one), and the index of the body."""
     relative = solution.along - solution.along[scene.box]
     under = scene.faces[scene.box]
     ends: list[tuple[Wide, EventKind | None, int]] = [(_tipping(scene, solution, relative), "tip", scene.box)]

@@ -27,10 +27,10 @@ AT_THE_LIMIT = 4 * EPS
 
 
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
-    """The motion of several bodies that rest on a plane and on each other at ascending times (n,) >= 0 (s): none.
+    """The constant states, at ascending times (n,) >= 0 (s), of several bodies that rest on a plane and on each other.
 
-    None for other bodies, for moving ones, and where a body touches nothing below it. Raises `NotModelled` where the bodies
-    cannot rest.
+    Returns None for a single body, with pushes or without gravity onto the plane, for bodies that move or do not stand upright,
+    for spheres on an incline, and where a body touches nothing below it. Raises `NotModelled` where the bodies cannot rest.
     """
     if len(problem.bodies) < 2 or problem.pushes or not problem.gravity[2] or _moves(problem):
         return None
@@ -74,7 +74,7 @@ def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
             elif not meet(above, below, larger=-SLIVER):
                 beside = True
             elif gap < -near:
-                raise NotModelled("bodies that reach into each other at the start")
+                raise NotModelled("bodies that overlap at the start")
             elif below.ball:
                 raise NotModelled("a body that stands on a sphere")
             else:
@@ -140,7 +140,7 @@ def _at_rest(
 ) -> ContactMotion:
     """The states of bodies that stay where they are.
 
-    Bounds: what decimals leave of gaps and tilts, roundings, and creep at the limit of friction.
+    The bounds cover gaps and tilts from decimals in the file, roundings, and creep at the limit of friction.
     """
     n, (position, quaternion) = len(times), (_repeated(problem, name, len(times)) for name in ("position", "quaternion"))
     size = float(np.abs(position).max()) + max(face.size for face in faces)

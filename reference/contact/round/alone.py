@@ -98,10 +98,10 @@ def _level(axis: WideArray, problem: Problem) -> WideArray:
 
 
 def _refuse(problem: Problem, body: ContactBody, axis: WideArray, along: Wide, aside: Wide) -> None:
-    """Raise `NotModelled` for a cylinder with a speed along its axis or a spin aside, and for one that gravity pulls along."""
+    """Raise `NotModelled` for a cylinder that moves along its axis, turns about another axis, or is pulled along its axis."""
     if aside > NONE * abs(body.spin[2]):
         raise NotModelled("a cylinder on its side that turns about another axis than its own")
     if abs(along) > NONE * np.sqrt(dot(body.velocity, body.velocity)):
         raise NotModelled("a cylinder on its side that moves along its axis")
     if problem.gravity[0] and axis[0]:
-        raise NotModelled("a cylinder on its side on an incline whose axis is not across the fall line")
+        raise NotModelled("a cylinder on its side on an incline, with an axis that is not perpendicular to the fall line")

@@ -80,7 +80,7 @@ def chained(turns: WideArray) -> WideArray:
 
 
 def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray:
-    """The rotations (n, 4) by times (n,) >= 0 (s), with the angular velocity spin + rate t, vectors (3,).
+    """The rotations (n, 4) within times (n,) >= 0 (s), with the angular velocity spin + rate t, vectors (3,).
 
     Raises `OutOfReach` where the axis turns and there are too many steps.
     """
@@ -103,17 +103,17 @@ def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray
 
 
 def grid(end: Wide, density: Wide) -> WideArray:
-    """Equal steps (m + 1,) from 0 to an end with at least so many of them per unit. Raises `OutOfReach` for too many."""
+    """The ends (m + 1,) of equal steps from 0 to `end`, at least `density` steps per unit. Raises `OutOfReach` for too many."""
     count = np.ceil(end * density)
     if count > MAX_STEPS:
-        raise OutOfReach(f"the attitude of a body whose axis of rotation turns takes {float(count):.3g} steps")
+        raise OutOfReach(f"the rotation of a body whose axis turns needs {float(count):.3g} steps; allowed: {MAX_STEPS}")
     return np.linspace(Wide(0), end, int(count) + 1, dtype=Wide)
 
 
 def stepped(begins: WideArray, places: WideArray, coefficients: Coefficients) -> WideArray:
-    """The rotations (n, 4) from 0 to places (n,) of the parameter, by steps between the ascending (m + 1,) from 0 on.
+    """The rotations (n, 4) from 0 to places (n,) of the parameter, by steps between ascending `begins` (m + 1,) from 0 on.
 
-    coefficients: those of `series`, about parameters (k,).
+    coefficients: function from parameters (k,) to the rates for `series` about them.
     """
     lengths = np.diff(begins)
     parts = range(0, len(lengths), CHUNK)
@@ -124,7 +124,7 @@ def stepped(begins: WideArray, places: WideArray, coefficients: Coefficients) ->
 
 
 def turns_between(ball: Ball, course: Course, starts: WideArray) -> WideArray:
-    """The rotations (m, 4) until the begin of each of the m phases, along the axes of the plane. starts: (m,) their times."""
+    """The rotations (m, 4) until the starts of the m phases, along the axes of the plane. starts: (m,) times of the starts."""
     phases = course.phases[:-1]
     lasting = np.diff(starts)
     spins = np.array([phase.start.spin for phase in phases]).reshape(-1, 3)
@@ -136,7 +136,10 @@ def turns_between(ball: Ball, course: Course, starts: WideArray) -> WideArray:
 
 
 def turned(ball: Ball, phase: Phase, lasting: WideArray) -> WideArray:
-    """The rotations (n, 4) by times (n,) from the start of a phase. Raises `OutOfReach` for too many steps."""
+    """The rotations (n, 4), quaternions w, x, y, z, within times (n,), s, from the start of a phase.
+
+    Raises `OutOfReach` if they need too many steps.
+    """
     if phase.hodograph is None:
         return accelerated(phase.start.spin, phase.spin_rate, lasting)
     places = parameters(phase.hodograph, lasting)
@@ -147,7 +150,7 @@ def turned(ball: Ball, phase: Phase, lasting: WideArray) -> WideArray:
 
 
 def _grid(ball: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
-    """Steps (m + 1,) from 0 to the end in the parameter of a hodograph: halves until each is short enough for the series."""
+    """The ends (m + 1,) of steps from 0 to `end` in the parameter of a hodograph, halved until the series holds in each."""
     less, more = slipping.rates
 
     def pace(q: WideArray) -> WideArray:
@@ -164,7 +167,7 @@ def _grid(ball: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray
         if not len(long):
             return ends
         if len(ends) + len(long) > MAX_STEPS:
-            raise OutOfReach(f"the attitude of a body that slips takes more than {MAX_STEPS} steps")
+            raise OutOfReach(f"the rotation of a body that slips needs more than {MAX_STEPS} steps")
         ends = np.insert(ends, long + 1, ends[long] + lengths[long] / 2)
 
 

@@ -41,15 +41,15 @@ class Tape:
         return self._place("variable", index)
 
     def sine(self, a: Node) -> Node:
-        """sin a."""
+        """The node of sin a."""
         return self._place("sin", a)
 
     def cosine(self, a: Node) -> Node:
-        """cos a."""
+        """The node of cos a."""
         return self._place("cos", a)
 
     def add(self, a: Node, b: Node) -> Node:
-        """a + b."""
+        """The node of a + b."""
         if a == self.zero:
             return b
         if b == self.zero:
@@ -61,7 +61,7 @@ class Tape:
         return self._place("+", min(a, b), max(a, b))
 
     def subtract(self, a: Node, b: Node) -> Node:
-        """a - b."""
+        """The node of a - b; an existing node where a or b is zero or both are equal."""
         if b == self.zero:
             return a
         if a == self.zero:
@@ -73,7 +73,7 @@ class Tape:
         return self._place("-", a, b)
 
     def multiply(self, a: Node, b: Node) -> Node:
-        """a b."""
+        """The node of a b."""
         if self.zero in (a, b):
             return self.zero
         if a in (self.one, self.minus_one):
@@ -86,11 +86,11 @@ class Tape:
         return self.negate(product) if (signs[0] is None) != (signs[1] is None) else product
 
     def divide(self, a: Node, b: Node) -> Node:
-        """a / b. It is not differentiated."""
+        """The node of a / b, which is not differentiated."""
         return self.zero if a == self.zero else self._place("/", a, b)
 
     def negate(self, a: Node) -> Node:
-        """-a."""
+        """The node of -a."""
         if a == self.zero:
             return a
         negated = self._negated(a)
@@ -108,7 +108,7 @@ class Tape:
         return self.total(self.multiply(a, b) for a, b in zip(one, other, strict=True))
 
     def _negated(self, a: Node) -> Node | None:
-        """b where a is -b, else None."""
+        """The node b if a is -b, else None."""
         kind, b, _ = self.operations[a]
         if kind == "negated":
             return int(b)

@@ -55,7 +55,7 @@ class Derived:
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """The motion of an element, along its own axes: angular velocity, velocity of its origin, the vertical; and its height."""
+    """The motion of an element: along its axes, angular velocity, velocity of its origin and the vertical; and its height."""
 
     omega: list[Node]
     velocity: list[Node]

@@ -22,9 +22,9 @@ class Structure:
     kinds, parents
         The kinds of the elements, and the elements that they move on.
     falls
-        Which elements are seen from a falling frame.
+        Whether each element is described in a falling frame.
     dry
-        Which elements have dry friction.
+        Whether each element has dry friction.
     marks
         What is known of the numbers, in the order of `numbers`.
     loops
@@ -62,10 +62,10 @@ class Units:
 
 
 def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
-    """The structure of a mechanism, and all its numbers, in some units.
+    """The structure of a mechanism, and the numbers that the structure does not fix, in the given units.
 
-    The last two of an element are the force of its dry friction, and whether it moves (1) or sticks (0): 0 and 1 at first. The
-    points of loops are last. All components of their gaps hold them together.
+    The last two numbers of an element are the force of its dry friction, initially 0, and whether it moves (1, the initial
+    value) or sticks (0). The points of loops are last. All components of the gaps of loops hold them together.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
     values: list[Number] = [MP.mpf(border.gravity) * time**2 / length]
@@ -106,7 +106,10 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
 
 
 def together(carried: Sequence[Carried]) -> tuple[Number, Triple, Matrix]:
-    """The mass, the centre of mass and the inertia tensor about it of bodies that move as one, in their element's frame."""
+    """The total mass (kg) of bodies that move as one, their centre of mass (m), and the inertia tensor about it (kg m^2).
+
+    All components are in the frame of the element that carries the bodies.
+    """
     mass = sum((body.mass for body in carried), MP.mpf(0))
     if not mass:
         return mass, NONE, [NONE, NONE, NONE]

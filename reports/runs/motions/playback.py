@@ -27,18 +27,18 @@ TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or more than {tr
 
 @dataclass(frozen=True)
 class Frame:
-    """What the pictures of several bodies show, besides the bodies themselves.
+    """The view of pictures of several bodies.
 
     Parameters
     ----------
     middle
         The middle of the pictures (m).
     extent
-        Half the size (m) of what they show.
+        Half the size (m) of the region that they show.
     azimuth
-        The direction (rad) that the bodies are seen from.
+        The direction (rad) from which the bodies are seen.
     known
-        The instant (s) until which mechanics gives a motion, negative where it gives none; None of bodies that touch nothing.
+        The instant (s) until which mechanics gives a motion, negative if it gives none; None for bodies that touch nothing.
     """
 
     middle: Vector
@@ -54,13 +54,13 @@ class Playback:
     Parameters
     ----------
     data
-        What the player reads; None if there is no animation, in which case a note says why.
+        The data that the player reads; None if there is no animation, in which case a note says why.
     alt
         Description for readers who do not see it.
     notes
         Sentences below the animation.
     frame
-        What the pictures show; None of a single body, whose pictures follow from the case.
+        The frame of the pictures; None for a single body, whose pictures follow from the case.
     """
 
     data: Mapping[str, Any] | None
@@ -76,23 +76,23 @@ class Stage:
     Parameters
     ----------
     described
-        What the player reads of the scene whatever moves in it.
+        The data on the scene that the player reads, which do not depend on the motions.
     truth
         The motion of the truth as the player reads it.
     run
-        Function from a run to what the player reads of it besides its name and its errors; None if it cannot be drawn.
+        Function from a run to its data for the player, except its name and errors; it returns None if the run cannot be drawn.
     extent
         The position error (m) that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
     alt
         Description for readers who do not see the animation.
     undrawn
-        What is left out because it cannot be drawn, in words.
+        A phrase for what is left out because it cannot be drawn.
     unseen
         Names of methods that are left out for this reason because they have no finite errors.
     notes
         Sentences on the pictures.
     frame
-        What the pictures show of several bodies; None of a single body.
+        The frame of the pictures of several bodies; None for a single body.
     """
 
     described: Mapping[str, Any]

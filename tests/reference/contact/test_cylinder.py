@@ -66,7 +66,7 @@ def test_it_rolls_down_an_incline_up_to_three_times_the_friction(friction: float
     [
         (0.0, replace(start(1.0, 0.0), velocity=(1.0, 0.1, 0.0)), "moves along its axis"),
         (0.0, replace(start(1.0, 0.0), angular_velocity=(0.0, 1.0, 0.0)), "turns about another axis"),
-        (0.3, State((0.0, 0.0, 0.1), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)), "not across the fall line"),
+        (0.3, State((0.0, 0.0, 0.1), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)), "not perpendicular to the fall line"),
     ],
 )
 def test_what_does_not_move_across_the_axis_has_no_truth(incline: float, state: State, reason: str) -> None:

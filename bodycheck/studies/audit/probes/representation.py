@@ -49,7 +49,7 @@ class Difference:
     Parameters
     ----------
     unit
-        The unit of the quantity; "rad" is that of the attitude.
+        The unit of the quantity; it is "rad" for the attitude.
     vectors
         The differences (steps, instants, 3), the largest time step first.
     rounding
@@ -67,7 +67,7 @@ class Difference:
 
     @property
     def excess(self) -> float:
-        """The largest ratio of a difference to that which rounding explains."""
+        """The largest ratio of a difference to the difference that rounding explains."""
         return float((self.sizes / self.rounding).max())
 
     @property
@@ -84,14 +84,14 @@ class Difference:
 
     @property
     def order(self) -> float:
-        """The order at which it vanishes, observed at the smallest pair of time steps of which both show it."""
+        """The order with which the difference vanishes, observed with the smallest pair of time steps that both show it."""
         seen = self.sizes > self.rounding
         coarse, fine = self.sizes[1:] if seen[1:].all() else self.sizes[:-1]
         return log2(coarse / fine) if fine else inf
 
 
 def representation(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding for each representation other than that along the principal axes."""
+    """Return a finding for each representation other than the one along the principal axes."""
     plain = _flown(pilot, Representation("principal axes", SCENE.body))
     return tuple(_finding(pilot, plain, given) for given in representations(SCENE.body))
 
@@ -140,7 +140,7 @@ def _flown(pilot: Pilot, given: Representation) -> Array | NotFlown:
 
 
 def differences(one: Array, other: Array, timestep: float, roundoff: float) -> Sequence[Difference]:
-    """Return the differences of two motions, the one to show first: of attitude, position, velocity and angular velocity.
+    """Return the differences of two motions in attitude, position, velocity and angular velocity, in the order of preference.
 
     Parameters
     ----------
@@ -149,8 +149,8 @@ def differences(one: Array, other: Array, timestep: float, roundoff: float) -> S
     timestep
         The smallest time step (s).
     roundoff
-        The unit roundoff of the engine. Rounding adds up to `ROUNDINGS_A_STEP` times it in each step, relative to the size of
-        a quantity and of what it is the integral of.
+        The unit roundoff of the engine. In each step rounding adds up to `ROUNDINGS_A_STEP` times the roundoff, relative to the
+        size of a quantity and to the distance that its rate of change covers in the whole flight.
     """
     duration = LONGEST_STEPS * MULTIPLES[0] * timestep
     relative = multiply(conjugate(other[..., 3:7]), one[..., 3:7])

@@ -45,7 +45,7 @@ ROUNDINGS = 4
 
 
 def gyroscopic(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of no-gyroscopic-torque: the fraction that is missing of the torque."""
+    """Return a finding of no-gyroscopic-torque: the fraction of the torque that is missing."""
     missing = _missing(pilot, STRIDES, 1)
     if isinstance(missing, NotFlown):
         return not_probed("gyroscopic", missing.reason, "no-gyroscopic-torque")
@@ -58,7 +58,10 @@ def gyroscopic(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _missing(pilot: Pilot, strides: tuple[int, ...], parts: int) -> float | NotFlown:
-    """Return what is missing of the torque in the first step, which is a part of the audited one, by the method's own time."""
+    """Return the fraction of the torque that is missing in the first step, or why the body cannot be flown.
+
+    The step is the audited one divided by `parts`. Its duration is measured by the fall of a body where that can be flown.
+    """
     states, seen = watch(pilot, Flight(Scene(TRIAXIAL, LAUNCH), pilot.timestep / parts, strides)), falling(pilot)
     if isinstance(states, NotFlown):
         return states
@@ -69,7 +72,10 @@ def _missing(pilot: Pilot, strides: tuple[int, ...], parts: int) -> float | NotF
 
 
 def scales(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return findings of scale-dependence and origin-dependence: the largest relative difference of a velocity in 64 steps."""
+    """Return the findings of scale-dependence and of origin-dependence.
+
+    The value of each is the largest relative difference of the velocity or the angular velocity within 64 steps.
+    """
     base, (a, b, c) = Scene(TRIAXIAL, LAUNCH), TRIAXIAL.moments
     heavier = {words: Body(TRIAXIAL.mass * s, (a * s, b * s, c * s)) for words, s in MASSES.items()}
     larger = {words: Body(TRIAXIAL.mass, (a * s * s, b * s * s, c * s * s)) for words, s in SIZES.items()}
@@ -101,6 +107,6 @@ def _finding(pilot: Pilot, which: Property, base: Scene, others: Mapping[str, Sc
 
 
 def _difference(here: Array, there: Array) -> float:
-    """Return the largest difference of the velocity or the angular velocity, relative to it."""
+    """Return the largest relative difference of the velocity or the angular velocity between states (n, 13)."""
     parts = [(here[:, columns], there[:, columns]) for columns in (slice(7, 10), slice(10, 13))]
     return max(float((np.linalg.norm(b - a, axis=1) / np.linalg.norm(a, axis=1)).max()) for a, b in parts)

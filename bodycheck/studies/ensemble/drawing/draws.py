@@ -33,7 +33,7 @@ Cells = NDArray[np.uint64]
 
 
 def values(ensemble: Ensemble, first: int, count: int) -> dict[str, Array]:
-    """Return what is drawn for consecutive members, by key paths.
+    """Return the values drawn for consecutive members, by key paths.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def values(ensemble: Ensemble, first: int, count: int) -> dict[str, Array]:
     first
         The number of the first member, from 0.
     count
-        How many members.
+        The number of members.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def values(ensemble: Ensemble, first: int, count: int) -> dict[str, Array]:
 
 
 def dimensions(distribution: Distribution, components: int) -> int:
-    """Return how many uniform numbers a draw of a vector with so many components takes."""
+    """Return how many uniform numbers a draw of a vector with this many components takes."""
     match distribution:
         case OnSphere():
             return 2
@@ -102,13 +102,13 @@ def _log_between(low: Array, high: Array, u: Array) -> Array:
 
 
 def _turns(u: Array) -> tuple[Array, Array]:
-    """Return the cosine and sine (m,) of the angles u (m,), in turns."""
+    """Return the cosines and sines (m,) of angles u (m,), given in turns."""
     angle = 8 * np.arctan(Wide(1)) * u
     return np.cos(angle).astype(float), np.sin(angle).astype(float)
 
 
 def _on_sphere(radius: float, u: Array) -> Array:
-    """Return points (m, 3) on a sphere for uniform numbers u (m, 2): its height and longitude are uniform [Archimedes]."""
+    """Return points (m, 3), uniform on a sphere, for uniform numbers u (m, 2) that give height and longitude [Archimedes]."""
     cosine, sine = _turns(u[:, 1])
     height, across = 2 * u[:, 0] - 1, 2 * np.sqrt(u[:, 0] * (1 - u[:, 0]))
     return radius * np.stack([across * cosine, across * sine, height], axis=1)
@@ -124,8 +124,8 @@ def _attitudes(u: Array) -> Array:
 def points(seed: int, dimensions: int, first: int, count: int) -> Array:
     """Return the points (count, dimensions) of consecutive members, with coordinates between 0 and 1.
 
-    Point n of a sequence is its first one, with the exclusive or of the direction numbers whose bits are 1 in the Gray code
-    of n [Antonov and Saleev, 1979], so that points far along a sequence take no longer. SciPy's own `fast_forward` fails for
+    Point n of a sequence is the exclusive or of its first point and the direction numbers whose bits are 1 in the Gray code of
+    n [Antonov and Saleev, 1979], so that points far along a sequence take no longer. SciPy's own `fast_forward` fails for
     more than 32 bits (1.17).
 
     Parameters

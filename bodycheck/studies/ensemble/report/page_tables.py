@@ -128,7 +128,7 @@ def dependence_table(dependences: Sequence[Dependence], lines: Sequence[Line]) -
 
 
 def worst_table(ensemble: Aggregates, lines: Sequence[Line]) -> Table:
-    """Return the table of the member with the largest value of each figure and method."""
+    """Return a table that has, for each method and figure, the member with the largest value."""
     rows = [
         (
             *_key(line, method),

@@ -141,5 +141,5 @@ def _animation(stored: Any) -> Animation:
     """Return an animation that was stored. Raises `TypeError` and `KeyError` for anything else."""
     data = stored["data"]
     if not (data is None or isinstance(data, dict)):
-        raise TypeError("the data of an animation is no object")
+        raise TypeError(f"the data of an animation is {data!r:.60}; allowed: an object or null")
     return Animation(str(stored["title"]), data, str(stored["alt"]), tuple(map(str, stored["notes"])))

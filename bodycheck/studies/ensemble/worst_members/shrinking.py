@@ -22,7 +22,7 @@ Document = dict[str, Any]
 #: The place of a key, or of an element of an array, in a document.
 Path = tuple[str | int, ...]
 
-#: A function that tells of each of some documents whether it is a case that fails in the same way.
+#: A function that returns for each of some documents whether it is a case that fails in the same way.
 Fails = Callable[[Sequence[Document]], Sequence[bool]]
 
 #: Most trials for one case.
@@ -51,13 +51,13 @@ class Search:
     document
         The document.
     fails
-        What tells whether others fail in the same way.
+        Function that returns for each of some documents whether it fails in the same way.
     left
         The number of trials that are left.
     block
         The number of candidates that are tried at once.
     known
-        What came of the trials that were made, by the text of the document.
+        The results of all trials so far, by the text of the document.
     """
 
     document: Document
@@ -67,7 +67,7 @@ class Search:
     known: dict[str, bool] = field(default_factory=dict)
 
     def tried(self, candidates: Sequence[Document]) -> list[bool]:
-        """Return which of some candidates fail in the same way; those for which no trial is left count as others."""
+        """Return which of some candidates fail in the same way; candidates for which no trial is left count as not failing."""
         new = {key: one for one in candidates if (key := repr(one)) not in self.known}
         new = dict(islice(new.items(), self.left))
         self.left -= len(new)
@@ -88,18 +88,18 @@ class Search:
 
 
 def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_TRIALS, block: int = BLOCK) -> Document:
-    """Return the simplest document that was found to fail in the same way.
+    """Return the simplest document among all trials that fails in the same way.
 
     Parameters
     ----------
     document
         A case file that fails.
     fails
-        What tells whether others fail in the same way. A document that is no valid case does not.
+        Function that returns for each of some documents whether it fails in the same way. An invalid case does not.
     shortest
         The shortest duration (s) that is tried, a time step.
     most
-        The number of trials.
+        The largest number of trials.
     block
         The number of candidates that are tried at once. With 1, hardly any trial fails that is not taken.
     """
@@ -118,7 +118,7 @@ def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_T
 
 
 def _shorten(search: Search, shortest: float) -> None:
-    """Take the shortest of some round durations."""
+    """Take the shortest of some round durations with which the document still fails."""
     present: float = search.document["run"]["duration"]
     exponents = range(-12, 13)
     durations = [float(f"{digit}e{exponent}") for exponent in exponents for digit in (1, 2, 5)]
@@ -127,7 +127,7 @@ def _shorten(search: Search, shortest: float) -> None:
 
 
 def _leave_out(search: Search, parts: Sequence[Path]) -> None:
-    """Leave out what the failure does not need of some parts: all of them, or else what it does not need of either half."""
+    """Leave out all of some parts or, if the failure needs any of them, the parts of each half that it does not need."""
     if not parts or search.take([_without(search.document, parts)]) or len(parts) == 1:
         return
     middle = len(parts) // 2
@@ -158,7 +158,7 @@ def _round(search: Search) -> None:
 
 
 def _parts(document: Document) -> Iterator[Path]:
-    """Yield what may be left out of a document: keys, components of vectors, and parts of a composed body."""
+    """Yield the paths of what may be left out of a document: keys, components of vectors, and parts of a composed body."""
     for table in ("scene", "initial"):
         for key, value in document.get(table, {}).items():
             yield table, key
@@ -173,7 +173,7 @@ def _parts(document: Document) -> Iterator[Path]:
 
 
 def _numbers(document: Document) -> Iterator[tuple[Path, float]]:
-    """Yield the numbers of a document that may be rounded one by one, with their places."""
+    """Yield the paths and values of the numbers that may be rounded one by one: all but zeros and quaternions."""
     left: list[tuple[Path, Any]] = [((table,), document.get(table, {})) for table in TABLES]
     while left:
         path, value = left.pop(0)
@@ -186,7 +186,7 @@ def _numbers(document: Document) -> Iterator[tuple[Path, float]]:
 
 
 def _with(document: Document, changes: dict[Path, Any]) -> Document:
-    """Return a document with other values at some places; tables that it lacks are added."""
+    """Return a document with other values at some paths; missing tables are added."""
     changed = deepcopy(document)
     for (*path, last), value in changes.items():
         table: Any = changed
@@ -213,7 +213,7 @@ def _without(document: Document, parts: Sequence[Path]) -> Document:
 
 
 def _tidy(document: Document) -> Document:
-    """Return a document without the numbers that it would have without them, and without empty tables. It is changed."""
+    """Remove zero initial values, the identity quaternion, zero gravity and empty tables from a document, and return it."""
     initial, scene = document.get("initial", {}), document.get("scene", {})
     zero = [key for key, value in initial.items() if not any(value) and (key != "position" or "plane" not in scene)]
     for key in zero:
@@ -229,7 +229,7 @@ def _tidy(document: Document) -> Document:
 
 
 def _rounded(value: float, digits: int) -> float:
-    """Return a number with so many significant digits."""
+    """Return a number rounded to this many significant digits."""
     return float(f"{value:.{digits - 1}e}")
 
 

@@ -45,7 +45,7 @@ class Worst:
     Attributes
     ----------
     way
-        How it fails.
+        The way in which it fails.
     path
         The case file that was written; None if the member does not fail when it is run alone.
     title
