@@ -11,7 +11,7 @@ LOWEST := .venv-lowest
 LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
-.PHONY: compile run test lint types tests lowest slow engines benchmarks docs linkcheck site sites screenshots clean
+.PHONY: compile run test lint types tests coverage lowest slow engines benchmarks docs linkcheck site sites screenshots clean
 
 # Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
 compile: $(VENV)/.installed
@@ -32,6 +32,12 @@ types: $(VENV)/.installed-for-development
 # All tests of a file in one process: what they share is made once.
 tests: $(VENV)/.installed-for-development compile
 	$(BIN)/pytest -n auto --dist loadfile
+
+# All tests, and for each room the share of its lines that they reach in any process. Counting takes half as long again.
+coverage: $(VENV)/.installed-for-development compile
+	rm -rf build/coverage
+	$(BIN)/coverage run -m pytest -n auto --dist loadfile
+	$(BIN)/python -m tests.support.coverage_by_room
 
 # The tools of the tests come second, since they have no lowest versions.
 lowest: $(VENV)/.installed

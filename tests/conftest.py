@@ -1,5 +1,6 @@
 """What several tests share."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from hypothesis import settings
 
 from bodycheck import Case, load
 from bodycheck.casefile.case import shipped
+from bodycheck.processes import pool
 from tests.support import MINIATURES, processes
 from tests.support import browser as browsing
 from tests.support.asked import ADAPTER_OPTION, RENEW_OPTION
@@ -32,6 +34,15 @@ def no_engines_apart(request: pytest.FixtureRequest, tmp_path_factory: pytest.Te
     with pytest.MonkeyPatch.context() as patch:
         if not set(request.config.getoption("-m").split()) <= {"slow", "engines", "or"}:
             patch.setenv("BODYCHECK_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def workers_end_by_themselves() -> Iterator[None]:
+    """Lets worker processes end by themselves where lines are counted: a killed process does not write what it reached."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "COVERAGE_PROCESS_CONFIG" in os.environ:
+            patch.setattr(pool._Worker, "stop", processes.ended_by_itself)
         yield
 
 

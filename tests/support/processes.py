@@ -1,6 +1,8 @@
 """Worker processes for the tests that are about processes, and none for the others."""
 
+import contextlib
 import pickle
+import subprocess
 import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,8 +12,11 @@ from typing import Any
 
 import pytest
 
-from bodycheck.processes import pool
+from bodycheck.processes import guard, pool
 from bodycheck.processes.failures import crash
+
+#: The time that a worker process has to end by itself.
+PATIENCE_S = 2.0
 
 
 @contextmanager
@@ -36,6 +41,14 @@ class _Here(pool.Workers[pool.Argument, pool.Result]):
             except Exception as error:  # as a worker process does
                 result = crash(error)
             yield argument, pickle.loads(pickle.dumps(result))
+
+
+def ended_by_itself(worker: "pool._Worker") -> None:
+    """End a worker process as the end of its parent would, and kill it only if it makes a call that goes on."""
+    worker.channel.close()
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        worker.process.wait(PATIENCE_S)
+    guard.stop(worker.process, pool.SHUTDOWN_TIMEOUT_S)
 
 
 @dataclass
