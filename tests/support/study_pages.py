@@ -12,8 +12,7 @@ from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change as Effect
 from bodycheck.studies.ablation.rows import ModelRow
 from bodycheck.studies.audit import page as audit
-from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
-from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row
+from bodycheck.studies.audit.rows import PROPERTIES, Classes, ClassRow, Facts, Fault, Row, Unclassed
 from bodycheck.studies.contact import page as contact
 from bodycheck.studies.contact.rows import ContactRow
 from bodycheck.studies.ensemble.findings.analysis import analyse
@@ -56,10 +55,10 @@ def tradeoff_page() -> StudyReport:
         orders.append(order(case=case, scheme=EULER, nearest_scheme=EULER, scheme_residual=2e-13))
         orders.append(order(case=case, integrator="Tsit5", order=2.0, order_low=1.9, order_high=2.1, claimed=4))
         orders.append(order(case=case, integrator="RK4", floor=2.7e-4, floor_cause="limit", claimed=1))
-    rows += curve("lost", [3.1, 2.9], [1e-3, 1e-2])
-    rows += curve("near", [1e-1, 1e-2], [1e-3, 1e-2])
-    orders.append(order(integrator="lost", horizon=2.5))
-    orders.append(order(integrator="near", nearest_scheme=EULER, scheme_residual=1e-4, floor=1e-2, floor_cause="rounding"))
+    rows += curve("midpoint", [3.1, 2.9], [1e-3, 1e-2])
+    rows += curve("implicit", [1e-1, 1e-2], [1e-3, 1e-2])
+    orders.append(order(integrator="midpoint", horizon=2.5))
+    orders.append(order(integrator="implicit", nearest_scheme=EULER, scheme_residual=1e-4, floor=1e-2, floor_cause="rounding"))
     rows.append(tradeoff_rows.failed(integrator="Adams"))
     rows.append(tradeoff_rows.failed(engine="drake", status="unsupported", reason="it does not model drag"))
     return tradeoff.present(HEADER | {"missing": {"dart": "dart is not installed"}}, rows, orders)
