@@ -252,9 +252,9 @@ def _only_in_one(pair: Pair) -> Iterator[Finding]:
         if amounts:
             amount = sum(amounts.values())
             where = f"{count(amount, 'run')} {verb(amount, 'is', 'are')} in {side.label} only"
-            methods = [f"{own} with {name}" for name, own in amounts.items()]
-            told = f": {listing(methods, MOST_NAMES, 'method')}" if len(methods) > 1 else f", with {next(iter(amounts))}"
-            yield Finding("In one only", f"{where}{told}.")
+            methods = [f"{runs} with {name}" for name, runs in amounts.items()]
+            named = f": {listing(methods, MOST_NAMES, 'method')}" if len(methods) > 1 else f", with {next(iter(amounts))}"
+            yield Finding("In one only", f"{where}{named}.")
 
 
 def _notices(pair: Pair) -> Iterator[str]:

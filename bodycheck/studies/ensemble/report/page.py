@@ -229,9 +229,9 @@ def _dependences(material: Material, lines: Sequence[Line]) -> list[Finding]:
             shares = sorted(one.share for one in on_number)
             explains = " to ".join(dict.fromkeys((percent(shares[0]), percent(shares[-1]))))
             methods = listing([lines[one.method].label for one in on_number], MOST_NAMES, "method")
-            of = "" if figure == FAILURE else f" of the logarithm of the {QUANTITIES[figure].title.lower()}"
-            text = f"{what} depends most on {name} with {methods}. This number alone explains {explains} of the variance{of}."
-            sentences.append(Finding("Causes", text))
+            logarithm = "" if figure == FAILURE else f" of the logarithm of the {QUANTITIES[figure].title.lower()}"
+            alone = f"This number alone explains {explains} of the variance{logarithm}."
+            sentences.append(Finding("Causes", f"{what} depends most on {name} with {methods}. {alone}"))
     return sentences
 
 
