@@ -24,14 +24,17 @@ class Finding:
         The sentence before and after the name.
     where
         The case or, in a study, the part of the report that the name links to; empty if the sentence names none.
+    title
+        The words of the link, if they are other than the name.
     """
 
     subject: str
     before: str
     where: str = ""
     after: str = ""
+    title: str = ""
 
     @property
     def text(self) -> str:
         """The whole sentence."""
-        return f"{self.before}{self.where}{self.after}"
+        return f"{self.before}{self.title or self.where}{self.after}"

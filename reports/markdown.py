@@ -26,11 +26,19 @@ MARKUP = re.compile(r"([\\`*_\[\]!|~$])")
 
 def escape(text: str, longest: int = LONGEST) -> str:
     """Return a string from outside as one line of Markdown that shows it as it is, cut to the longest length."""
-    line = INVISIBLE.sub(" ", text).strip()
-    line = line if len(line) <= longest else line[: longest - 1] + "…"
+    line = cut(INVISIBLE.sub(" ", text).strip(), longest)
     line = MARKUP.sub(r"\\\1", line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"))
     # Word joiners keep a forge from turning names, numbers and addresses into links.
     return line.replace("@", "@\u2060").replace("#", "#\u2060").replace("://", ":\u2060//").replace("www.", "www\u2060.")
+
+
+def cut(line: str, longest: int) -> str:
+    """Return a line cut to the longest length, at the end of a word unless this is longer than half of the line."""
+    if len(line) <= longest:
+        return line
+    kept = line[: longest - 1]
+    whole = kept if line[longest - 1] == " " else kept.rpartition(" ")[0]
+    return (whole if len(whole) >= longest // 2 else kept).rstrip() + "…"
 
 
 def code(text: str) -> str:

@@ -42,11 +42,14 @@ def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[S
     # A run that fails exceeds every limit, so that any of them finds the release in which it began to fail.
     bisectable = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
     if bisectable and judged.expectation.version != verdict.run.version:
-        yield Step("which release of the engine changed it", _bisect(verdict, judged, bisectable[0], file))
+        yield Step("to find the release of the engine that changed it", _bisect(verdict, judged, bisectable[0], file))
     numbers = [limit.name for limit in figures if limit.at_least is None]
     if numbers and not is_shipped(file):
         named = [word for name in numbers for word in ("--figure", name)]
-        yield Step("if what is measured now is right", shlex.join(["bodycheck", "expect", file, *_method(verdict), *named]))
+        yield Step(
+            "to accept what is measured now, if it is right",
+            shlex.join(["bodycheck", "expect", file, *_method(verdict), *named]),
+        )
     if judged.expectation.known:
         yield Step(f"to tolerate it longer, in {where}", 'until = "YYYY-MM-DD"')
     else:

@@ -36,9 +36,9 @@ NEARLY_ZERO = 1e-300
 
 #: Sentences after a report of changes.
 ROUNDING_CAVEAT = (
-    " Only the rounding of the steps themselves is taken into account, not its amplification by the motion, because no run was "
-    "repeated from nudged initial states. In an unstable motion, rounding alone can cause such a difference. A baseline "
-    "measures this."
+    " The comparison allows for the rounding of each step, but not for its growth by the motion, because no run was repeated "
+    "from nudged initial states. In an unstable motion, rounding alone can cause such a difference. A comparison with a "
+    "baseline (bodycheck diff) also allows for this growth."
 )
 
 #: The truth of a case, by its name, at a time step (s).
@@ -231,7 +231,12 @@ def _agreement(pair: Pair) -> str:
         text += f" {pair.without_figures} ended with the same status and {have} no numbers."
     if pair.changed:
         grew = sum(change.grew for change in pair.changed)
-        text += f" The number that changed most in a run became larger in {grew} and smaller in {len(pair.changed) - grew}."
+        larger, smaller = count(grew, "run"), count(len(pair.changed) - grew, "run")
+        became = f"one number changed most: it became larger in {larger} and smaller in {smaller}"
+        each = f"the number that changed most became {'larger' if grew else 'smaller'}"
+        text += verb(
+            len(pair.changed), f" In the run whose numbers differ, {each}.", f" In each run whose numbers differ, {became}."
+        )
     return text + (ROUNDING_CAVEAT if pair.changed else "")
 
 
@@ -245,10 +250,11 @@ def _only_in_one(pair: Pair) -> Iterator[Finding]:
                 if verdict.label == side.label and verdict.run.key not in both:
                     amounts[f"{verdict.run.engine} {verdict.run.method.name}"] += 1
         if amounts:
-            methods = listing([f"{name} ({amount})" for name, amount in amounts.items()], MOST_NAMES, "method")
             amount = sum(amounts.values())
-            text = f"{count(amount, 'run')} {verb(amount, 'is', 'are')} only in {side.label}: {methods}."
-            yield Finding("In one only", text)
+            where = f"{count(amount, 'run')} {verb(amount, 'is', 'are')} in {side.label} only"
+            methods = [f"{runs} with {name}" for name, runs in amounts.items()]
+            named = f": {listing(methods, MOST_NAMES, 'method')}" if len(methods) > 1 else f", with {next(iter(amounts))}"
+            yield Finding("In one only", f"{where}{named}.")
 
 
 def _notices(pair: Pair) -> Iterator[str]:

@@ -2,7 +2,17 @@
 
 from collections.abc import Iterator, Sequence
 
-from bodycheck.reports.markdown import code, details, escape, findings_list, fitted, grid, opening, table_with_notes
+from bodycheck.reports.markdown import (
+    LONGEST_SENTENCE,
+    code,
+    details,
+    escape,
+    findings_list,
+    fitted,
+    grid,
+    opening,
+    table_with_notes,
+)
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.runs.contents import Contents, Failure, Section
 from bodycheck.reports.runs.matrix import Cell, Column, Matrix
@@ -105,7 +115,7 @@ def _cell(cell: Cell | None, common: float) -> str:
 
 
 def _section(section: Section) -> str:
-    facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
+    facts = [f"- {fact.term}: {escape(fact.text, LONGEST_SENTENCE)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
     body = section.absence if section.table is None else table_with_notes(section.table)
     origins = (

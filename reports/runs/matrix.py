@@ -181,12 +181,16 @@ class EngineRows:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All cases of one kind by all methods that any of them was run with. `timestep` is the most common one (s)."""
+    """All cases of one kind by all methods that any of them was run with.
+
+    `timestep` is the most common one (s), `sets` are the labels of the sets of results in the order of the report.
+    """
 
     kind: Kind
     timestep: float
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
+    sets: tuple[str, ...]
 
     @property
     def quantity(self) -> Quantity:
@@ -195,11 +199,14 @@ class Matrix:
 
     @property
     def engines(self) -> tuple[tuple[str, int, str], ...]:
-        """Return for each engine its name, the number of its neighbouring columns, and its colour."""
+        """Return for each engine its name, the number of its neighbouring columns, and its colour.
+
+        The colour is that of its first column in the last set that has runs with it.
+        """
         amounts = Counter(column.engine for column in self.columns)
-        colours = {
-            column.engine: column.colour for column in reversed(self.columns) if column.results == self.columns[-1].results
-        }
+        colours: dict[str, str] = {}
+        for column in sorted(self.columns, key=lambda column: -self.sets.index(column.results)):
+            colours.setdefault(column.engine, column.colour)
         return tuple((engine, amount, colours[engine]) for engine, amount in amounts.items())
 
     @property
@@ -312,7 +319,8 @@ def _matrix(
         )
         for name, case in cases.items()
     )
-    return Matrix(kind, common, tuple(columns.values()), rows)
+    sets = tuple(dict.fromkeys(line.results for line in lines.values()))
+    return Matrix(kind, common, tuple(columns.values()), rows, sets)
 
 
 def _cell(figures: Sequence[Figure], common: float) -> Cell | None:

@@ -101,7 +101,22 @@ def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callab
     _, document = compared(copy("before"), copy("after", change))
     names = ("spin", "mujoco RK4", "ok", "crashed", "it died", "before", "after")
     assert facts(finding(document, "Status"), *names) == ["spin", "mujoco RK4", "10", "ok", "crashed", "it died"]
-    assert facts(finding(document, "In one only"), *names) == ["2", "before", "mujoco RK4", "2"]
+    assert facts(finding(document, "In one only"), *names) == ["2", "before", "mujoco RK4"]
+
+
+def test_an_engine_may_have_runs_in_the_first_set_only(copy: Callable[..., Path]) -> None:
+    def without(record: Record) -> Record | None:
+        return None if record["record"] == "run" and record["engine"] == "raising" else record
+
+    text, document = compared(copy("before"), copy("after", without))
+    runs = [(run["set"], run["timestep"]) for run in document["runs"] if run["engine"] == "raising" and run["case"] == "spin"]
+    assert runs == [("before", 0.01), ("before", 0.005)]
+    assert facts(finding(document, "In one only"), "before", "after", "raising closed-form")[:3] == [
+        "4",
+        "before",
+        "raising closed-form",
+    ]
+    assert "| raising | closed-form before | ✗ crashed, ✗ crashed (5 ms) |" in text
 
 
 def test_versions_and_machines_are_told(copy: Callable[..., Path]) -> None:

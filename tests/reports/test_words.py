@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from bodycheck.reports import markdown
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.results.key import RunKey
@@ -42,3 +43,12 @@ def test_lines_tell_methods_apart() -> None:
     alone = assign([first])
     assert alone[first].colour == lines[first].colour
     assert alone[first].label == "mujoco i0"
+
+
+def test_a_long_line_is_cut_at_the_end_of_a_word() -> None:
+    told = "wrong by at most 3.6e-15 rad"
+    assert markdown.cut(told, len(told)) == told
+    cuts = {markdown.cut(told, longest) for longest in range(20, len(told))}
+    assert cuts == {"wrong by at most…", "wrong by at most 3.6e-15…"}
+    assert markdown.cut("in /a/path/without/an/end", 20) == "in /a/path/without/…"
+    assert markdown.escape(f"{told} or more", len(told)) == "wrong by at most 3.6e-15…"

@@ -20,13 +20,15 @@ FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-dr
 ERRORS = {"attitude_error": 3e-4, "position_error": 2e-2, "truth_error": 1e-14}
 
 
-def ran(case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: float = 0.002, **figures: float) -> Verdict:
-    """A completed run, its errors growing to these figures."""
+def ran(
+    case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: float = 0.002, label: str = "", **figures: float
+) -> Verdict:
+    """A completed run of the set of results with a label, its errors growing to these figures."""
     series = {name: np.array([0.0, value]) for name, value in (ERRORS | figures).items()}
     outcome = Completed(None, 10, 1e-4)  # type: ignore[arg-type]  # nobody asks for the trajectory
     run = Run(case, engine, "1", Method.parse(integrator, timestep), outcome)
     discrepancy = Discrepancy(np.array([0.0, 1.0]), series, {}).summary()
-    return Verdict(run, outcome, discrepancy, None, "", kind=kind_of(load(case).scene).name)
+    return Verdict(run, outcome, discrepancy, None, "", label=label, kind=kind_of(load(case).scene).name)
 
 
 def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any) -> Verdict:

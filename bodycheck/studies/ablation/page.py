@@ -23,6 +23,9 @@ MILLIMETRES_BELOW_M = 0.1
 #: Changes of an error below this count as none: relative, and in the unit of the error.
 ALIKE, ROUNDING = 1e-6, 1e-12
 
+#: What changes are compared with, in sentences.
+TIME_STEP_ERRORS = "the time-step errors of both models"
+
 #: Height of a bar in a chart, in pixels.
 BAR = 34
 
@@ -59,7 +62,9 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
     for group in compared:
         by_case[group[0].case].append(group)
     failures = Counter((row.status, row.reason) for row in rows if row.reason)
-    failed = (f"{count(amount, 'model')} ended as {status}: {reason}." for (status, reason), amount in failures.items())
+    failed = (
+        f"{count(amount, 'model')} ended with the status {status}: {reason}." for (status, reason), amount in failures.items()
+    )
     return StudyReport(
         title="What larger models cost and change",
         headline=f"{count(len(rows), 'model')} in {count(len(compared), 'comparison')}",
@@ -94,7 +99,7 @@ def findings(rows: Sequence[ModelRow]) -> list[Finding]:
             sizes = listing([f"{with_unit(row.changes[name].size, name)} in {name}" for name in apart])
             limit = listing([with_unit(row.changes[name].time_step, name) for name in apart])
             differs = f"the model {row.model} differs from {smallest.model} by {sizes}"
-            after = f", {differs}, which is more than the time-step errors of both ({limit})."
+            after = f", {differs}, which is more than {TIME_STEP_ERRORS} ({limit})."
             sentences.append(Finding("Different physics", before, row.case, after))
             break
     return sentences
@@ -111,8 +116,11 @@ def effect(changes: Mapping[str, Change]) -> str:
     if not changed:
         return "does not change the motion"
     sizes = listing([f"the {name} by {with_unit(change.size, name)}" for name, change in changed.items()])
-    within = "within" if all(change.agrees for change in changed.values()) else "beyond"
-    return f"changes {sizes}, {within} the time-step errors"
+    beyond = [name for name, change in changed.items() if not change.agrees]
+    if not beyond:
+        return f"changes {sizes}, which is within {TIME_STEP_ERRORS}"
+    which = "which" if len(beyond) == len(changed) else f"of which the change of the {listing(beyond)}"
+    return f"changes {sizes}, {which} is more than {TIME_STEP_ERRORS}"
 
 
 def with_unit(value: float, quantity: str) -> str:

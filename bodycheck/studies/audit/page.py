@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
+from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -66,10 +66,11 @@ def present(
         engines[row.engine].append(row)
     methods = len({(row.engine, row.integrator) for row in rows})
     number = sum(is_finding(row) for row in rows)
-    steps = listing([milliseconds(step) for step in dict.fromkeys(row.timestep for row in rows)])
+    timesteps = [milliseconds(step) for step in dict.fromkeys(row.timestep for row in rows)]
+    steps = f"{verb(len(timesteps), 'a time step', 'time steps')} of {listing(timesteps)}"
     return StudyReport(
         title="What engines really do",
-        headline=f"{count(number, 'finding')} of {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
+        headline=f"{count(number, 'finding')} in {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
         header=header,
         notices=(*missing_engines(header), *(f"{fault.text}." for fault in faults)),
         findings=tuple(_by_property(rows)),
@@ -83,21 +84,24 @@ def present(
 
 
 def _by_property(rows: Sequence[Row]) -> list[Finding]:
-    """Return a sentence for each property that was found, with the engines that have it."""
+    """Return for each property that was found a sentence with the engines that have it by default, and one with others."""
     sentences = []
     for name in PROPERTIES:
-        parts = []
-        for status, heading in (("default", "by default"), ("deviates", "with some methods")):
+        texts = []
+        for status, heading in (("default", "By default"), ("deviates", "With some methods")):
             engines: dict[str, list[Row]] = defaultdict(list)
             for row in rows:
                 if row.property == name and row.status == status:
                     engines[row.engine].append(row)
-            named = [
-                f"{engine} ({sizes})" if (sizes := ranges(engine_rows)) else engine for engine, engine_rows in engines.items()
-            ]
-            parts += [f"{heading} {listing(named)}"] if named else []
-        if parts:
-            sentences.append(Finding(name, f"{DOES[name].capitalize()}: {'; '.join(parts)}."))
+            sizes = {engine: f" ({size})" if (size := ranges(same)) else "" for engine, same in engines.items()}
+            if len(sizes) == 1:
+                ((engine, size),) = sizes.items()
+                texts.append(f"{heading}, {engine} {DOES[name]}{size}.")
+            elif sizes:
+                named = listing([f"{engine}{size}" for engine, size in sizes.items()])
+                texts.append(f"{heading}, each of {named} {DOES[name]}.")
+        if texts:
+            sentences.append(Finding(name, " ".join(texts)))
     return sentences
 
 
@@ -140,11 +144,14 @@ def _classes(classes: Classes) -> Part:
             "textbook scheme.",
         ),
     )
-    left: dict[str, list[str]] = defaultdict(list)
+    left: dict[tuple[str, str], list[str]] = defaultdict(list)
     for one in classes.unclassed:
-        left[f"{WORDS[one.kind]}: {one.reason}"].append(f"{one.engine} {one.integrator}")
+        left[WORDS[one.kind], one.reason].append(f"{one.engine} {one.integrator}")
     text = "Methods in one row are the same algorithm: their motions agree to the precision of their arithmetic."
-    without = [f"In no class, {reason}: {listing(methods)}." for reason, methods in left.items()]
+    without = [
+        f"{listing(methods)} {verb(len(methods), 'is', 'are')} in no class {scenes}: {reason}."
+        for (scenes, reason), methods in left.items()
+    ]
     return Part(CLASSES, "Equal methods", (text, *without), (), (("Classes of methods", table),))
 
 

@@ -66,4 +66,4 @@ def summary(rows: Sequence[Row]) -> str:
     """Return in one sentence how much was found."""
     methods = len({(row.engine, row.integrator) for row in rows})
     findings = count(sum(is_finding(row) for row in rows), "finding")
-    return f"{findings} of {count(methods, 'method')} of {count(len({row.engine for row in rows}), 'engine')}"
+    return f"{findings} in {count(methods, 'method')} of {count(len({row.engine for row in rows}), 'engine')}"

@@ -54,16 +54,22 @@ def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> l
     """Return the largest creep and energy gain at the defaults of each engine, and what each engine cannot do."""
     sentences = []
     for engine in dict.fromkeys(line.engine for line in sheet):
-        for figure, says in (("creep", "a body that should rest creeps at"), ("energy_gain", "energy grows by a part of")):
+        for figure, subject, does in (
+            ("creep", "a body that should rest", "creeps at"),
+            ("energy_gain", "the energy", "grows by"),
+        ):
             having = [line for line in sheet if line.engine == engine and line.figure == figure and line.default]
             if having:
                 worst = max(having, key=lambda line: line.default or 0.0)
-                unit = "" if figure == "energy_gain" else f" {worst.unit}"
-                size = f" {says} {number(worst.default, 3)}{unit}; at the best settings of {number(worst.best, 3)}{unit}."
-                sentences.append(Finding(QUANTITIES[figure].title, f"{engine} at its defaults: in ", worst.scene, f",{size}"))
+                unit = " of the largest energy" if figure == "energy_gain" else f" {worst.unit}"
+                default, best = (f"{does} {number(value, 3)}{unit}" for value in (worst.default, worst.best))
+                before = f"With {engine} at its defaults, {subject} {default} in "
+                after = f". At the best settings, it {best}."
+                sentences.append(Finding(QUANTITIES[figure].title, before, worst.scene, after))
         lacking = [case for one, case in reasons if one == engine]
         if lacking:
-            what = f"{engine} does not complete {count(len(lacking), 'scene')}, such as "
+            several = f"{len(lacking)} scenes; one of them is " if len(lacking) > 1 else ""
+            what = f"{engine} does not complete {several}"
             sentences.append(Finding("Not completed", what, lacking[0], f": {reasons[engine, lacking[0]]}."))
     return sentences
 

@@ -23,6 +23,9 @@ BROKEN = ("diverged", "silent-reset", "crashed", "frozen")
 #: Anchors of the parts about all cases.
 UNREPORTED, STABILITY = "unreported-errors", "stability"
 
+#: Titles of these parts.
+UNREPORTED_TITLE, STABILITY_TITLE = "Errors that the engine did not report", "Stability"
+
 #: Explanations for readers.
 READING = (
     "The status of a run says how it ended. ok: the attitude is within 1 rad of the truth, the centre of mass within 1 % of "
@@ -71,10 +74,10 @@ def _unreported(rows: Sequence[Row]) -> list[Finding]:
     kinds = Counter(row.status for row in rows if row.believed)
     if not kinds:
         return []
-    text = listing([f"{amount} {status}" for status, amount in kinds.most_common()])
+    text = listing([f"{amount} with the status {status}" for status, amount in kinds.most_common()])
     runs = count(kinds.total(), "run")
-    before = f"In {runs} the engine reported no problem although the result is wrong: {text}. See "
-    return [Finding("Unreported errors", before, UNREPORTED, ".")]
+    before = f"In {runs} the engine reported no problem although the result is wrong: {text}. See the part “"
+    return [Finding("Unreported errors", before, UNREPORTED, "”.", UNREPORTED_TITLE)]
 
 
 def _long_runs(rows: Sequence[Row]) -> list[Finding]:
@@ -90,7 +93,7 @@ def _long_runs(rows: Sequence[Row]) -> list[Finding]:
         broken = [row for row in ordered if row.status in BROKEN]
         if endured and broken and broken[0].value > endured[-1].value:
             words = broken[0].engine_said if broken[0].engine_said != HEALTHY else broken[0].detail
-            steps = f"{_figure(endured[-1].value)} steps without a warning, but a run of {_figure(broken[0].value)} fails"
+            steps = f"{_figure(endured[-1].value)} steps without a warning, but a run of {_figure(broken[0].value)} steps fails"
             breaks[case, f"{steps}: {words}."].append(method)
     return [
         Finding("Long runs", "In ", case, f", a run with {listing(methods)} completes {ends}")
@@ -106,20 +109,24 @@ def _resets(rows: Sequence[Row]) -> list[Finding]:
     if not resets:
         return []
     mildest = [min(axis_rows, key=lambda row: row.value) for axis_rows in axes.values()]
-    places = listing([f"{_axis(row.axis)} {_value(row)} at {milliseconds(row.timestep)}" for row in mildest])
+    smallest = verb(len(resets), "the", "the smallest")
+    places = [
+        f"{smallest} {_axis(row.axis)} is {_value(row)} at a time step of {milliseconds(row.timestep)}" for row in mildest
+    ]
     engines = listing(sorted({row.engine for row in resets}))
     runs = count(len(resets), "run")
-    smallest = f"The smallest {verb(len(mildest), 'value is', 'values are')} {places}."
-    return [Finding("Silent resets", f"{engines} started over in {runs} and reported no error to the caller. {smallest}")]
+    where = f"{verb(len(resets), 'In this run', 'Among these runs')}, {listing(places)}."
+    return [Finding("Silent resets", f"{engines} started over in {runs} and reported no error to the caller. {where}")]
 
 
 def _stability(limits: Sequence[Limit]) -> list[Finding]:
     """Return findings about the largest stable products of spin and time step, and about spins without a stable time step."""
     products: dict[str, list[str]] = defaultdict(list)
     for method, method_limits in _by_method(limits).items():
-        known = {number(limit.spin_times_step, 3) for limit in method_limits if limit.spin_times_step is not None}
+        known = sorted(limit.spin_times_step for limit in method_limits if limit.spin_times_step is not None)
         if known:
-            products[" to ".join(sorted(known, key=float))].append(method)
+            ends = dict.fromkeys(number(end, 3) for end in (known[0], known[-1]))
+            products[" to ".join(ends)].append(method)
     none = defaultdict(list)
     for limit in limits:
         if limit.spin_times_step is None:
@@ -127,12 +134,11 @@ def _stability(limits: Sequence[Limit]) -> list[Finding]:
     sentences = []
     if products:
         texts = [f"{product} rad with {listing(methods)}" for product, methods in products.items()]
-        sentences.append(
-            Finding("Stability", f"The largest rotation in a stable time step is {'; '.join(texts)}. See ", STABILITY, ".")
-        )
+        before = f"The largest rotation in a stable time step is {'; it is '.join(texts)}. See the part “"
+        sentences.append(Finding("Stability", before, STABILITY, "”.", STABILITY_TITLE))
     if none:
         texts = [f"at {_figure(spin)} rad/s with {listing(methods)}" for spin, methods in none.items()]
-        sentences.append(Finding("Unstable", f"No time step is stable {'; '.join(texts)}."))
+        sentences.append(Finding("Unstable", f"No time step is stable {listing(texts)}."))
     return sentences
 
 
@@ -142,7 +148,8 @@ def _killed(rows: Sequence[Row]) -> list[Finding]:
     if not dead:
         return []
     text = listing([f"{count(amount, 'run')} with the status {status}" for status, amount in dead.items()])
-    return [Finding("No result", f"{text} gave no result. The methods are {listing(methods, MOST_VALUES, 'method')}.")]
+    these = verb(dead.total(), "This was a run", "These were runs")
+    return [Finding("No result", f"{text} gave no result. {these} with {listing(methods, MOST_VALUES, 'method')}.")]
 
 
 def _unreported_errors(rows: Sequence[Row]) -> Part:
@@ -165,7 +172,7 @@ def _unreported_errors(rows: Sequence[Row]) -> Part:
         notes=("The reason is that of the first of these runs.",),
     )
     text = "The engine stepped to the end and reported no problem. A caller who does not check the result takes it for correct."
-    return Part(UNREPORTED, "Errors that the engine did not report", (text,), (), (("Runs by outcome", table),))
+    return Part(UNREPORTED, UNREPORTED_TITLE, (text,), (), (("Runs by outcome", table),))
 
 
 def _case(name: str, rows: Sequence[Row]) -> Part:
@@ -227,7 +234,7 @@ def _limits(limits: Sequence[Limit]) -> Part:
         keys=1,
     )
     text = "The table shows how far the body turns in the largest stable time step, in rad. The time steps are in limits.csv."
-    return Part(STABILITY, "Stability", (text,), (), (("Largest stable product of spin and time step, rad", table),))
+    return Part(STABILITY, STABILITY_TITLE, (text,), (), (("Largest stable product of spin and time step, rad", table),))
 
 
 def _by_method(rows: Sequence[Any]) -> dict[str, list[Any]]:

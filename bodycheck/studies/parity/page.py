@@ -50,7 +50,7 @@ def present(header: Header, models: Sequence[Parity]) -> StudyReport:
         What was found of each model, in the order of the study.
     """
     return StudyReport(
-        title="Do engines mean the same by one file?",
+        title="How engines read robot files",
         headline=headline(models),
         header=header,
         notices=tuple(missing_engines(header)),
@@ -69,9 +69,10 @@ def _anchors(models: Sequence[Parity]) -> list[str]:
 def _findings(models: Sequence[Parity]) -> Iterable[Finding]:
     for anchor, one in zip(_anchors(models), models, strict=True):
         if differs(one):
-            sentences = [f"{engine}: {brief(rows)}" for engine, rows in engines_of(one).items() if any(map(failed, rows))]
+            sentences = [f"{engine} {brief(rows)}" for engine, rows in engines_of(one).items() if any(map(failed, rows))]
             faults = of_file(one)
-            sentences += [f"the file has {count(len(faults), 'fault')}, the first: {faults[0]}"] if faults else []
+            first = "; the first is" if len(faults) > 1 else ":"
+            sentences += [f"The file has {count(len(faults), 'fault')}{first} {faults[0]}"] if faults else []
             yield Finding(anchor, f"{'. '.join(sentences)}.")
 
 

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Sequence
 
-from bodycheck.reports.quantities import count, listing
+from bodycheck.reports.quantities import count, listing, verb
 from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
@@ -25,6 +25,25 @@ SAYS: dict[Cause, str] = {
     "representation": "represented otherwise",
     "base-welded": "base welded to the world",
     "unexplained": "unexplained",
+}
+
+#: What an engine does in which each cause is found, as a predicate.
+DOES: dict[Cause, str] = {
+    "armature": "has another armature",
+    "inertia-turned": "has an inertia about other axes",
+    "inertia-dropped": "drops an inertia, wholly or its products",
+    "inertia-fused": "puts the inertia of welded links together wrongly",
+    "inertia-balanced": "changes an inertia to one that a body can have",
+    "mass": "has another mass",
+    "center-of-mass": "has another centre of mass",
+    "damping-ignored": "ignores damping",
+    "friction-ignored": "ignores friction",
+    "mimic-ignored": "ignores mimic",
+    "frame": "has a frame or an axis elsewhere",
+    "coordinate-order": "has coordinates in another order than it tells",
+    "representation": "represents the robot otherwise",
+    "base-welded": "welds the base to the world",
+    "unexplained": "differs for an unknown reason",
 }
 
 #: Most subjects that a sentence names.
@@ -60,8 +79,8 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     """Return the verdict on an engine and then its differences, as clauses without a subject."""
     refusal = next((row for row in rows if row.quantity is None), None)
     if refusal is not None:
-        verb = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
-        return (f"{verb}: {refusal.engine_value.rstrip('.')}",)
+        does = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
+        return (f"{does}: {refusal.engine_value.rstrip('.')}",)
     sentences = [f"{SAYS[cause]}: {_subjects(same_cause)}" for cause, same_cause in _by_cause(rows).items()]
     accepted = list(dict.fromkeys(row.subject for row in rows if row.status == "accepted-unphysical"))
     missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
@@ -73,16 +92,16 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
 
 
 def brief(rows: Sequence[ParityRow]) -> str:
-    """Return the causes of an engine's differences in few words, each with the number of bodies and joints."""
+    """Return what differs in an engine in few words, as a predicate: its causes, each with the number of links and joints."""
     sentences = of_engine(rows)
     if len(sentences) == 1:
         return sentences[0]
     causes = _by_cause(rows)
     causes_in_words = [
-        f"{SAYS[cause]} ({_number(same_cause)})" if _number(same_cause) > 1 else SAYS[cause]
+        f"{DOES[cause]} ({_number(same_cause)} times)" if _number(same_cause) > 1 else DOES[cause]
         for cause, same_cause in causes.items()
     ]
-    return "; ".join(causes_in_words) or sentences[0]
+    return listing(causes_in_words) or sentences[0]
 
 
 def _number(rows: Sequence[ParityRow]) -> int:
@@ -94,15 +113,15 @@ def headline(models: Sequence[Parity]) -> str:
     different = [one for one in models if differs(one)]
     if not different:
         return f"{count(len(models), 'robot')}: all agree" if len(models) > 1 else f"{models[0].name}: all agree"
-    size = f"{len(different)} of {count(len(models), 'robot')} {'differs' if len(different) == 1 else 'differ'}"
-    first = different[0]
-    return f"{size}; {first.name}: {_shortest(first)}"
+    robots = f"{len(different)} of {count(len(models), 'robot')} {verb(len(different), 'is', 'are')}"
+    where = f"{'for example ' if len(different) > 1 else ''}in {different[0].name}"
+    return f"{robots} not read as the file says: {where}, {_shortest(different[0])}"
 
 
 def _shortest(parity: Parity) -> str:
     for engine, rows in engines_of(parity).items():
         if any(map(failed, rows)):
-            return f"{engine}, {brief(rows)}"
+            return f"{engine} {brief(rows)}"
     return f"the file has {count(len(of_file(parity)), 'fault')}"
 
 

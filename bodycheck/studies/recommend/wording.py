@@ -29,8 +29,9 @@ def larger(recommendation: Recommendation, answer: Answer) -> str:
         return "Larger steps are not tried, since a run would have fewer than ten."
     errors = {probe.timestep: probe for probe in recommendation.probes if probe.method == answer.method}
     probe = errors[answer.broken]
-    what = f"it is {error(recommendation, probe.error, 3)}" if probe.error is not None else f"the run ends as {probe.status}"
-    return f"At {number(answer.broken)} s {what}."
+    if probe.error is None:
+        return f"At {number(answer.broken)} s, the run ends with the status {probe.status}."
+    return f"At {number(answer.broken)} s, the {name_of(recommendation)} is {error(recommendation, probe.error, 3)}."
 
 
 def second(recommendation: Recommendation) -> str:
@@ -40,11 +41,11 @@ def second(recommendation: Recommendation) -> str:
         return ""
     answer = others[0]
     if first.cost is None or answer.cost is None:
-        return f"Second is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)}."
+        return f"The next best is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)}."
     times = f"at {number(answer.cost / first.cost, 2)} times the cost"
     near = answer.cost_low is not None and first.cost_high is not None and answer.cost_low <= first.cost_high
-    overlap = ", and their timings overlap" if near else ""
-    return f"Second is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)} {times}{overlap}."
+    overlap = "; the timings of both overlap" if near else ""
+    return f"The next best is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)} {times}{overlap}."
 
 
 def never(recommendation: Recommendation) -> tuple[str, ...]:
@@ -57,9 +58,15 @@ def never(recommendation: Recommendation) -> tuple[str, ...]:
         by_error: dict[str, list[str]] = {}
         for answer in tried:
             by_error.setdefault(error(recommendation, answer.error), []).append(method(answer))
-        groups = "; ".join(f"{listing(names)} ({least} at best)" for least, names in by_error.items())
-        these = verb(len(tried), "This one never gets", "These never get")
-        sentences.append(f"{these} there with steps down to {number(smallest)} s: {groups}.")
+        limit_with = f"the limit with steps down to {number(smallest)} s"
+        figure = name_of(recommendation)
+        if len(by_error) == 1:
+            ((least, names),) = by_error.items()
+            never_keeps, their = verb(len(names), "never keeps", "never keep"), verb(len(names), "its", "their")
+            sentences.append(f"{listing(names)} {never_keeps} {limit_with}; {their} {figure} is {least} at best.")
+        else:
+            at_best = "; it is ".join(f"{least} with {listing(names)}" for least, names in by_error.items())
+            sentences.append(f"{len(tried)} methods never keep {limit_with}. At best, the {figure} is {at_best}.")
     reasons: dict[str, list[str]] = {}
     for answer in failed:
         reasons.setdefault(answer.reason, []).append(method(answer))

@@ -67,7 +67,7 @@ def _figures(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
     for labelled_changes in methods.values():
         line, change = max(labelled_changes, key=lambda labelled: _importance(labelled[1]))
         others = len({other.case for _, other in labelled_changes}) - 1
-        further = f" {count(others, 'other case')} changed too." if others else ""
+        further = f" Results of {count(others, 'other case')} changed too." if others else ""
         after = f" at {milliseconds(change.timestep)}.{further}"
         alike[_what(change, ""), _values(change), change.case, after].append((line, change))
     for (_, values, case, after), labelled_changes in alike.items():

@@ -10,7 +10,7 @@ from packaging.version import Version
 from bodycheck.figures import revisions
 from bodycheck.reports.charts import ZOOMING, Spec, framed, log_axis, method_scale
 from bodycheck.reports.lines import FURTHER_HUES, HUES, Line, assign, paled
-from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number
+from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number, verb
 from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -151,7 +151,8 @@ def _headline(labelled: _Labelled) -> str:
     ran = made(row for _, row in labelled.rows)
     runs = f"{count(len(ran), 'run')} of {count(len({row['version'] for row in ran}), 'release')}"
     if changed:
-        return f"{count(len(changed), 'integrator')} changed at {count(len(upgrades), 'upgrade')}, in {runs}"
+        compared = f"{runs} {verb(len(ran), 'was', 'were')} compared"
+        return f"{count(len(changed), 'integrator')} changed at {count(len(upgrades), 'upgrade')}; {compared}"
     return f"No change in {runs}" if ran else "No release could be measured"
 
 

@@ -43,7 +43,11 @@ Identified = tuple[str, float, float]
 Floor = tuple[RunKey, float, float]
 
 #: What is said of the causes of floors.
-CAUSES = {"limit": ", to which its runs tend", "rounding": ", because of rounding in the engine's precision", "": ""}
+CAUSES = {
+    "limit": ", because the runs tend to a motion other than the truth",
+    "rounding": ", because of rounding in the engine's precision",
+    "": "",
+}
 
 
 def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes = NO_CLASSES) -> tuple[Finding, ...]:
@@ -147,11 +151,13 @@ def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) ->
     where, _, most = max(runs, key=lambda run: run[2])
     discrepancy = f"{'up to ' if len(runs) > 1 else ''}{number(most, 2)} rad"
     explained = all(left <= EXPLAINED * error for _, left, error in runs)
-    meaning = f"This explains a discrepancy of {discrepancy}." if explained else f"The discrepancy is {discrepancy}."
-    agrees = verb(len(methods), "is", "are") if scheme.startswith("near ") else verb(len(methods), "agrees with", "agree with")
+    explains = "The scheme explains the discrepancy from the truth, which" if explained else "The discrepancy from the truth"
+    meaning = f"{explains} is {discrepancy}."
+    near = f"{verb(len(methods), 'stays', 'stay')} {scheme}, within"
+    agrees = f"{verb(len(methods), 'agrees', 'agree')} with {scheme} to within"
     return Finding(
         "Scheme",
-        f"{_names(methods)} {agrees} {scheme} to within {bound(residual, 2)} rad over the whole run, on ",
+        f"{_names(methods)} {near if scheme.startswith('near ') else agrees} {bound(residual, 2)} rad over the whole run, on ",
         where,
         f"{_others({name for name, _, _ in runs})}. {meaning}",
     )
@@ -167,7 +173,7 @@ def _lost(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
     return [
         Finding(
             "Order",
-            f"With {_names(methods)} the attitude is lost by the end at any time step; "
+            f"With {_names(methods)}, the attitude is lost by the end at any time step; "
             f"the order is that of the first {number(horizon, 3)} s of the same runs, on ",
             name,
             ".",
@@ -194,16 +200,16 @@ def _floor(quantity: str, cause: str, by_case: Mapping[str, Sequence[Floor]], li
     methods, errors, finest = zip(*by_case[where], strict=True)
     return Finding(
         "Floor",
-        f"With {_names([lines[method] for method in methods])} the {quantity} error does not fall below "
+        f"With {_names([lines[method] for method in methods])}, the {quantity} error does not fall below "
         f"{_range([number(error, 2) for error in sorted(errors)])} {UNITS[quantity]} "
-        f"at any time step down to {milliseconds(max(finest), 4)}{CAUSES[cause]}, on ",
+        f"at any time step down to {milliseconds(max(finest), 4)} on ",
         where,
-        f".{_more_floors(len(by_case) - 1)}",
+        f"{CAUSES[cause]}.{_more_floors(len(by_case) - 1)}",
     )
 
 
 def _more_floors(cases: int) -> str:
-    return f" {count(cases, 'other case')} {verb(cases, 'has', 'have')} floors too." if cases else ""
+    return f" Such a floor is also found on {count(cases, 'other case')}." if cases else ""
 
 
 def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
@@ -258,14 +264,12 @@ def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str
     wins = Counter(ranking[0].method for ranking in kept.values())
     steps = {method: [r[0].timestep for r in kept.values() if r[0].method == method] for method in wins}
     winners = [
-        f"{lines[method].label} in {amount} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])})"
+        f"{lines[method].label} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])}) in {amount}"
         for method, amount in wins.most_common()
     ]
-    rest = f" In {cases - len(kept)} no method achieves this." if len(kept) < cases else ""
-    text = (
-        f"Over {count(cases, 'case')}, the cheapest {_condition(quantity, error)} is {listing(winners, MOST_NAMES, 'method')}."
-    )
-    return Finding("Cheapest", text + rest)
+    rest = f" In {count(cases - len(kept), 'case')}, no method has so small an error." if len(kept) < cases else ""
+    best = listing([f"{winners[0]} of {cases} cases", *winners[1:]], MOST_NAMES, "method")
+    return Finding("Cheapest", f"The cheapest {_condition(quantity, error)} is {best}.{rest}")
 
 
 def _condition(quantity: str, error: float) -> str:

@@ -85,7 +85,7 @@ def test_a_test_for_each_run_of_which_something_was_expected() -> None:
     reason, *advice = (failure.text or "").splitlines()
     assert reason == verdicts[1].reason
     assert advice[1] == (
-        "if what is measured now is right: "
+        "to accept what is measured now, if it is right: "
         "bodycheck expect spin --engine mujoco --integrator RK4 --timestep 0.01 --figure position_error"
     )
     assert "position_error is " in verdicts[1].reason
@@ -116,7 +116,7 @@ def test_an_annotation_stands_at_the_expectation() -> None:
     places = [SPIN.count("\n") + text.count("\n") + 1 for text in (HELD, HELD + BROKEN)]
     title = "title=mujoco RK4%2C 0.01 s%2C on spin"
     assert broken.startswith(f"::error file=cases/spin.case.toml,line={places[0]},{title}::position_error is ")
-    assert "%0Aif what is measured now is right: bodycheck expect " in broken, "what to do next"
+    assert "%0Ato accept what is measured now, if it is right: bodycheck expect " in broken, "what to do next"
     assert "%0A" not in known
     assert known.startswith(f"::notice file=cases/spin.case.toml,line={places[1]},{title}::known until 2027-01-01 ")
     assert lines_of(*judged(HELD)) == []

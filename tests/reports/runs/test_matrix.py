@@ -10,7 +10,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.expectation import Expectation
 from bodycheck.judging.judgement import Breach, Judged, Verdict
 from bodycheck.reference.requirements import requirements
-from bodycheck.reports.lines import assign
+from bodycheck.reports.lines import assign, paled
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.findings import findings, measured
@@ -141,6 +141,19 @@ def test_an_engine_spans_its_columns_in_its_colour() -> None:
     (matrix,) = matrices_of(ran(FLIP, "pinocchio", "x"), ran(FLIP, integrator="a"), ran(FLIP, integrator="b"))
     assert [(engine, amount) for engine, amount, _ in matrix.engines] == [("pinocchio", 1), ("mujoco", 2)]
     assert {engine: colour for engine, _, colour in matrix.engines} == {"pinocchio": "#d55e00", "mujoco": "#0072b2"}
+
+
+def test_an_engine_has_the_colour_of_its_last_set_of_results() -> None:
+    """One engine is in the first set alone, one in the last alone, and one in both."""
+    runs = [
+        *(ran(FLIP, "drake", "x", label="first"), ran(FLIP, label="first")),
+        *(ran(FLIP, label="last"), ran(FLIP, "pinocchio", "y", label="last")),
+    ]
+    (matrix,) = matrices_of(*runs)
+    first, last = paled("#009e73", 1), "#d55e00"
+    assert matrix.engines == (("drake", 1, first), ("mujoco", 2, "#0072b2"), ("pinocchio", 1, last))
+    (alone,) = matrices_of(ran(FLIP, "drake", "x", label="first"), ran(FLIGHT, label="last"))[:1]
+    assert alone.engines == (("drake", 1, first),)
 
 
 @pytest.mark.parametrize(

@@ -220,11 +220,16 @@ NOTHING = Change(0.0, 1e-12, 1e-3)
     ("position", "attitude", "words"),
     [
         (NOTHING, NOTHING, "the model contact costs 4.1 times as much (4 to 4.2) as planar and does not change the motion."),
-        (Change(3e-4, 1e-12, 1e-3), NOTHING, " and changes the position by 0.3 mm, within the time-step errors."),
+        (
+            Change(3e-4, 1e-12, 1e-3),
+            NOTHING,
+            " and changes the position by 0.3 mm, which is within the time-step errors of both models.",
+        ),
         (
             Change(2.5, 1e-12, 1e-3),
             Change(0.1, 1e-12, 0.2),
-            "changes the position by 2.5 m and the attitude by 0.1 rad, beyond the time-step errors.",
+            "changes the position by 2.5 m and the attitude by 0.1 rad, of which the change of the position is more than "
+            "the time-step errors of both models.",
         ),
     ],
 )
@@ -265,3 +270,8 @@ def test_a_flight_too_short_for_a_step_still_has_costs(calls_here: None) -> None
     for measured in cost.measure(stretches, limit=60.0, rounds=2):
         assert isinstance(measured, cost.Measured)
         assert (measured.times > 0).all()
+
+
+def test_changes_that_all_exceed_the_time_step_errors_are_told_together() -> None:
+    told = report.effect({"position": Change(2.5, 1e-12, 1e-3), "attitude": Change(0.3, 1e-12, 0.2)})
+    assert facts(told, "position", "attitude", "of which", "more") == ["position", "2.5", "attitude", "0.3", "more"]

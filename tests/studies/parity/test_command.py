@@ -65,7 +65,7 @@ def test_a_difference_is_named_in_every_output(here: Path) -> None:
     assert list(table[0]) == list(READINGS.by_name)
     assert {(row["engine"], row["subject"]) for row in table if row["cause"]} == {("heavy", "elbow"), ("heavy", "model")}
     assert {row["status"] for row in table if row["engine"] == "faithful"} == {"agrees"}
-    assert "heavy: armature differs" in (here / "out" / "report.md").read_text("utf-8")
+    assert "heavy has another armature" in (here / "out" / "report.md").read_text("utf-8")
     assert "part-arm" in (here / "out" / "report.html").read_text("utf-8")
     tests = {test.get("name"): [child.tag for child in test] for test in ElementTree.parse(here / "junit.xml").iter("testcase")}
     assert tests == {"faithful": [], "heavy": ["failure"], "picky": ["failure"], "mjcf-only": ["skipped"]}

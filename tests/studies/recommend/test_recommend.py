@@ -127,7 +127,14 @@ def test_what_never_gets_there_is_said(found: Recommendation) -> None:
     assert euler.margin is not None
     assert euler.margin < 1
     (never,) = wording.never(found)
-    assert facts(never, "never", "mujoco Euler")[:3] == ["never", "0.0006", "mujoco Euler"]
+    assert facts(never, "never", "mujoco Euler")[:3] == ["mujoco Euler", "never", "0.0006"]
+    rk4 = replace(euler, integrator="RK4", error=0.5)
+    several = replace(found, answers=(*found.answers, rk4))
+    (never,) = wording.never(several)
+    assert facts(never, "never", "mujoco Euler", "mujoco RK4")[:3] == ["2", "never", "0.0006"]
+    assert facts(never, "mujoco Euler", "mujoco RK4")[-3:] == ["mujoco Euler", "0.5", "mujoco RK4"]
+    (never,) = wording.never(replace(several, answers=(*found.answers, replace(rk4, error=euler.error))))
+    assert facts(never, "never", "mujoco Euler", "mujoco RK4")[:4] == ["mujoco Euler", "mujoco RK4", "never", "0.0006"]
 
 
 def test_the_answer_comes_first_in_one_sentence(found: Recommendation) -> None:
@@ -136,7 +143,7 @@ def test_the_answer_comes_first_in_one_sentence(found: Recommendation) -> None:
     assert told.startswith(f"{best.engine} {best.integrator} at {best.timestep:g} s: ")
     assert " rad over 60 s, " in told
     assert told.endswith(" s of computing per second.")
-    assert wording.second(found).startswith(f"Second is {second.engine} {second.integrator} at {second.timestep:g} s: ")
+    assert wording.second(found).startswith(f"The next best is {second.engine} {second.integrator} at {second.timestep:g} s: ")
     assert wording.margin(found).startswith("The margin is 1.")
 
 

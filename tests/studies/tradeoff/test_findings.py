@@ -142,7 +142,7 @@ def test_floors_above_rounding_are_told() -> None:
 def test_the_cause_of_a_floor_is_told(cause: str, word: str) -> None:
     report = present(HEADER, curve("Euler", [1e-1, 2.7e-4], [1e-3, 1e-2]), [order(floor=2.7e-4, floor_cause=cause)])
     (sentence,) = texts(report, "Floor")
-    assert facts(sentence, word, *METHODS, "spin") == ["mujoco Euler", "0.00027", "5", word, "spin"]
+    assert facts(sentence, word, *METHODS, "spin") == ["mujoco Euler", "0.00027", "5", "spin", word]
     assert {"tend", "rounding"} & set(sentence.replace(",", " ").split()) == {word}
     assert f"0.00027 ({cause})" in [entry.text for entry in report.parts[0].tables[0][1].rows[0]]
 
@@ -179,7 +179,7 @@ def test_the_cheapest_on_many_cases() -> None:
     first, second = texts(present(HEADER, rows, []), "Cheapest")
     names = ("attitude", "no method", "No method", *METHODS)
     assert facts(first, *names) == [
-        *("4", "attitude", "0.001", "mujoco RK4", "2", "10", "mujoco Euler", "1", "10"),
+        *("attitude", "0.001", "mujoco RK4", "10", "2", "4", "mujoco Euler", "10", "1"),
         *("1", "no method"),
     ]
     assert facts(second, *names) == ["No method", "attitude", "1e-6", "4"]

@@ -34,6 +34,9 @@ from bodycheck.studies.ensemble.report.page_tables import (
 #: The names of the parts.
 METHODS, ERRORS, CAUSES, WORST = "methods", "distributions", "causes", "worst"
 
+#: Most methods whose ranges of errors the description of a chart gives.
+MOST_RANGES = 6
+
 #: A largest value stands out if it is this many times the 99 % quantile.
 OUTLYING = 10.0
 
@@ -149,7 +152,7 @@ def _failures(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
         sentences.append(
             Finding(
                 "Failures",
-                f"{line.label} fails in {share_text(method)} of the members: {ways}. Member {method.ways[0].first} is the "
+                f"{line.label} fails in {share_text(method)}: {ways}. Member {method.ways[0].first} is the "
                 f"first: {method.ways[0].reason or method.ways[0].name}. See ",
                 METHODS,
                 ".",
@@ -186,7 +189,8 @@ def _ranking(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
 
     title = quantity.title.lower()
     text = (
-        f"By failures and then the {title}, the best method is {in_words(ranked[0])}, and the last is {in_words(ranked[-1])}."
+        f"Ranked by failures and then by the {title}, {in_words(ranked[0])} is the best method, and {in_words(ranked[-1])} the "
+        "last."
     )
     wins = max(figure.best, key=figure.best.__getitem__) if figure.best else None
     most = (
@@ -225,9 +229,9 @@ def _dependences(material: Material, lines: Sequence[Line]) -> list[Finding]:
             shares = sorted(one.share for one in on_number)
             explains = " to ".join(dict.fromkeys((percent(shares[0]), percent(shares[-1]))))
             methods = listing([lines[one.method].label for one in on_number], MOST_NAMES, "method")
-            sentences.append(
-                Finding("Causes", f"{what} depends most on {name} with {methods}: it explains {explains} of the variance.")
-            )
+            logarithm = "" if figure == FAILURE else f" of the logarithm of the {QUANTITIES[figure].title.lower()}"
+            alone = f"This number alone explains {explains} of the variance{logarithm}."
+            sentences.append(Finding("Causes", f"{what} depends most on {name} with {methods}. {alone}"))
     return sentences
 
 
@@ -248,22 +252,24 @@ def _distributions(ensemble: Aggregates, lines: Sequence[Line]) -> Part:
 
 def _charts(figure: Figure, lines: Sequence[Line]) -> list[Chart]:
     quantity = QUANTITIES[figure.name]
-    ends = [
-        f"{lines[index].label} from {number(distribution.quantiles['q05'], 3)} to {number(distribution.quantiles['q95'], 3)}"
-        for index, distribution in figure.distributions.items()
-    ]
-    subject = (
-        f"{quantity.title.lower()} of the members on a log scale; nine tenths are, in {quantity.unit or 'relative units'}, for"
-    )
-    what = f"{subject} {listing(ends, 6, 'method')}."
+    title = quantity.title.lower()
+    ranges: list[str] = []
+    for index, distribution in figure.distributions.items():
+        low, high = (number(distribution.quantiles[name], 3) for name in ("q05", "q95"))
+        are = "" if ranges else "nine tenths of the values are "
+        ranges.append(f"with {lines[index].label}, {are}from {low} to {high} {quantity.unit}".rstrip())
+    more = f" The chart has {count(len(ranges) - MOST_RANGES, 'more method')}." if len(ranges) > MOST_RANGES else ""
+    nine_tenths = f"W{'; '.join(ranges[:MOST_RANGES])[1:]}.{more}"
+    histograms = f"Histograms of the {title} of the members on a log scale. {nine_tenths}"
+    tails = f"Share of the members whose {title} is larger than a value, on log scales. {nine_tenths}"
     zeros = [lines[index].label for index, distribution in figure.distributions.items() if distribution.zeros]
     notes = [f"Errors of zero, which are not drawn, occur with {listing(zeros, MOST_NAMES, 'method')}."] if zeros else []
     if figure.truth is not None:
         median, largest = (quantity.with_unit(value) for value in figure.truth)
         notes.append(f"The truth's own error is at most {largest}, in half of the members at most {median}.")
     return [
-        Chart(quantity.title, charts.histogram(figure, lines), f"Histograms of the {what}", tuple(notes)),
-        Chart(f"{quantity.title}: tail", charts.tail(figure, lines), f"Share of members with a larger {what}"),
+        Chart(quantity.title, charts.histogram(figure, lines), histograms, tuple(notes)),
+        Chart(f"{quantity.title}: tail", charts.tail(figure, lines), tails),
     ]
 
 

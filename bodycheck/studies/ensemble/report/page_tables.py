@@ -21,9 +21,10 @@ def percent(share: float, digits: int = 2) -> str:
 
 
 def share_text(method: Method) -> str:
-    """Return the share of the members that failed, with its interval."""
-    failed = method.failed
-    return "–" if failed is None else f"{percent(failed.value)} ({percent(failed.low)} to {percent(failed.high)})"
+    """Return the share of the members that failed, with its interval, as a phrase."""
+    assert method.failed is not None  # because some members failed
+    low, high = percent(method.failed.low), percent(method.failed.high)
+    return f"{percent(method.failed.value)} of the members (confidence interval {low} to {high})"
 
 
 def method_lines(ensemble: Aggregates) -> list[Line]:
