@@ -1,6 +1,6 @@
 """Compute the errors of a run: all figures of `bodycheck.figures` that apply to the scene and were measured."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,8 +60,8 @@ class Discrepancy:
         return Summary(self.maxima(), {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()})
 
 
-def compare(truth: Truth, run: Run) -> Discrepancy:
-    """Return the errors of a completed run against the truth of its case at the same instants.
+def compare(truth: Truth, run: Run, names: Collection[str] = FIGURES) -> Discrepancy:
+    """Return the errors of a completed run against the truth of its case at the same instants: the figures with these names.
 
     Nothing is integrated here; `bodycheck.judging.comparison.compare` also takes a truth at other instants. Raises
     `ValueError` for a run that has no trajectory, and for a truth that is not at the instants of the run.
@@ -75,7 +75,8 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
-        for name, figure in FIGURES.items():
+        for name in names:
+            figure = FIGURES[name]
             value = figure.compute(compared)
             if isinstance(value, np.ndarray):
                 if figure.jumps and compared.between_events is not None:

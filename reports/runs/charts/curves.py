@@ -99,7 +99,7 @@ def draw(
     every = max(1, points * len(verdicts) // MOST_FOUND)
     for label, verdict in verdicts.items():
         row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep, "every": every}
-        series = compare(known[verdict.label, verdict.run.method.timestep], verdict.run).series
+        series = compare(known[verdict.label, verdict.run.method.timestep], verdict.run, PLOTTED).series
         for name in PLOTTED:
             if (values := series.get(name)) is not None:
                 shown = np.where(values < SMALLEST, 0.0, values)
