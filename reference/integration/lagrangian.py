@@ -28,8 +28,8 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: A chart is changed where sin(theta) is below this; the distance to the singularity is then still large compared with the
-#: rotation of one step.
+#: A chart is changed where sin(theta) is below this value; the distance to the singularity is then still large compared with
+#: the rotation of one step.
 MIN_CHART_SINE = 0.5
 
 #: Quaternions (w, x, y, z) that rotate components along the axes of charts 0, 1, 2 to components along the body's own axes:
@@ -176,7 +176,7 @@ def to_states(y: Array, charts: NDArray[np.int_]) -> tuple[Array, Array, Array, 
 def integrate(scene: Scene, times: Array) -> Trajectory:
     """The motion of a body in free flight at ascending times (n,) >= 0, s, from the Euler-Lagrange equations.
 
-    The scene must be along the principal axes of its body; its drag and its plane are ignored.
+    The body frame of the scene must be along the principal axes; drag and plane are ignored.
 
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """
