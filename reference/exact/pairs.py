@@ -3,7 +3,7 @@
 A pair is the sum of two numbers of the wide type, the second of which is at most half a rounding of the first. Where the wide
 type has 80 bits, a pair has 128 bits of mantissa, which hold the product of two doubles exactly. The algorithms are those of
 Dekker (Numer. Math. 18, 224, 1971); the bounds of their errors are those of Joldes, Muller and Popescu (ACM Trans. Math. Softw.
-44, 15res, 2017). Every operation acts on each element alone, so that a number does not depend on those beside it.
+44, 15res, 2017). Every operation acts on each element alone, so that a number does not depend on the other numbers of an array.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,8 @@ WideArray = NDArray[np.longdouble]
 #: The relative error of one rounding to the wide type.
 ROUNDING = float(np.finfo(np.longdouble).eps) / 2
 
-#: The relative error of one operation on pairs is at most this; that of a sum of three and of a product is smaller than half.
+#: Bound of the relative error of one operation on pairs; the error of a sum of three pairs and of a product is less than half
+#: of it.
 PAIR_ROUNDING = 16 * ROUNDING**2
 
 #: The factor that splits a number of the wide type into two halves, whose products are exact.
@@ -33,14 +34,14 @@ _SPLITTER = np.longdouble(2) ** ((np.finfo(np.longdouble).nmant + 2) // 2) + 1
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Numbers (...), each as the unevaluated sum of two of the wide type.
+    """Numbers (...), each as the unevaluated sum of two numbers of the wide type.
 
     Attributes
     ----------
     high
         (...) the numbers, rounded to the wide type.
     low
-        (...) what this rounding leaves, rounded to the wide type.
+        (...) the errors of this rounding, rounded to the wide type.
     """
 
     high: WideArray
@@ -106,7 +107,7 @@ def root(value: Pair) -> Pair:
 
 
 def stacked(parts: list[Pair]) -> Pair:
-    """Pairs (...) as the components of vectors (..., k)."""
+    """Stack k pairs (...) as the components of vectors (..., k)."""
     return _each(lambda arrays: np.stack(arrays, axis=-1), parts)
 
 
@@ -152,7 +153,7 @@ def _product(a: WideArray, b: WideArray) -> tuple[WideArray, WideArray]:
 
 
 def _halves(a: WideArray) -> tuple[WideArray, WideArray]:
-    """A number as the sum of two, each with half of the digits."""
+    """A number as the sum of two numbers, each with half of the digits."""
     scaled = _SPLITTER * a
     head = scaled - (scaled - a)
     return head, a - head
