@@ -103,7 +103,7 @@ def is_coupled(scene: Scene, plane: Plane, start: Array) -> bool:
 
 
 def reason(plane: Plane, gravity: float, start: Array) -> str:
-    """Why the coordinates x, y and yaw, and the equations chosen for them, are exact for a scene.
+    """Return the reason why the coordinates x, y and yaw, and the equations chosen for them, are exact for a scene.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def stopping_time(rate: float, deceleration: float) -> float:
 def decelerated(end: float, at: Array) -> tuple[Array, Array]:
     """A uniformly decelerated motion that ends at the time `end` (s), at times `at` (k,), s.
 
-    Returns the distance over the initial speed (k,), s, and the remaining fraction of the speed (k,).
+    Returns the distance divided by the initial speed (k,), s, and the remaining fraction of the speed (k,).
     """
     if end == 0:
         return np.zeros_like(at), np.zeros_like(at)
