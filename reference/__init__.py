@@ -38,7 +38,7 @@ Folders:
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
 - `independent`: a second computation of the motion from the file, which shares no mechanics with the first.
 - `schemes`: textbook one-step schemes, with which the schemes of engines are identified.
-- `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
+- `chapter`: tools of the book's chapter that no truth needs: orientation, particles, wobble.
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these import the folders of
 motions. `contact` and `schemes` import `mechanisms`; `mechanisms` imports tools of `flight`, `independent` and `robots`; all of

@@ -304,7 +304,7 @@ class Valid:
 
 
 def valid(scene: Scene) -> Valid:
-    """Return which parts of a scene's definition still count: those whose doubles the scene still has."""
+    """Return which parts of a scene's definition still count: the parts whose doubles the scene still has."""
     nearest = scene.definition.nearest if scene.definition is not None else None
     if nearest is None:
         return Valid(inertia=False, attitude=False, rotation=False)

@@ -1,7 +1,7 @@
 """The truth of a scene: its reference trajectory together with a bound of the trajectory's own error.
 
 The truth is computed from the smallest model that is exact. In free flight this is a closed form, with translation and rotation
-solved independently. A flight has witnesses, some of which share no code with the truth from the case file on; see `witnesses`.
+solved independently. A flight has witnesses, some of which are computed from the case file by separate code; see `witnesses`.
 Drag on the translation leads to quadratures, whose witness is an integration in three coordinates. A body that lies flat on a
 plane has three coordinates; see `sliding`.
 """

@@ -127,8 +127,8 @@ def conserved_errors(
 def angle_between(p: WideArray, q: WideArray) -> Array:
     """Angle (n,), rad, between attitudes (n, 4) in double precision or wider, computed in the wider of the two types.
 
-    The distance between the unit quaternions p and q, or p and -q, of attitudes that differ by an angle alpha is 2 sin(alpha /
-    4). This formula takes fewer operations than the relative quaternion, and is as accurate near 0 and near pi.
+    If two attitudes differ by an angle alpha, the distance between their unit quaternions p and q, or p and -q, is 2
+    sin(alpha/4). This formula takes fewer operations than the relative quaternion, and is as accurate near 0 and near pi.
     """
     wide = np.result_type(p, q)
     one, other = p.astype(wide), q.astype(wide)

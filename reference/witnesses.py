@@ -1,8 +1,7 @@
 """The witnesses of a flight: its motion computed in other ways, where the cost and the error are known beforehand.
 
 - Euler-Lagrange: the equations that follow from the Lagrangian in Euler angles, from the exact start of the truth.
-- Quasi-coordinates: Euler's equations, and the translation, by code that is independent from the case file on: see
-  `independent`.
+- Quasi-coordinates: Euler's equations, and the translation, by separate code that starts from the case file: see `independent`.
 
 A motion that lasts longer than a period of the angular velocity is continued from one period (`integration.periods`). If even
 one period turns the body too far, or amplifies rounding too much, the integration is left out. The second closed form
@@ -247,7 +246,7 @@ def in_doubles(name: str, integrate: Callable[[Scene, Array], Trajectory], scene
 
 
 def unmoved(scene: Scene, times: Array, *, turns: bool) -> Witness:
-    """The parabola and, for a body that does not turn, its constant attitude, by independent code from the case file on."""
+    """The parabola and, for a body that does not turn, its constant attitude, by separate code that starts from the file."""
     wide = np.longdouble
     states: dict[str, Any] = {} if scene.drag else _translation(scene, times)
     if not turns:

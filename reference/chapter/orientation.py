@@ -14,8 +14,8 @@ from bodycheck.reference.trajectory import Array
 #: Size up to which entries of a rotation matrix are rounding errors, so that a direction computed from them is meaningless.
 SINE_ROUNDING = 4 * float(np.finfo(float).eps)
 
-#: Largest deviation of the scalar products of the axes of a matrix from those of orthonormal axes. It admits matrices in single
-#: precision, but no scaling.
+#: Largest deviation of the scalar products of the axes of a matrix from the scalar products of orthonormal axes. It admits
+#: matrices in single precision, but no scaled matrices.
 ORTHONORMALITY_TOLERANCE = 1e-6
 
 

@@ -122,7 +122,7 @@ def _rotated(components: list[Real], axes: Quaternion4, pair: tuple[int, int, in
 
 
 def _equalised(moments: list[Real]) -> Vector3:
-    """The moments, of which those that differ from zero or from one another only by rounding are made zero or equal."""
+    """Return the moments after making zero or equal the moments that differ from zero or from one another only by rounding."""
     largest = max(moments)
     equal = [moment if abs(moment) > NEGLIGIBLE * largest else MP.mpf(0) for moment in moments]
     order = sorted(range(3), key=equal.__getitem__)

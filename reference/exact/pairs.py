@@ -76,7 +76,7 @@ class Pair:
 
 
 def of_wide(values: Any) -> Pair:
-    """Numbers (...) of the wide type, or of a narrower one, as pairs."""
+    """Numbers (...) of the wide type, or of a narrower type, as pairs."""
     high = np.asarray(values, dtype=np.longdouble)
     return Pair(high, np.zeros_like(high))
 
@@ -120,7 +120,7 @@ def compare(one: Pair, other: Pair) -> NDArray[np.int_]:
 def doubles(value: Pair) -> Array:
     """The doubles (...) that are nearest to pairs."""
     near = value.high.astype(float)
-    # A number of the wide type that is half-way between two doubles is rounded to the even one, whatever the low part says.
+    # A number of the wide type that is half-way between two doubles is rounded to the even double, whatever the low part says.
     off = (value.high - near.astype(np.longdouble)) + value.low
     with np.errstate(over="ignore"):
         beside = np.nextafter(near, np.where(off > 0, np.inf, -np.inf))

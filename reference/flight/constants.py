@@ -117,9 +117,8 @@ def _scaled(values: list[Real]) -> tuple[list[Real], Wide]:
 def constants_of_many(moments: Pair, rates: Array) -> tuple[Constants, NDArray[np.bool_]]:
     """The constants of m bodies whose moments all differ, and a mask (m,) of the bodies whose constants are accurate.
 
-    Accurate means as accurate as the results of `constants`.
-
-    For the other bodies, the differences of moments, or the difference E2, are so small that pairs have too few digits.
+    These constants are as accurate as the results of `constants`. For the other bodies, the differences of moments, or the
+    difference E2, are so small that pairs have too few digits.
 
     Parameters
     ----------

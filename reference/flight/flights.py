@@ -40,8 +40,8 @@ from bodycheck.reference.trajectory import Array, Trajectory
 #: Number of states that are computed at once: so few that the arrays of a step stay in the cache of the processor.
 STATES_AT_ONCE = 2**14
 
-#: Moments and rates other than zero, in SI units, above this number or below its inverse, are computed as those of a single
-#: scene, since a product of several of them could overflow or underflow.
+#: Members with a moment or a rate, other than zero, above this number or below its inverse, in SI units, are computed as single
+#: scenes, since a product of several such numbers could overflow or underflow.
 MODERATE = 2.0 ** min(np.finfo(Wide).maxexp // 12, 1000)
 
 #: The pairs of axes.

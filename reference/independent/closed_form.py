@@ -10,7 +10,7 @@ With the principal moments I1 <= I2 <= I3 along a right-handed set of axes, and 
 
 where p is the axis 1 or 3 that L encircles and r is the other of these two axes (Landau and Lifshitz, Mechanics, par. 37). The
 attitude follows from the precession of the line of nodes n = L x f / |L x f| about L, where f is one of the axes 1 and 3 and g
-the other one:
+is the other:
 
     dphi/dt = |L| (L2^2/I2 + Lg^2/Ig) / (L2^2 + Lg^2) = steady - swing cn^2 u / (1 + nu sn^2 u),
     steady = |L|/Ig + swing,   swing = |L| (1/I2 - 1/Ig) (M2/Mg)^2 / (1 + nu),   nu = (M2/Mg)^2 - (k^2 if g = p, otherwise 1).

@@ -13,7 +13,7 @@ from bodycheck.reference.scene import Attitude, Brick, Cylinder, Definition, Ell
 #: A matrix of rational numbers by its rows.
 Rows = list[list[Fraction]]
 
-#: Maps an attitude to its matrix of direction cosines, from the axes of the part to those of the body.
+#: Maps an attitude to its matrix of direction cosines, from the axes of the part to the axes of the body.
 Cosines = Callable[[Attitude], Rows]
 
 #: Binary digits kept of a second moment of a rotated part. Exact quotients of many parts would have ever longer denominators.

@@ -15,7 +15,7 @@ from bodycheck.reference.independent.border import MP
 #: Relative difference of two means at which they are equal in the wide type after one more step, and in a hundred digits.
 _EQUAL, _EXACTLY_EQUAL = MP.mpf(10) ** -18, MP.mpf(10) ** -60
 
-#: Size of an argument below which its functions are those of the argument zero.
+#: Size of an argument below which its functions are taken as the functions of zero.
 _SMALLEST_ARGUMENT = Wide(1e-60)
 
 

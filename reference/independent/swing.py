@@ -74,8 +74,7 @@ def integrated(course: Swing, u: WideArray) -> WideArray:
 def _chebyshev() -> tuple[WideArray, WideArray]:
     """Chebyshev nodes (NODES,) in [-1, 1], and the matrix (NODES + 1, NODES) that maps values there to an integral from -1.
 
-    The integral is given by the coefficients of its Chebyshev series; the integral of T_n is T_(n+1) / (2n + 2) - T_(n-1) / (2n
-    - 2).
+    The integral is given by the coefficients of its Chebyshev series; the integral of T_n is T_(n+1)/(2n+2) - T_(n-1)/(2n-2).
     """
     angles = [(2 * j + 1) * MP.pi / (2 * NODES) for j in range(NODES)]
     terms = [[MP.cos(n * angle) * (1 if n == 0 else 2) / NODES for angle in angles] for n in range(NODES)]

@@ -176,7 +176,7 @@ def integrate(
     corrected: Corrected | None = None,
     memory: int = _MEMORY,
 ) -> Integrated:
-    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. Other parameters are those of `steps`."""
+    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. See `steps` for the other parameters."""
     states, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
     row = int(np.searchsorted(times, 0.0, side="right"))
     states[:row], errors[:row] = start, 0.0

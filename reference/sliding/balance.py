@@ -1,4 +1,4 @@
-"""A witness of a slide: the balance of momentum along a motion, by independent code from the case file on.
+"""A witness of a slide: the balance of momentum along a motion, by separate code that starts from the case file.
 
 A motion is given in panels. In each panel, the changes of position and yaw are compared with the integrals of the velocities,
 and the changes of the velocities with the integrals of the accelerations of `quadrature`. The difference is the defect of the

@@ -91,7 +91,7 @@ def load_moments(footprint: Footprint) -> Array:
 
 
 def nearness(footprint: Footprint) -> Callable[[float, float, float], float]:
-    """The function of v1, v2 (m/s) and w (rad/s), body frame, that measures how near a state is to one of non-smooth friction.
+    """The function of v1, v2 (m/s) and w (rad/s), body frame, that measures how near a state is to non-smooth friction.
 
     It grows as the inverse of a distance. For an area, friction is not smooth where the instantaneous centre crosses the edge,
     and the distance is the distance of the centre from the edge, in radii of the footprint. For points, friction is not smooth

@@ -177,7 +177,7 @@ def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Mot
 
 
 def coupled_body(scene: Scene, plane: Plane) -> tuple[Flat, Callable[[float, float, float, float], None]]:
-    """The body of a scene for `coupled_motion`, and what raises `WouldTip`, with the instant, for a state in which it tips."""
+    """The body of a scene for `coupled_motion`, and a check that raises `WouldTip`, with the instant, where it tips."""
     body, gravity = scene.body, scene.gravity
     refuse = refuse_tipping(body, plane, gravity)
 

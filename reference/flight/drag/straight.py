@@ -1,8 +1,7 @@
 """Closed forms of the translation with quadratic drag: without gravity, and along the vertical.
 
-All quantities are without dimension: speeds are divided by the terminal speed V = sqrt(g m / c), times by V / g, lengths by V^2
-/ g = m / c. The equation of motion is dw/dt = -k - |w| w. Without gravity, V is an arbitrary speed and the unit of time is m /
-(c V).
+All quantities are dimensionless: speeds are divided by the terminal speed V = sqrt(g m / c), times by V/g, lengths by V^2/g =
+m/c. The equation of motion is dw/dt = -k - |w| w. Without gravity, V is an arbitrary speed and the unit of time is m/(cV).
 
 A course is an array (5, n) in the wide type. Its rows are the horizontal distance, the height, the length of the path, the
 horizontal speed and the upward velocity, at n instants.

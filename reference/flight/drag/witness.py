@@ -1,8 +1,8 @@
 """The translation with quadratic drag, integrated in three coordinates: the witness of `motion`.
 
-It shares only the force law with `motion`: dx/dt = v, dv/dt = -(c/m) |v| v - g k, by heyoka's Taylor series in the wide type,
-or by SciPy's DOP853 where heyoka is not installed. Its units are powers of two chosen for each scene, so that tolerances mean
-the same for every scene.
+It shares only the force law with `motion`. The equations dx/dt = v, dv/dt = -(c/m) |v| v - g k are solved by heyoka's Taylor
+series in the wide type, or by SciPy's DOP853 if heyoka is not installed. Its units are powers of two chosen for each scene, so
+that tolerances mean the same for every scene.
 
 The cost is known beforehand. Any motion has relaxed to the terminal velocity after 48 times sqrt(m / (g c)), since the
 horizontal speed decays by exp(-t) in that unit and the excess of speed by exp(-2 t); the rest is a straight line. A faster
