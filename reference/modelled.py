@@ -16,7 +16,7 @@ from bodycheck.reference.sliding.friction import footprint_of
 
 
 def missing_model(scene: AnyScene) -> str | None:
-    """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
+    """The feature of a scene that the reference has no model of, in words, or None if the reference can model the scene."""
     if touches(scene):
         return _missing_contact(scene)
     if scene.pushes:

@@ -169,7 +169,7 @@ def backend() -> Backend:
 
 
 def dop853() -> Backend:
-    """SciPy's DOP853 in double precision."""
+    """The solver that is always installed: SciPy's DOP853 in double precision."""
     return Backend(
         DOP853_NAME,
         lambda scene, times: in_doubles("euler-lagrange", lagrangian.integrate, scene, times),

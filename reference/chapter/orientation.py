@@ -58,7 +58,7 @@ def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
 
 
 def body_to_inertial(axes: str, *angles: Floats[Float]) -> Floats[Float]:
-    """A1 (..., 3, 3), the transpose of `inertial_to_body` for the same arguments, with the same errors [G 2.20]."""
+    """A1 (..., 3, 3), the transpose of `inertial_to_body` for the same arguments; it raises the same errors [G 2.20]."""
     return np.asarray(np.swapaxes(inertial_to_body(axes, *angles), -1, -2))
 
 

@@ -82,7 +82,7 @@ def of_wide(values: Any) -> Pair:
 
 
 def of_reals(values: "list[Real]") -> Pair:
-    """Numbers of a hundred digits, as pairs (k,)."""
+    """Convert k numbers of a hundred digits to pairs (k,)."""
     from bodycheck.reference.exact.numbers import MP, wide  # single scenes need this module for its types, but not mpmath
 
     high = [wide(value) for value in values]
@@ -112,7 +112,7 @@ def stacked(parts: list[Pair]) -> Pair:
 
 
 def compare(one: Pair, other: Pair) -> NDArray[np.int_]:
-    """-1, 0 or 1 (...) where a pair is smaller than, equal to or larger than another."""
+    """Return -1, 0 or 1 (...) where a pair is smaller than, equal to or larger than another pair."""
     high, low = np.sign(one.high - other.high), np.sign(one.low - other.low)
     return np.asarray(np.where(high != 0, high, low)).astype(int)
 

@@ -149,7 +149,7 @@ def _at_rest(quaternion: Array, times: Array) -> Turning:
 
 
 def _cut(places: Places, times: Array) -> list[Places]:
-    """Indices in parts of about `STATES_AT_ONCE` states."""
+    """Split indices of members into parts with about `STATES_AT_ONCE` states each."""
     size = max(1, STATES_AT_ONCE // (len(times) + 1))
     return [places[first : first + size] for first in range(0, len(places), size)]
 

@@ -194,14 +194,14 @@ def polhodes(c: Constants, chosen: Branch) -> Polhode:
 
 
 def _amplitudes(c: Constants, p: int) -> tuple[Wides, Wides, Wides]:
-    """M1, M2, M3."""
+    """The amplitudes M1, M2, M3 of the angular momentum along the axes 1, 2, 3; p: index of the axis that it encircles."""
     e_p, e_r, apart = (c.e3, c.e1, c.high) if p == 2 else (c.e1, c.e3, c.low)
     first, last = (e_p, e_r) if p == 2 else (e_r, e_p)
     return np.sqrt(c.i1 * first / c.span), np.sqrt(c.i2 * e_p / apart), np.sqrt(c.i3 * last / c.span)
 
 
 def _functions_at_start(c: Constants, chosen: Branch) -> tuple[Wides, Wides, Wides]:
-    """The sizes of sn, cn and dn at t = 0."""
+    """The absolute values of sn u, cn u and dn u at t = 0."""
     m1, m2, m3 = _amplitudes(c, chosen.p)
     one, middle, three = abs(c.i1 * c.w1) / m1, abs(c.i2 * c.w2) / m2, abs(c.i3 * c.w3) / m3
     return (middle, one, three) if chosen.p == 2 else (middle, three, one)

@@ -33,11 +33,11 @@ class Arithmetic:
 
     @property
     def rounding(self) -> float:
-        """The relative rounding error."""
+        """The relative rounding error of this arithmetic."""
         return float(np.finfo(self.dtype).eps) if self.bits is None else 2.0 ** (1 - self.bits)
 
     def number(self, value: Number) -> Any:
-        """The nearest number of this type."""
+        """The number of this type that is nearest to a number of a hundred digits."""
         if self.bits is not None:
             return hy.real(MP.nstr(value, DIGITS + 5), self.bits)
         head = float(value)
@@ -45,18 +45,18 @@ class Arithmetic:
 
     @property
     def digits(self) -> int:
-        """Its decimal digits."""
+        """The number of decimal digits of this arithmetic."""
         return math.ceil(-math.log10(self.rounding))
 
     def rounded(self, values: WideArray) -> WideArray:
-        """Numbers of this type in the widest type of NumPy."""
+        """Convert numbers of this type to the widest type of NumPy."""
         if self.bits is None:
             return values
         head = values.astype(float)
         return np.asarray(head.astype(np.longdouble) + (values - head).astype(float))
 
     def array(self, values: Triple) -> WideArray:
-        """The nearest numbers of this type, as an array."""
+        """The numbers of this type that are nearest to numbers of a hundred digits, as an array."""
         return np.array([self.number(value) for value in values])
 
 
@@ -123,11 +123,11 @@ class Spinning:
         return Rotation(quaternion_of(cosines), self._mobile(momentum) * self._number(self.unit))
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, of this motion."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, of this motion."""
         return self._mobile(np.cross(_linear(self.tensor, angular_velocity), angular_velocity))
 
     def _mobile(self, momentum: WideArray) -> WideArray:
-        """J times vectors (n, 3)."""
+        """The inverse inertia tensor J times vectors (n, 3)."""
         along = momentum[:, :1] * self.axis[0] + momentum[:, 1:2] * self.axis[1] + momentum[:, 2:] * self.axis[2]
         return np.asarray(_linear(self.rest, momentum) + self.axial * along * self.axis)
 

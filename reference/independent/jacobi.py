@@ -21,7 +21,7 @@ _SMALLEST_ARGUMENT = Wide(1e-60)
 
 @dataclass(frozen=True, eq=False)
 class Modulus:
-    """A modulus.
+    """A modulus of elliptic functions, by its arithmetic-geometric means.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ LARGEST_WIDTH = 0.75
 
 @dataclass(frozen=True, eq=False)
 class Swing:
-    """The integral J for one modulus and one nu.
+    """The integral J(u) of cn^2 / (1 + nu sn^2) from 0 to u, for one modulus and one nu.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Swing:
 
 
 def swing(modulus: Modulus, nu: np.longdouble) -> Swing:
-    """The integral J for a modulus and 0 <= nu <= 1."""
+    """The integral J(u) of cn^2 / (1 + nu sn^2) from 0 to u, for a modulus and 0 <= nu <= 1."""
     reach = wide(min(modulus.quarter, MP.mpf(LARGEST_ARGUMENT)))
     count = math.ceil(reach / LARGEST_WIDTH)
     width = reach / count
@@ -58,7 +58,7 @@ def swing(modulus: Modulus, nu: np.longdouble) -> Swing:
 
 
 def integrated(course: Swing, u: WideArray) -> WideArray:
-    """Return J(u) for arguments u (n,) in [-K, K]."""
+    """Return the integral J(u) of `Swing` for arguments u (n,) in [-K, K]."""
     scaled = np.minimum(np.abs(u) / course.width, Wide(course.series.shape[1]))
     panel = np.minimum(scaled.astype(int), course.series.shape[1] - 1)
     twice = 4 * (scaled - panel) - 2

@@ -151,7 +151,7 @@ class Step:
         return states
 
     def last(self) -> WideArray:
-        """The state (k,) at its end."""
+        """The state (k,) at the end of the step."""
         state: WideArray = self.state + self.size * (rule(len(self.slopes)).across @ self.slopes)
         return state
 
@@ -294,7 +294,7 @@ def _factor(used: Rule, slopes: WideArray, tolerance: float) -> float:
 
 
 def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray:
-    """The derivatives at the nodes of a step from the low terms of the series of the step before."""
+    """The derivatives at the nodes of a step, extrapolated from the low terms of the series of the step before."""
     few = 6
     at = 1 + 2 * used.nodes * grown
     extended: WideArray = _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]

@@ -72,7 +72,7 @@ def rotational_mass_matrix(moments: Vector, theta: float, psi: float) -> Array:
 def angular_accelerations(
     moments: Vector, theta: float, psi: float, dtheta: float, dphi: float, dpsi: float
 ) -> tuple[float, float, float]:
-    """Second derivatives of the Euler angles without generalized forces: [G 2.45d-f], solved for them.
+    """Second derivatives of the Euler angles without generalized forces, from [G 2.45d-f].
 
     psi'' is eliminated first; the remaining 2 x 2 system in theta'' and phi'' has the determinant A B sin^2(theta), so that
     the result is singular where sin(theta) = 0.

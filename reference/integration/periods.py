@@ -30,7 +30,7 @@ class Motion(Protocol):
         """Attitudes and angular velocities at times (n,) >= 0 (s), in any order."""
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, of this motion."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, of this motion."""
 
 
 def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed: float) -> Rotation:

@@ -189,7 +189,7 @@ class Tumbling:
         return Rotation(turned[:, :4] @ to_world, relabel(turned[:, 4:], -self.chart) * self.unit)
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, by Euler's equations."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, by Euler's equations."""
         return np.asarray(np.cross(self.moments * angular_velocity, angular_velocity) / self.moments)
 
 

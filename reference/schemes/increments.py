@@ -152,7 +152,7 @@ def inverse_dexp_se3(u: Increment, v: Pair) -> Pair:
 
 
 def _coefficients(phi: Vector) -> tuple[float, float]:
-    """The coefficient c(a) of the angle a = |phi|, and c'(a) / a."""
+    """The coefficient c(a) of dexp^-1 at the angle a = |phi|, and c'(a) / a."""
     angle = math.sqrt(dot(phi, phi))
     if angle <= SMALL_ANGLE_RAD:
         return 1 / 12, 1 / 360

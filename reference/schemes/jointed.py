@@ -40,7 +40,7 @@ class Equations:
     form: Form
 
     def accelerations(self, state: State) -> list[float]:
-        """The derivatives of the rates."""
+        """The derivatives with respect to time of the rates of a state."""
         links, (coordinates, rates) = list[articulated.Link](), state
         q = v = 0
         for (kind, parent), constants in zip(self.form.links, self.form.constants, strict=True):
@@ -52,7 +52,7 @@ class Equations:
         return [value for states in solution.rates for value in states]
 
     def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
-        """The coordinates after an increment, which is a rotation vector in the axes of the link for a ball."""
+        """The coordinates after an increment, which is a rotation vector along the axes of the link for a ball joint."""
         moved, q, v = list[float](), 0, 0
         for kind, _ in self.form.links:
             if kind == "ball":
@@ -230,7 +230,7 @@ def _apart(tree: Tree, row: Sequence[float]) -> State:
 
 
 def _together(tree: Tree, state: State) -> list[float]:
-    """The inverse of `_apart`."""
+    """A state in the layout of `mechanisms.link_states` from coordinates and rates: the inverse of `_apart`."""
     (coordinates, rates), values, q, v = state, list[float](), 0, 0
     for link in tree.links:
         held, moving = SIZES[link.kind]

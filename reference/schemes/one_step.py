@@ -211,7 +211,7 @@ def step_from(
 
 
 def _sizes(v: Pair) -> tuple[float, float]:
-    """The largest absolute component of the linear and of the angular part."""
+    """The largest absolute component of the linear part and of the angular part of a pair."""
     return max(map(abs, v[0])), max(map(abs, v[1]))
 
 

@@ -48,7 +48,7 @@ class Deviation:
 
 
 def planar_start(scene: Scene) -> Array:
-    """Initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) of a body that lies flat, as its file states them.
+    """Initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) of a body that lies flat, as its case file states them.
 
     psi is the direction of the body's axis I in the plane. Where K is vertical it is the sum of the Euler angles phi and psi.
     """

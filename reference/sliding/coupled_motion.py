@@ -218,7 +218,7 @@ def _unit_velocity(flat: Flat, y: Array) -> tuple[float, float, float]:
 
 
 def _unit_friction(flat: Flat, y: Array) -> Array:
-    """Rates (3,) of v_x, v_y and sqrt(C/m) w by friction, over mu g, from a state (8,) in log time."""
+    """Rates (3,) of v_x, v_y and sqrt(C/m) w by friction, divided by mu g, from a state (8,) in log time."""
     f1, f2, torque = flat.law(*_unit_velocity(flat, y))
     return np.array([*rotate_in_plane(float(y[3]), f1, f2), torque / flat.gyration]) / (flat.mass * flat.deceleration)
 
@@ -288,7 +288,7 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
 
 
 def _refuse_stiff(flat: Flat, start: Array, duration: float) -> None:
-    """Refuse a motion from a start (6,) that is too stiff; duration: in units of the time in which a straight slide stops."""
+    """Raise `OutOfReach` for a motion that is too stiff; duration: in units of the time in which a straight slide stops."""
     lasting = -math.log(max(1 - duration, LOG_TIME_STOP_FRACTION))
     v1, v2 = rotate_in_plane(-float(start[2]), float(start[3]), float(start[4]))
     budget.refuse_stiff(flat.law, flat.mass, flat.gyration, flat.deceleration, v1, v2, lasting)

@@ -31,7 +31,7 @@ def _partial_weights() -> Array:
 
 
 def _differentiation() -> Array:
-    """The matrix (k, k) from the values at the nodes to the derivatives there, of a polynomial that begins at zero."""
+    """The matrix (k, k) from values at the nodes to derivatives at the nodes, for a polynomial that is zero at the start."""
     points = np.array([0.0, *NODES])
     apart = points[:, None] - points + np.eye(len(points))
     products = apart.prod(axis=1)

@@ -282,7 +282,7 @@ def _face(shape: Brick | Cylinder) -> tuple[Array, Array]:
 
 
 def _radius(shape: Brick | Cylinder) -> float:
-    """Distance (m) of the farthest point of the face from the centre."""
+    """Distance (m) of the farthest point of the face from the centre of the face."""
     return math.hypot(*shape.semi_axes[:2]) if isinstance(shape, Brick) else shape.radius
 
 

@@ -99,7 +99,7 @@ def _series() -> WideArray:
 
 
 def places(edges: WideArray) -> WideArray:
-    """Nodes (m * NODES,) of the panels between m + 1 ascending edges."""
+    """The Gauss nodes (m * NODES,) of the panels between m + 1 ascending edges."""
     return np.asarray(edges[:-1, None] + np.diff(edges)[:, None] * ((1 + nodes()[0]) / 2)).ravel()
 
 

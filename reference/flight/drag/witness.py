@@ -79,7 +79,7 @@ class Units:
 
 
 def witness(scene: Scene, times: Array) -> Witness | None:
-    """The witness at ascending times (n,) >= 0, s; None where the integration fails."""
+    """The witness of a translation with drag at ascending times (n,) >= 0, s; None if the integration fails."""
     try:
         from bodycheck.reference.flight.drag import taylor_flight
     except ImportError:
@@ -96,7 +96,7 @@ def witness(scene: Scene, times: Array) -> Witness | None:
 
 
 def cartesian(scene: Scene, times: Array, way: Way, error: float) -> Motion:
-    """The motion at ascending times (n,) >= 0, s.
+    """The translation with drag at ascending times (n,) >= 0, s, integrated in three Cartesian coordinates.
 
     Parameters
     ----------
