@@ -31,7 +31,7 @@ SMALL_SPIN = 1e-4
 
 
 def refuse_stiff(law: Law, mass: float, gyration: float, deceleration: float, v1: float, v2: float, lasting: float) -> None:
-    """Raise `OutOfReach` for a body whose spin is braked so much faster than its slide that it takes too many steps.
+    """Raise `OutOfReach` for a body whose spin is braked so much faster than its slide that too many steps are needed.
 
     Parameters
     ----------
