@@ -9,12 +9,12 @@ Start here:
 
 - `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
   `truths` defines what it returns, and `certified` what `certificate` returns.
-- `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: the result of a way, and the comparison of
-  two ways.
+- `witnesses`: independent ways of computing a flight, and whether each can follow the motion. `witness`: the result of one way,
+  and the comparison of two results.
 - `certificate`: every way of computing one truth, compared with every other.
 - `scene`: bodies, initial states, planes, and the content of a file about a body and its start. `trajectory`: sampled states.
-  `bounds`: bounds of the errors of these. All other modules use them.
-- `bodies`: the bodies of any scene in one view, in which a single body is a mechanism of one.
+  `bounds`: bounds of the errors of sampled states. All other modules use them.
+- `bodies`: the bodies of any scene in one view, in which a single body is treated as a mechanism with one body.
 - `scenes`: many scenes in free flight that differ in numbers only, as arrays.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
 
@@ -29,19 +29,19 @@ Mechanics of any motion:
 
 Folders:
 
-- `exact`: what follows from the numbers of a file, with a hundred digits.
+- `exact`: the quantities that follow from the numbers of a file, computed with a hundred digits.
 - `flight`: free flight in closed form, and drag.
 - `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
 - `contact`: bodies that roll, bounce, rest and tip on a plane and on each other.
 - `mechanisms`: bodies on joints, in trees and closed chains.
 - `robots`: the terms of the equations of motion of robot models.
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
-- `independent`: a second way from the file to the motion, which shares no mechanics with the others.
+- `independent`: a second computation of the motion from the file, which shares no mechanics with the first.
 - `schemes`: textbook one-step schemes, with which the schemes of engines are identified.
-- `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
+- `chapter`: tools of the book's chapter that no truth needs: orientation, particles, wobble.
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these import the folders of
 motions. `contact` and `schemes` import `mechanisms`; `mechanisms` imports tools of `flight`, `independent` and `robots`; all of
 them may import `integration` and `exact`, but `independent` imports only numerical tools of `integration`. `scene`,
-`trajectory`, `bounds` and `errors` import nothing of this package but one another.
+`trajectory`, `bounds` and `errors` import only one another from this package.
 """

@@ -1,7 +1,7 @@
-"""The bodies of any scene, seen in one way: a single body is a mechanism of one.
+"""The bodies of any scene in one view: a single body is treated as a mechanism with one body.
 
-What measures or shows a motion reads the bodies here. The truth of a single body has ways of its own, such as closed forms,
-which other mechanisms do not have.
+Code that measures or shows a motion reads the bodies through this module. The truth of a single body is computed by other
+methods, such as closed forms, which do not exist for mechanisms in general.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class AnyBody:
     shape
         Its shape about the centre of mass; None if it has none.
     given
-        The body as the scene has it.
+        The body as the object that the scene contains.
     """
 
     name: str
@@ -47,7 +47,7 @@ class AnyBody:
 
 
 def bodies(scene: AnyScene) -> tuple[AnyBody, ...]:
-    """The bodies of a scene, in the order of the axis of bodies in arrays of states."""
+    """The bodies of a scene, in the order of the body axis of state arrays."""
     if isinstance(scene, Mechanism):
         return tuple(AnyBody(body.name, exact.nearest_inertia(body).mass, shape_of(body), body) for body in scene.bodies)
     return (AnyBody(BODY, scene.body.mass, scene.body.shape, scene.body),)
@@ -63,7 +63,7 @@ def initial(scene: AnyScene) -> Trajectory:
 
 
 def of_bodies(trajectory: Trajectory) -> Trajectory:
-    """The states (b, n, ...) of the bodies of a scene from a trajectory of it, which of a single body has (n, ...)."""
+    """The trajectory with states (b, n, ...) of b bodies; states (n, ...) of a single body become (1, n, ...)."""
     if trajectory.position.ndim == 3:
         return trajectory
     states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)

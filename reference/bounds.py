@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.trajectory import Array
 
-#: The relative error of a number that is rounded to double precision, twice.
+#: Twice the largest relative error of a number that is rounded to double precision.
 EPS = float(np.finfo(float).eps)
 
 
@@ -41,7 +41,7 @@ class Bounds:
     angular_momentum_error: Array
 
     def of_states(self) -> dict[str, Array]:
-        """The bounds of the figures that are states, by their names: all but those of energy and angular momentum."""
+        """The bounds of the states, by their names: all bounds except those of energy and angular momentum."""
         return {name: getattr(self, name) for name in STATES}
 
     def plus(self, other: "Bounds") -> "Bounds":

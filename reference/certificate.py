@@ -26,7 +26,7 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
-    """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
+    """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
     if touches(scene):
         alone = truth.computed(scene, times)
         return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own_bounds.error), 0, (NO_OTHER_WAY,), None)
@@ -61,7 +61,10 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
 
 
 def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> tuple[Witness, ...]:
-    """Every way but the truth. Those of a slide include the integration that the truth is taken from, with its own bounds."""
+    """Every way except the truth.
+
+    For a slide, they include the integration that the truth is taken from, with its own bounds.
+    """
     if scene.plane is not None:
         return slides.ways(scene, times)
     included = any(witness.name == second_closed_form.NAME for witness in witnesses)
@@ -70,7 +73,7 @@ def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> t
 
 
 def _wide_way(scene: Scene, times: Array) -> Iterator[Witness]:
-    """The independent way in multiprecision that leaves digits for the growth of rounding, where it can follow the motion."""
+    """Yield the independent way in multiprecision, with digits to spare for the growth of rounding, if it is possible."""
     begin = start(scene)
     if not any(begin.rates):
         return
@@ -83,7 +86,7 @@ def _wide_way(scene: Scene, times: Array) -> Iterator[Witness]:
 
 
 def _growth(scene: Scene, times: Array) -> Array | None:
-    """The growth of an error along a flight, where heyoka is installed and the motion is not too long to be integrated."""
+    """The growth of an error along a flight; None without heyoka, on a plane, or if the motion is too long."""
     try:
         from bodycheck.reference.integration import sensitivity
     except ImportError:

@@ -14,13 +14,14 @@ TRUTH_WAY = "truth"
 #: Why a truth without another way is not certified.
 NO_OTHER_WAY = "no other way follows this motion"
 
-#: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
+#: Bits of the mantissa that stay correct after rounding errors have grown along the motion: the error of the way is then below
+#: 1e-20.
 SPARE_BITS = 72
 
-#: Numbers of bits of a mantissa that are used, for each of which the equations are compiled once.
+#: Sizes of the mantissa (bits) to choose from; the equations are compiled once for each size.
 BITS = (128, 192, 256, 320)
 
-#: The figures that ways are compared in: the name of a bound, its unit, and what differs, in words.
+#: The quantities in which ways are compared: the name of the bound, its unit, and the name of the quantity in messages.
 COMPARED = (
     ("error", "rad", ""),
     ("angular_velocity_error", "rad/s", " in angular velocity"),
@@ -65,7 +66,10 @@ class Certificate:
 
 
 def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:
-    """By how much two ways differ more than their own bounds allow, in words, or None where they do not."""
+    """Return in words by how much two ways differ if it is more than their own bounds allow, otherwise None.
+
+    apart: the distances (n,) of the two ways, by the names of their bounds; see `witness.distances`.
+    """
     for name, unit, what in COMPARED:
         if name not in apart:
             continue

@@ -1,7 +1,7 @@
 """Observables of a body on the plane: its tilt, its penetration, and the instant and place of its stop.
 
-The penetration follows from the extent of the body in a direction, the support function of its shape. All are computed from a
-trajectory alone, with the same formulas for the truth and for every engine.
+The penetration follows from the extent of the body in a direction, the support function of its shape. All observables are
+computed from a trajectory alone, with the same formulas for the truth and for every engine.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ STOP_SPEED_FRACTION = 1e-3
 
 
 def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
-    """Return the extent (n,), m, of a body from its centre of mass against a direction.
+    """Return the extent (n,), m, of a body from its centre of mass in the direction opposite to `normal`.
 
     Parameters
     ----------
@@ -25,7 +25,8 @@ def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
     quaternion
         (n, 4) unit quaternions w, x, y, z, body to world.
     normal
-        The unit vector in the world, such as the normal of a plane: the body touches a plane that is so far below it.
+        The unit vector in the world frame, such as the normal of a plane: the body touches the plane if its centre of mass is
+        this extent above it.
     """
     down = rotate(conjugate(quaternion), np.tile(np.asarray(normal, dtype=float), (len(quaternion), 1)))
     match shape:
@@ -62,12 +63,12 @@ def penetration(scene: Scene, trajectory: Trajectory) -> Array:
 
 
 def measured_stop(scene: Scene, trajectory: Trajectory) -> Stop:
-    """The stop of a sampled trajectory; one that still moves at its last instant is given that instant as its stop.
+    """The stop of a sampled trajectory; if the body still moves at the last instant, that instant is the stop.
 
-    The speed is that of the kinetic energy, |u|^2 = v^2 + (C/m) w^2, and a body has stopped where it stays below
+    The speed |u| follows from the kinetic energy, |u|^2 = v^2 + (C/m) w^2, and a body has stopped when it stays below
     `STOP_SPEED_FRACTION` of its initial value. Friction reduces the speed at an even rate, so the time of the stop is
-    extrapolated from the last two samples above that, but is no later than the first sample below it. The yaw is counted
-    beyond full turns.
+    extrapolated from the last two samples above this threshold, but is no later than the first sample below it. The yaw
+    includes full turns.
     """
     t = trajectory.t
     spin = trajectory.angular_velocity[:, 2] ** 2 * scene.body.moments[2] / scene.body.mass

@@ -30,7 +30,8 @@ class WouldTip(Exception):
 def within_range(what: str) -> Iterator[None]:
     """Raise `OutOfReach` where a computation leaves the range of floating-point numbers, instead of a warning.
 
-    what: what is computed, for the text. A computation that goes on with infinite numbers must say so by `numpy.errstate`.
+    what: the name of the computation, for the text. A computation that continues with infinite numbers must permit them by
+    `numpy.errstate`.
     """
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):

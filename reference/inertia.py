@@ -1,4 +1,4 @@
-"""Inertia of rigid bodies in double precision [G 2.9, 2.27-2.32]; `exact.inertia` has what the truth is computed from.
+"""Inertia of rigid bodies in double precision [G 2.9, 2.27-2.32]; the truth uses `exact.inertia`.
 
 Inertia is always about the centre of mass. The equations of motion are written along the principal axes of a body, which
 `along_principal_axes` makes the frame of the body.
@@ -13,7 +13,7 @@ from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotat
 from bodycheck.reference.scene import Body, Scene, Shape, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: The quaternion (w, x, y, z) of no rotation: the body frame is that of the principal axes.
+#: The identity quaternion (w, x, y, z): the body frame is along the principal axes.
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 #: Relative amount by which A + B may fall short of C, because of rounding in the moments of a disc or a needle.
@@ -109,7 +109,8 @@ def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array
 def along_principal_axes(scene: Scene) -> Scene:
     """The same scene with the principal axes of its body as the body frame.
 
-    Attitude and angular velocity are converted. A scene whose body frame is that of the principal axes is returned as it is.
+    Attitude and angular velocity are converted. A scene whose body frame is along the principal axes already is returned
+    unchanged.
     """
     if scene.body.axes == IDENTITY:
         return scene

@@ -17,10 +17,10 @@ Floats = NDArray[Float]
 
 
 def dot(a: Floats[Float], b: Floats[Float]) -> Floats[Float]:
-    """Inner products (...) of vectors or quaternions (..., k), whose products are added one after another.
+    """Inner products (...) of vectors or quaternions (..., k), with the products of components added in order.
 
-    A vector has the same product, to the last bit, whichever others are beside it. It is what a sum over the last axis gives,
-    in a fifth of the time.
+    The inner product of two vectors is the same, to the last bit, whatever other vectors the arrays contain. The result is the
+    sum over the last axis, in a fifth of its time.
     """
     total = a[..., 0] * b[..., 0]
     for k in range(1, a.shape[-1]):
@@ -54,7 +54,7 @@ def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
 
 
 def conjugate(q: Floats[Float]) -> Floats[Float]:
-    """Conjugates (..., 4) of quaternions (..., 4): the inverse rotations, where these have unit length."""
+    """Conjugates (..., 4) of quaternions (..., 4): the inverse rotations if `q` has unit length."""
     return np.asarray(q * np.array([1, -1, -1, -1], dtype=q.dtype))
 
 
@@ -64,7 +64,7 @@ def normalise(q: Floats[Float]) -> Floats[Float]:
 
 
 def about(axis: Floats[Float], angle: Floats[Float]) -> Floats[Float]:
-    """Unit quaternions (n, 4) of rotations about unit axes (n, 3), or about one (3,), by angles (n,), in rad."""
+    """Unit quaternions (n, 4) of rotations about unit axes (n, 3), or about one axis (3,), by angles (n,), in rad."""
     half = angle / 2
     return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
 
@@ -115,8 +115,8 @@ def quaternion_from_euler(phi: Floats[Float], theta: Floats[Float], psi: Floats[
 def euler_from_quaternion(q: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
     """The z-x-z Euler angles (phi, theta, psi), each (...), rad, of unit quaternions (..., 4); theta is in [0, pi].
 
-    Where theta = 0 only phi + psi is determined, and where theta = pi only phi - psi. There phi = 0 and psi is the whole
-    angle, as is the book's convention [G p. 45].
+    Where theta = 0 only phi + psi is determined, and where theta = pi only phi - psi. In both cases phi = 0 and psi is the
+    whole angle, which is the book's convention [G p. 45].
     """
     w, x, y, z = np.moveaxis(q, -1, 0)
     sin_half, cos_half = np.hypot(x, y), np.hypot(w, z)

@@ -1,6 +1,6 @@
 """The scenes that the reference has a model of.
 
-Processes of engines ask this too, and need nothing else of the truth.
+Processes that run engines use this module too, and need no other part of the truth.
 """
 
 import functools
@@ -16,7 +16,7 @@ from bodycheck.reference.sliding.friction import footprint_of
 
 
 def missing_model(scene: AnyScene) -> str | None:
-    """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
+    """The feature of a scene that the reference has no model of, in words, or None if the reference can model the scene."""
     if touches(scene):
         return _missing_contact(scene)
     if scene.pushes:
@@ -37,7 +37,7 @@ def missing_model(scene: AnyScene) -> str | None:
 
 @functools.lru_cache(maxsize=64)
 def _missing_contact(scene: AnyScene) -> str | None:
-    """Return in words what the reference has no model of in a scene of bodies that touch, or None."""
+    """Return the feature of a scene with contact that the reference has no model of, in words, or None."""
     from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
     from bodycheck.reference.contact.ways import contact_motion
 
@@ -46,6 +46,6 @@ def _missing_contact(scene: AnyScene) -> str | None:
             contact_motion(problem(scene), np.zeros(1))
     except NotModelled as error:
         return str(error)
-    except OutOfReach:  # which its motion raises too, at any instants
+    except OutOfReach:  # the motion raises it too, whatever the instants
         return None
     return None

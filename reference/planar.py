@@ -30,7 +30,7 @@ class Stop:
     position
         Position of the centre of mass, world frame (m).
     yaw
-        Yaw psi about the vertical (rad), counted beyond full turns.
+        Yaw psi about the vertical (rad), including full turns.
     """
 
     time: float
@@ -41,7 +41,8 @@ class Stop:
 def planar_state(scene: Scene) -> Array:
     """Initial x, y (m), psi (rad), dx/dt, dy/dt (m/s), dpsi/dt (rad/s) along the axes of the plane, as an array (6,).
 
-    Raises `NotFlat` for a body that does not lie flat, with a list of the deviations, and for one that has no face to lie on.
+    Raises `NotFlat` for a body that does not lie flat, with a list of the deviations, and for a body that has no face to lie
+    on.
     """
     initial, resting = along_plane(scene), resting_height(scene.body.shape)
     (x, y, z), (vx, vy, vz), (p, q, r) = initial.position, initial.velocity, initial.angular_velocity

@@ -16,8 +16,8 @@ from bodycheck.reference.scene import Scene, Vector
 #: How many principal moments of a body are equal: all three, two, or none.
 Symmetry = Literal["sphere", "symmetric", "asymmetric"]
 
-#: What happens in a scene: a flight of a turning body, one without rotation, one against drag, contact with a plane, or the
-#: motion of bodies on joints.
+#: The kind of motion in a scene: a flight with rotation, a flight without rotation, a flight with drag, contact with a plane,
+#: or the motion of bodies on joints.
 Kind = Literal["turning", "translation", "drag", "contact", "mechanism"]
 
 
@@ -32,10 +32,10 @@ class Requirements:
     translation
         Whether the centre of mass moves.
     rotation
-        "none" for a body that does not rotate; "planar" for one that lies flat and rotates about the normal of the plane only,
-        for which one moment of inertia is enough; otherwise the symmetry of its moments, all of which count.
+        "none" for a body that does not rotate; "planar" for a body that lies flat and rotates about the normal of the plane
+        only, for which one moment of inertia is enough; otherwise the symmetry of its moments, all of which count.
     contact
-        Whether there is a plane; it counts as touched.
+        Whether there is a plane; the body then counts as touching it.
     friction
         Whether friction acts on the plane.
     incline
@@ -43,14 +43,15 @@ class Requirements:
     restitution
         Whether impacts give back a part of the velocity.
     rolling
-        Whether the body does not lie flat: it is round, lies on an edge or a corner, or falls on the plane; or nothing slips.
+        Whether the body does not lie flat (it is round, lies on an edge or a corner, or falls on the plane), or friction is
+        infinite, so that nothing slips.
     drag
         Whether drag acts on a body that moves.
     pushes
         Whether constant forces act on the body.
     degrees_of_freedom
-        Number of coordinates of the model: three for a translation, three for a rotation in space, even one about a fixed axis,
-        and three in all (x, y and yaw) for a body that lies flat.
+        Number of coordinates of the model: three for a translation, three for a rotation in space, even about a fixed axis, and
+        three in all (x, y and yaw) for a body that lies flat.
     """
 
     gravity: bool
@@ -93,7 +94,7 @@ class Requirements:
 
 @dataclass(frozen=True)
 class MechanismRequirements:
-    """The effects that a model of a mechanism must contain to be exact; what is zero in it is not required.
+    """The effects that a model of a mechanism must contain to be exact; effects whose parameters are zero are not required.
 
     Attributes
     ----------
@@ -102,7 +103,7 @@ class MechanismRequirements:
         "joint springs", "joint friction", "joint efforts", "loops", "point masses" where a body has a moment of zero,
         "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
-        Number of velocities of its joints and free bodies. Loops, which take some of them away, are not counted.
+        Number of velocities of its joints and free bodies. The velocities that loops take away are not subtracted.
     """
 
     effects: tuple[str, ...]
@@ -178,7 +179,7 @@ def symmetry(moments: Vector) -> Symmetry:
 
 
 def lies_flat(scene: Scene) -> bool:
-    """Return whether the body lies flat on the plane z = 0; see `planar.planar_state`."""
+    """Return whether the body lies flat on the plane of the scene; see `planar.planar_state`."""
     try:
         planar_state(scene)
     except NotFlat:
@@ -187,7 +188,11 @@ def lies_flat(scene: Scene) -> bool:
 
 
 def touches(scene: AnyScene) -> bool:
-    """Return whether `contact` has the motion: bodies touch, but not as a single one that lies flat on a level plane."""
+    """Return whether the motion is computed by `contact`.
+
+    `contact` computes mechanisms on a plane, and a single body on a plane without drag, except a body that lies flat on a level
+    plane with finite friction and without pushes.
+    """
     if isinstance(scene, Mechanism):
         return scene.plane is not None
     if scene.plane is None or scene.drag:
@@ -197,7 +202,7 @@ def touches(scene: AnyScene) -> bool:
 
 
 def slides(scene: AnyScene) -> TypeGuard[Scene]:
-    """Return whether `sliding` has, or should have, the motion: the scene is one body that lies flat on a level plane."""
+    """Return whether the motion is computed by `sliding`: the scene is one body on a plane, and `touches` is False."""
     return isinstance(scene, Scene) and scene.plane is not None and not touches(scene)
 
 
@@ -218,7 +223,7 @@ COLUMNS = (*(field.name for field in fields(Requirements)), "mechanism")
 def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
     """The requirements of any scene by `COLUMNS`.
 
-    Those of a mechanism besides gravity are a list in words, in the last, which other scenes do not have.
+    The effects of a mechanism except gravity are a list in words in the last column, which other scenes do not have.
     """
     if not isinstance(scene, Mechanism):
         return asdict(requirements(scene))
@@ -231,17 +236,17 @@ def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
 
 
 def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:
-    """The required effects that a model lacks, as a list in words, or None where it lacks none.
+    """The required effects that a model lacks, as a list in words, or None if it lacks nothing.
 
-    modelled: the effects that the model contains, by the names of the fields of `Requirements`, and those of mechanisms by the
-    names that `MechanismRequirements.names` gives.
+    modelled: the effects that the model contains, by the names of the fields of `Requirements`, and for mechanisms by the names
+    that `MechanismRequirements.names` gives.
     """
     return ", ".join(name for name in needs(scene).names() if name not in modelled) or None
 
 
 def _has_zero_moment(body: JointedBody) -> bool:
     """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
-    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms alone
+    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms only
 
     xx, yy, zz, xy, xz, yz = inertia(body).tensor
     determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)

@@ -4,8 +4,8 @@ World frame: z points up and gravity acts along -z. Body frame: axes I, J, K thr
 axes unless `Body.axes` says otherwise. Scenes are made of plain tuples of floats, so that a scene is immutable, hashable and
 cheap to send to another process.
 
-A `Definition` keeps what the case file says of the body and of its initial rotation. Its numbers are the doubles nearest to the
-decimals of the file, and they are meant exactly: the truth of a scene is the motion of these numbers. `exact.start` computes
+A `Definition` keeps what the case file says about the body and its initial rotation. Its numbers are the doubles nearest to the
+decimals of the file, and they are taken as exact: the truth of a scene is the motion of these numbers. `exact.start` computes
 what follows from them with many digits. Engines get the nearest doubles.
 """
 
@@ -22,7 +22,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 def vector_of(components: Iterable[SupportsFloat]) -> Vector:
-    """Three components as doubles, such as those of an array (3,) of any floating-point type."""
+    """Convert three components, such as an array (3,) of any floating-point type, to a tuple of doubles."""
     x, y, z = components
     return float(x), float(y), float(z)
 
@@ -106,12 +106,12 @@ class State:
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane through the origin with Coulomb friction: z = 0, or this turned about y.
+    """A plane through the origin with Coulomb friction: the plane z = 0, or this plane turned about y.
 
     Attributes
     ----------
     friction
-        Coefficient of friction mu; infinite where nothing slips.
+        Coefficient of friction mu; infinite if nothing slips.
     law
         The law of friction of the truth: over the whole face of the body ("area"), at its corners alone ("corners"), or the
         book's law, in which translation and spin are braked independently of each other ("decoupled").
@@ -132,24 +132,24 @@ class Plane:
 
     @property
     def normal(self) -> Vector:
-        """The unit normal of the plane, out of it."""
+        """The unit normal of the plane, world frame; it points upwards out of the plane."""
         return math.sin(self.incline), 0.0, math.cos(self.incline)
 
 
 @dataclass(frozen=True)
 class Push:
-    """A constant force on a body for some time.
+    """A constant force that acts on a body for some time.
 
     Attributes
     ----------
     force
         The force, world frame (N).
     point
-        Where it acts, from the centre of mass along the axes of the body's frame (m).
+        The point where the force acts, relative to the centre of mass, body frame (m).
     start, end
-        From when until when it acts (s).
+        The instants at which the force sets in and ends (s).
     body
-        The place of the body among those of the scene.
+        The index of the body among the bodies of the scene.
     """
 
     force: Vector
@@ -161,7 +161,7 @@ class Push:
 
 @dataclass(frozen=True)
 class EulerAngles:
-    """An attitude by the z-x-z Euler angles phi, theta and psi (rad)."""
+    """An attitude given by the z-x-z Euler angles phi, theta and psi (rad)."""
 
     phi: float
     theta: float
@@ -174,7 +174,7 @@ Attitude = Quaternion | EulerAngles
 
 @dataclass(frozen=True)
 class EulerRates:
-    """An angular velocity by the rates of the z-x-z Euler angles, dphi, dtheta and dpsi (rad/s)."""
+    """An angular velocity given by the rates of the z-x-z Euler angles, dphi, dtheta and dpsi (rad/s)."""
 
     dphi: float
     dtheta: float
@@ -192,9 +192,9 @@ class Solid:
     mass
         Its mass (kg).
     position
-        Its centre of mass, in the frame of the body, from any origin (m).
+        Its centre of mass, relative to any origin, along the axes of the body frame (m).
     attitude
-        Its axes in the frame of the body.
+        The attitude of its axes in the frame of the body.
     """
 
     shape: Shape
@@ -205,7 +205,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Particle:
-    """A point mass (kg), and its position in the frame of the body, from any origin (m)."""
+    """A point mass (kg), and its position relative to any origin along the axes of the body frame (m)."""
 
     mass: float
     position: Vector
@@ -219,13 +219,13 @@ class Tensor:
     rows: tuple[Vector, Vector, Vector]
 
 
-#: What a body is made of, in the frame of the body.
+#: The data from which the inertia of a body follows, in the frame of the body.
 Given = Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The doubles that the scene of a definition was given when it was made: see `Body` and `State`."""
+    """The doubles of the scene that was made from a definition; for their meaning, see `Body` and `State`."""
 
     moments: Vector
     axes: Quaternion
@@ -247,7 +247,7 @@ class Definition:
     rotation
         The initial angular velocity in the frame of the body (rad/s), or the rates of the Euler angles of the attitude.
     nearest
-        The doubles of the scene that was made of it; None before there is one.
+        The doubles of the scene that was made from this definition; None before a scene is made.
     """
 
     inertia: Given
@@ -275,9 +275,9 @@ class Scene:
     pushes
         Constant forces on the body.
     definition
-        What the case file says of the body and its initial rotation, of which the doubles of `body` and `initial` are the
-        nearest; None where these are all that is known. It counts only as long as they are the ones that follow from it, so
-        that a scene in which they are replaced is the scene of the new numbers; see `exact.start`.
+        The body and its initial rotation as the case file states them; `body` and `initial` hold the nearest doubles. None if
+        only the doubles are known. A part of the definition counts only while the scene still has the doubles made from it, so
+        that a scene in which they are replaced is the scene of the new numbers; see `valid` and `exact.start`.
     """
 
     body: Body
@@ -290,13 +290,13 @@ class Scene:
 
     @property
     def conserves(self) -> bool:
-        """True if energy and angular momentum about the centre of mass are conserved: there are no plane, drag and pushes."""
+        """True if energy and angular momentum about the centre of mass are conserved: there is no plane, drag or push."""
         return self.plane is None and not self.drag and not self.pushes
 
 
 @dataclass(frozen=True)
 class Valid:
-    """The parts of a scene's definition that the scene still has."""
+    """The parts of a scene's definition that still count: True for each part whose doubles the scene still has."""
 
     inertia: bool
     attitude: bool
@@ -304,7 +304,7 @@ class Valid:
 
 
 def valid(scene: Scene) -> Valid:
-    """Return the parts of its definition that a scene still has: those whose doubles are the ones that it was made with."""
+    """Return which parts of a scene's definition still count: the parts whose doubles the scene still has."""
     nearest = scene.definition.nearest if scene.definition is not None else None
     if nearest is None:
         return Valid(inertia=False, attitude=False, rotation=False)

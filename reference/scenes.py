@@ -1,8 +1,9 @@
 """Many scenes in free flight that differ in numbers only, as arrays.
 
 A member of an ensemble is a scene whose body, initial state or gravity has other numbers than a base scene. `vary` makes the
-arrays of all members at once, with the same meaning as a case file has: numbers are meant exactly, the moments of a homogeneous
-solid follow from its mass and sizes, and a quaternion counts by its direction. `obstacle` says what a base scene must not have.
+arrays of all members at once, with the same meaning as in a case file: numbers are taken as exact, the moments of a homogeneous
+solid follow from its mass and sizes, and only the direction of a quaternion counts. `obstacle` names what prevents a scene from
+being a base.
 """
 
 from collections.abc import Mapping
@@ -31,7 +32,7 @@ from bodycheck.reference.scene import (
 )
 from bodycheck.reference.trajectory import Array
 
-#: What can vary, and the number of its components; 0 for a number.
+#: The quantities that can vary, and the number of components of each; 0 for a scalar.
 VARIABLES = {
     "mass": 0,
     "semi_axes": 3,
@@ -61,17 +62,17 @@ class Scenes:
     Attributes
     ----------
     like
-        The base scene: all that the members have in common.
+        The base scene, which holds everything that the members have in common.
     mass
         (m,) masses (kg).
     moments
         (m, 3) principal moments A, B, C (kg m^2), in the nearest doubles.
     exact_moments
-        (m, 3) the same as pairs, to some 120 bits.
+        (m, 3) the same moments as pairs, to some 120 bits.
     homogeneous
-        Whether the moments follow from the shape and the mass. Otherwise the doubles are meant exactly.
+        Whether the moments follow from the shape and the mass. Otherwise the doubles are taken as exact.
     sizes
-        (m, k) sizes of the shapes (m): three semi-axes, or radius and half length, or a radius. None where no size varies.
+        (m, k) sizes of the shapes (m): three semi-axes, or radius and half length, or a radius. None if no size varies.
     position
         (m, 3) initial positions of the centre of mass, world frame (m).
     quaternion
@@ -106,7 +107,7 @@ class Scenes:
         return Scenes(**(values | arrays))
 
     def shape(self, k: int) -> Shape | None:
-        """The shape of a member."""
+        """The shape of the member with the index k."""
         shape = self.like.body.shape
         if shape is None or self.sizes is None:
             return shape
@@ -114,7 +115,7 @@ class Scenes:
         return type(shape)(tuple(sizes)) if isinstance(shape, Brick | Ellipsoid) else type(shape)(*sizes)
 
     def scene(self, k: int) -> Scene:
-        """A member as a scene of its own, in the nearest doubles, without a definition."""
+        """The member with the index k as a single scene, in the nearest doubles, without a definition."""
         (a, b, c), (w, p, q, r) = self.moments[k].tolist(), self.quaternion[k].tolist()
         (x, y, z), (u, v, s) = self.position[k].tolist(), self.velocity[k].tolist()
         i, j, n = self.angular_velocity[k].tolist()
@@ -147,22 +148,22 @@ def vary(base: Scene, values: Mapping[str, Array]) -> Scenes:
     """The scenes that have other numbers than a base scene.
 
     The moments follow from the sizes and the mass where the definition of the base is a homogeneous solid, unless they vary
-    themselves. Otherwise mass and sizes do not change them. The values are not checked: whoever draws them sees to it that each
-    member is a body.
+    themselves. Otherwise mass and sizes do not change them. The values are not checked: the caller ensures that each member is
+    a possible body.
 
     Parameters
     ----------
     base
-        A scene without `obstacle`.
+        A scene for which `obstacle` returns None.
     values
-        What varies, by the names in `VARIABLES`, as arrays (m,) of numbers or (m, k) of vectors, in SI units. A quaternion
-        (w, x, y, z) can have any length but zero.
+        The quantities that vary, by the names in `VARIABLES`, as arrays (m,) of numbers or (m, k) of vectors, in SI units. A
+        quaternion (w, x, y, z) can have any length but zero.
 
     Raises
     ------
     ValueError
-        If the base has an obstacle, nothing varies, a name is not one of these or no size of the shape, or an array has another
-        shape.
+        If the base has an obstacle, `values` is empty, a name is not in `VARIABLES` or is a size that the shape does not have,
+        or an array has the wrong shape.
     """
     if (reason := obstacle(base)) is not None:
         raise ValueError(f"the numbers of this scene cannot vary: {reason}")
@@ -223,12 +224,12 @@ def _checked(base: Scene, values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def sizes_of(shape: Shape) -> Array:
-    """The sizes (k,) of a shape (m)."""
+    """The sizes (k,), m, of a shape."""
     return np.hstack([getattr(shape, name) for name in SIZES[type(shape)]])
 
 
 def _sizes(shape: Shape | None, columns: dict[str, Array], m: int) -> Array | None:
-    """The sizes (m, k) of the shapes of all members (m), or None where none varies."""
+    """The sizes (m, k), in metres, of the shapes of all members, or None if no size varies."""
     names = SIZES[type(shape)] if shape is not None else ()
     if not any(name in columns for name in names):
         return None
@@ -236,7 +237,10 @@ def _sizes(shape: Shape | None, columns: dict[str, Array], m: int) -> Array | No
 
 
 def _homogeneous(kind: type[Shape], mass: Array, sizes: Array) -> Pair:
-    """The moments (m, 3), kg m^2, of homogeneous solids of masses (m,), kg, and sizes (m, k), m: as `exact.inertia.moments`."""
+    """The moments (m, 3), kg m^2, of homogeneous solids of masses (m,), kg, and sizes (m, k), m.
+
+    The formulas are those of `exact.inertia.moments`.
+    """
     weight, squares = pairs.of_wide(mass), pairs.squares(sizes)
 
     def share(divisor: int) -> Pair:

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 class Trajectory:
     """States of a body at n instants, in the conventions of `scene.State`.
 
-    Those of b bodies have the bodies as their first axis: positions (b, n, 3), and so on, at the same instants (n,).
+    The states of b bodies have the bodies as their first axis: positions (b, n, 3), and so on, at the same instants (n,).
 
     Attributes
     ----------

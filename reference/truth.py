@@ -1,7 +1,7 @@
 """The truth of a scene: its reference trajectory together with a bound of the trajectory's own error.
 
-The truth is computed from the smallest model that is exact. In free flight this is a closed form, with translation and
-rotation solved independently. A flight has witnesses, some of which start from the file by code of their own; see `witnesses`.
+The truth is computed from the smallest model that is exact. In free flight this is a closed form, with translation and rotation
+solved independently. A flight has witnesses, some of which are computed from the case file by separate code; see `witnesses`.
 Drag on the translation leads to quadratures, whose witness is an integration in three coordinates. A body that lies flat on a
 plane has three coordinates; see `sliding`.
 """
@@ -27,8 +27,8 @@ from bodycheck.reference.witnesses import Backend, backend, witnesses
 def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Truth:
     """The truth of a scene.
 
-    The bound of the attitude error of a body that rotates is the sum of the bound of its closed form and of the largest
-    disagreement so far with either witness. Where the witnesses cannot be computed, it is the bound of the closed form.
+    In free flight, the bounds are those of the closed form, plus, for each witness, the largest disagreement so far beyond the
+    bounds of both. Without witnesses, they are the bounds of the closed form.
 
     Parameters
     ----------
@@ -61,7 +61,8 @@ def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouch
 def at(computed_truth: Truth, times: Array) -> Truth:
     """The truth of the scene of a known truth at ascending times (n,) >= 0, s.
 
-    It is a part of the known truth if that has all of these times, and is computed if not; this raises as `truth` does.
+    If the known truth has all of these times, the result is a part of it. Otherwise the truth is computed, which raises as
+    `truth` does.
     """
     try:
         return computed_truth.at(times)
@@ -70,7 +71,7 @@ def at(computed_truth: Truth, times: Array) -> Truth:
 
 
 def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
-    """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
+    """The truth of a scene with the bounds and witnesses behind its bounds; arguments and exceptions as of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
     if touches(scene):
@@ -122,7 +123,7 @@ def on_plane(scene: Scene, times: Array) -> Truth:
 
 
 def with_drag(scene: Scene, flight: Truth) -> Truth:
-    """The truth of a scene of a flight with drag, from the truth of the same flight without it.
+    """The truth of a flight with drag, from the truth of the same flight without drag.
 
     Drag acts at the centre of mass and does not change the rotation.
     """

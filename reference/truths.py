@@ -1,4 +1,4 @@
-"""A truth with its bounds, and the reason where the reference has none."""
+"""A truth with its bounds, and the answer for a scene without a truth."""
 
 from dataclasses import dataclass, replace
 
@@ -29,7 +29,8 @@ class Truth:
     scene
         The scene.
     trajectory
-        The reference trajectory at n instants, in the frame of the scene's body; of a mechanism, of all its bodies.
+        The reference trajectory at n instants, in the frame of the scene's body; for a mechanism, the trajectories of all its
+        bodies.
     bounds
         Bounds of the errors of the trajectory itself at each instant.
     model
@@ -39,17 +40,17 @@ class Truth:
     backend
         Name of the software that solved them.
     witnesses
-        Names of the independent solutions that the bounds rely on; empty where none is needed, and where none can be computed.
+        Names of the independent solutions that the bounds rely on; empty if no solution is needed or can be computed.
     stop
-        The instant and place where a body on a plane comes to rest; None in free flight and where it still moves at the last
-        instant.
+        The instant and place where a body on a plane comes to rest; None in free flight, and if the body still moves at the
+        last instant.
     joints
-        The motion of the joints of a mechanism at the same instants; None of a single body.
+        The motion of the joints of a mechanism at the same instants; None for a single body.
     growth
-        (n,) by how much an error at t = 0 has grown at most, of a mechanism; None where it is not known.
+        (n,) largest factor by which an error at t = 0 has grown, for a mechanism; None where it is not known.
     events
-        What happens within the instants to bodies that touch: impacts, the begin of rolling, slipping, rest and tipping. Where
-        mechanics gives no motion after or before one, states and bounds are NaN.
+        The events of bodies that touch, within the instants: impacts, and the start of rolling, slipping, rest and tipping.
+        Where mechanics determines no motion after or before an event, states and bounds are NaN.
     friction
         The smallest coefficient of friction with which nothing slips along a motion without slip; 0 for any other motion.
     interfaces
@@ -92,14 +93,15 @@ class Truth:
 
 @dataclass(frozen=True, eq=False)
 class Computed:
-    """A truth with what its bounds come from.
+    """A truth with the bounds and witnesses that its bounds come from.
 
     Attributes
     ----------
     truth
         The truth.
     own_bounds
-        The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
+        The bounds of the computation of the truth, without regard to witnesses. The bounds of the truth are larger where a
+        witness contradicts it.
     witnesses
         The witnesses.
     """
@@ -111,7 +113,7 @@ class Computed:
 
 @dataclass(frozen=True)
 class NoTruth:
-    """The answer where the reference has no truth.
+    """The answer for a scene of which the reference has no truth.
 
     Attributes
     ----------

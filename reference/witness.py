@@ -37,7 +37,7 @@ class Witness:
     velocity
         (n, 3) velocities of the centre of mass, world frame (m/s).
     error, angular_velocity_error, position_error, velocity_error
-        (n,) bounds of the errors of these four, in rad, rad/s, m and m/s.
+        (n,) bounds of the errors of these four quantities, in rad, rad/s, m and m/s.
     digits
         Decimal digits of the arithmetic.
     """
@@ -70,9 +70,10 @@ def distances(one: "Witness", other: "Witness") -> dict[str, Array]:
 
 
 def excess(scene: Scene, motion: Trajectory, own_bounds: Bounds, witness: Witness) -> Bounds:
-    """By how much a motion and a witness disagree beyond what the bounds of both allow, the largest so far.
+    """The disagreement of a motion and a witness beyond the bounds of both, as the largest value so far.
 
-    It is zero where both keep their bounds. Otherwise one of them is wrong, and the bound of the motion is to grow by it.
+    It is zero where the bounds of both hold. Otherwise the motion or the witness is wrong, and the bound of the motion has to
+    grow by this excess.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def excess(scene: Scene, motion: Trajectory, own_bounds: Bounds, witness: Witnes
         The scene.
     motion
         The motion at n instants.
-    own
+    own_bounds
         The bounds of its errors.
     witness
         The witness at the same instants.
@@ -88,7 +89,7 @@ def excess(scene: Scene, motion: Trajectory, own_bounds: Bounds, witness: Witnes
     Returns
     -------
     Bounds
-        The excess of each figure (n,), never decreasing. That of energy and angular momentum follows from the others.
+        The excess of each figure (n,), never decreasing. The excess of energy and angular momentum follows from the others.
     """
     apart = distances(as_way("", motion, own_bounds), witness)
     none = np.zeros(len(motion))
@@ -100,7 +101,7 @@ def excess(scene: Scene, motion: Trajectory, own_bounds: Bounds, witness: Witnes
 
 
 def as_way(name: str, motion: Trajectory, bounds: Bounds) -> Witness:
-    """A motion in double precision with bounds of its errors, as one of the ways that are compared."""
+    """Return a motion in double precision and the bounds of its errors as a `Witness`, to be compared with others."""
     states = motion.quaternion, motion.angular_velocity, motion.position, motion.velocity
     return Witness(name, *states, **bounds.of_states(), digits=DOUBLE_DIGITS)
 
@@ -108,9 +109,9 @@ def as_way(name: str, motion: Trajectory, bounds: Bounds) -> Witness:
 def conserved_errors(
     scene: Scene, motion: Trajectory, error: Array, position_error: Array, velocity_error: Array, angular_velocity_error: Array
 ) -> dict[str, Array]:
-    """The errors of energy and angular momentum that errors (n,) of the states of a motion can cause, by the names of `Bounds`.
+    """Bounds of the errors of energy and angular momentum that errors (n,) of the states cause, by the names of `Bounds`.
 
-    They hold for errors in any direction, and are infinite where no double is large enough.
+    They hold for errors in any direction, and are infinite where they exceed the range of doubles.
     """
     moments = np.array(scene.body.moments)
     speeds, spins = np.linalg.norm(motion.velocity, axis=1), np.linalg.norm(motion.angular_velocity, axis=1)
@@ -126,8 +127,8 @@ def conserved_errors(
 def angle_between(p: WideArray, q: WideArray) -> Array:
     """Angle (n,), rad, between attitudes (n, 4) in double precision or wider, computed in the wider of the two types.
 
-    Unit quaternions that are an angle alpha apart have the distance 2 sin(alpha / 4), or their opposites have. This takes fewer
-    operations than the relative quaternion, and is as accurate near 0 and near pi.
+    If two attitudes differ by an angle alpha, the distance between their unit quaternions p and q, or p and -q, is 2
+    sin(alpha/4). This formula takes fewer operations than the relative quaternion, and is as accurate near 0 and near pi.
     """
     wide = np.result_type(p, q)
     one, other = p.astype(wide), q.astype(wide)

@@ -1,11 +1,11 @@
-"""The witnesses of a flight: its motion in other ways, where a way can follow it at a cost and with an error known beforehand.
+"""The witnesses of a flight: its motion computed in other ways, where the cost and the error are known beforehand.
 
 - Euler-Lagrange: the equations that follow from the Lagrangian in Euler angles, from the exact start of the truth.
-- Quasi-coordinates: Euler's equations, from the file on by code of its own: see `independent`. Its translation is its own too.
+- Quasi-coordinates: Euler's equations, and the translation, by separate code that starts from the case file: see `independent`.
 
-What lasts longer than a period of the angular velocity is continued from one period (`integration.periods`). Where even one
-period turns the body too far, or amplifies rounding too much, a way is left out. The second closed form stands in there, and
-where the integrations have lost too many digits (`independent.closed_form`).
+A motion that lasts longer than a period of the angular velocity is continued from one period (`integration.periods`). If even
+one period turns the body too far, or amplifies rounding too much, the integration is left out. The second closed form
+(`independent.closed_form`) is then used instead, and also where the integrations have lost too many digits.
 """
 
 import contextlib
@@ -45,7 +45,7 @@ STORED_ROUNDINGS = 4.0
 #: Roundings of an integration by DOP853 with its tolerance, before they are amplified.
 DOP853_ROUNDINGS = 200.0
 
-#: Largest angle (rad) that an integration is to turn through, which takes some 10 ms in 80 bits.
+#: Largest angle (rad) that an integration may turn through; this takes some 10 ms in 80-bit arithmetic.
 FARTHEST_RAD = 300.0
 
 #: Name of SciPy's solver in results.
@@ -54,20 +54,21 @@ DOP853_NAME = "scipy-dop853"
 #: Decimal digits of NumPy's widest type.
 EXTENDED_DIGITS = math.ceil(-math.log10(float(np.finfo(np.longdouble).eps)))
 
-#: Most instants at which DOP853 is a witness, because a step ends at each: they take some two seconds.
+#: Largest number of instants at which DOP853 is a witness: a step ends at each instant, and so many steps take some two
+#: seconds.
 DOP853_INSTANTS = 10_000
 
-#: Number of periods from which a motion is continued from one.
+#: Number of periods beyond which a motion is continued from one period.
 FEW_PERIODS = 1.2
 
-#: Largest error (rad) with which a way is a witness.
+#: Largest error (rad) that an integration may have as a witness.
 LARGEST_ERROR = 1e-3
 
-#: Error (rad) of the integrations from which on the second closed form is worth its cost.
+#: Error (rad) of the integrations above which the second closed form is worth its cost.
 ACCURATE = 1e-10
 
 
-#: A way to a witness.
+#: A function that computes a witness of a scene at ascending times (n,) >= 0, s.
 Way = Callable[[Scene, Array], Witness]
 
 
@@ -86,11 +87,12 @@ class Course:
     turning
         Bound of the angle through which the integration turns (rad).
     in_period
-        Error (rad) after one period for a relative rounding of 1 at all times before.
+        Error (rad) after one period, per unit of relative rounding error made at all earlier times.
     growth
-        (n,) the same at the instants.
+        (n,) the same error at the instants.
     growth_until
-        The same at any times (n,) for a motion that is followed from the start on, and not continued from one period.
+        A function that gives the same error at any times (n,), for a motion that is integrated from the start and not continued
+        from one period.
     """
 
     period: Any
@@ -103,12 +105,12 @@ class Course:
 
 
 def course(begin: Start, times: Array, few_periods: float = FEW_PERIODS) -> Course:
-    """Return what is known of the rotation from a start, which is not at rest, until ascending times (n,) >= 0, s.
+    """Return the properties of the rotation from a start that is not at rest, until ascending times (n,) >= 0, s.
 
-    A rounding of the moments also changes the rate of the polhode, lambda of `torque_free`, by the rounding over the difference
-    of the two moments that the rate is proportional to.
+    A rounding of the moments also changes the rate of the polhode, lambda of `torque_free`, by the rounding divided by the
+    difference of the two moments to which the rate is proportional.
 
-    few_periods: the number of periods from which it is continued from one.
+    few_periods: the number of periods beyond which the rotation is continued from one period.
     """
     motion = polhode_of(begin)
     if motion is None:
@@ -167,7 +169,7 @@ def backend() -> Backend:
 
 
 def dop853() -> Backend:
-    """SciPy's DOP853 in double precision."""
+    """The solver that is always installed: SciPy's DOP853 in double precision."""
     return Backend(
         DOP853_NAME,
         lambda scene, times: in_doubles("euler-lagrange", lagrangian.integrate, scene, times),
@@ -178,8 +180,8 @@ def dop853() -> Backend:
 def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
     """The witnesses of the flight of a scene at ascending times (n,) >= 0, s.
 
-    They are the integrations of the solver that can follow the motion. Where one of them cannot, or neither is accurate, the
-    second closed form stands in. The translation has a witness in any case, unless there is drag.
+    They are the integrations of the solver that can follow the motion. If one of them cannot, or neither is accurate, the
+    second closed form is added. The translation always has a witness, unless there is drag.
     """
     if not any(start(scene).rates):
         return [unmoved(scene, times, turns=False)]
@@ -194,7 +196,7 @@ def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
 
 
 def wide_witness(scene: Scene, times: Array, bits: int) -> Witness:
-    """The independent way of a body that rotates, in multiprecision arithmetic with a mantissa of some bits (heyoka).
+    """The independent way of a body that rotates, in multiprecision arithmetic with a mantissa of `bits` bits (heyoka).
 
     Its states are rounded to the widest type of NumPy. Raises `OutOfReach` where it cannot follow the motion, and `ImportError`
     where heyoka is not installed.
@@ -244,7 +246,7 @@ def in_doubles(name: str, integrate: Callable[[Scene, Array], Trajectory], scene
 
 
 def unmoved(scene: Scene, times: Array, *, turns: bool) -> Witness:
-    """The parabola, and the attitude of a body that does not turn, which stays as it is: from the file by code of its own."""
+    """The parabola and, for a body that does not turn, its constant attitude, by separate code that starts from the file."""
     wide = np.longdouble
     states: dict[str, Any] = {} if scene.drag else _translation(scene, times)
     if not turns:
@@ -256,12 +258,12 @@ def unmoved(scene: Scene, times: Array, *, turns: bool) -> Witness:
 
 
 def followed(motion: Motion, axis: WideArray, expected: Course, times: Array, rounding: float) -> tuple[Rotation, Array]:
-    """A rotation at times (n,), and a bound (n,) of its error (rad), which is infinite where it cannot be followed.
+    """A rotation at times (n,), and a bound (n,) of its error (rad), which is infinite where the rotation cannot be followed.
 
     axis: (3,) direction of the angular momentum in the world. rounding: the relative error made at all times.
 
-    Where the motion does not have the period that its course says, one of the two is wrong. The period is then searched for;
-    and where none is found, the motion is followed as far as it may turn.
+    If the motion does not have the period of its course, one of the two is wrong. The period is then searched for. If none is
+    found, the motion is followed as far as `FARTHEST_RAD` allows.
     """
     if not expected.repeats:
         return motion.follow(times.astype(axis.dtype)), rounding * expected.growth

@@ -14,25 +14,25 @@ from bodycheck.reference.trajectory import Array
 #: Size up to which entries of a rotation matrix are rounding errors, so that a direction computed from them is meaningless.
 SINE_ROUNDING = 4 * float(np.finfo(float).eps)
 
-#: How far the scalar products of the axes of a matrix may be from those of orthonormal axes. It admits matrices in single
-#: precision, and neither a reflection nor a scaling.
+#: Largest deviation of the scalar products of the axes of a matrix from the scalar products of orthonormal axes. It admits
+#: matrices in single precision, but no scaled matrices.
 ORTHONORMALITY_TOLERANCE = 1e-6
 
 
 def rx(alpha: Floats[Float]) -> Floats[Float]:
-    """Rx (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by alpha about I to those after."""
+    """Rx (..., 3, 3) [G 2.15], which maps body components before a rotation by alpha about I to body components after it."""
     c, s, zero, one = _entries(alpha)
     return _matrix([[one, zero, zero], [zero, c, s], [zero, -s, c]])
 
 
 def ry(beta: Floats[Float]) -> Floats[Float]:
-    """Ry (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by beta about J to those after."""
+    """Ry (..., 3, 3) [G 2.15], which maps body components before a rotation by beta about J to body components after it."""
     c, s, zero, one = _entries(beta)
     return _matrix([[c, zero, -s], [zero, one, zero], [s, zero, c]])
 
 
 def rz(gamma: Floats[Float]) -> Floats[Float]:
-    """Rz (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by gamma about K to those after."""
+    """Rz (..., 3, 3) [G 2.15], which maps body components before a rotation by gamma about K to body components after it."""
     c, s, zero, one = _entries(gamma)
     return _matrix([[c, s, zero], [-s, c, zero], [zero, zero, one]])
 
@@ -58,7 +58,7 @@ def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
 
 
 def body_to_inertial(axes: str, *angles: Floats[Float]) -> Floats[Float]:
-    """A1 (..., 3, 3), the transpose of `inertial_to_body` for the same arguments, with the same errors [G 2.20]."""
+    """A1 (..., 3, 3), the transpose of `inertial_to_body` for the same arguments; it raises the same errors [G 2.20]."""
     return np.asarray(np.swapaxes(inertial_to_body(axes, *angles), -1, -2))
 
 
@@ -101,7 +101,7 @@ def zxz_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[
     """Euler angles (phi, theta, psi), each (...), rad, of matrices A1 (..., 3, 3).
 
     theta is in [0, pi], the others are in [-pi, pi]. Where sin(theta) is zero, or no larger than the rounding of a matrix, only
-    phi + psi is determined (where theta = pi: phi - psi). There phi = 0, psi is the whole angle and theta is 0 or pi, as is
+    phi + psi is determined (where theta = pi: phi - psi). There phi = 0, psi is the whole angle and theta is 0 or pi, which is
     the book's convention [G p. 45].
 
     Raises `ValueError` if a matrix is not a rotation matrix.
@@ -144,9 +144,9 @@ def axis_and_angle(a1: Array) -> tuple[Array, Array]:
     """The single rotation that takes the body from the inertial axes to its attitude A1 (..., 3, 3) [G 2.23-2.26].
 
     Returns the unit axis (..., 3), which has the same components in both frames, and the angle (...), rad, in [0, pi],
-    counterclockwise about it. The angle is computed with atan2 from the quaternion, which is accurate near 0 and near pi,
-    where the arccos of [G 2.26] loses half of the digits. A half turn has two axes, of which the one is returned whose last
-    non-zero component is positive. Where there is no rotation, every axis is valid and K is returned.
+    counterclockwise about it. The angle is computed with atan2 from the quaternion, which is accurate near 0 and near pi, where
+    the arccos of [G 2.26] loses half of the digits. Of the two axes of a half turn, the axis whose last non-zero component is
+    positive is returned. Where there is no rotation, every axis is valid and K is returned.
 
     Raises `ValueError` if a matrix is not a rotation matrix.
     """

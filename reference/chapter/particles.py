@@ -91,8 +91,8 @@ def circle(distances: Array) -> tuple[Array, Array, Array]:
 def normals(along: Array) -> tuple[Array, Array]:
     """Unit vectors v1, v2 (..., 3) that form a right-handed triad with unit vectors r12/d12 (..., 3), `along`.
 
-    v1 is that of [G 2.7], along i x r12. Where r12 is parallel to i to rounding, v1 is along j x r12 instead; no choice of v1
-    is continuous for every direction.
+    v1 is the vector of [G 2.7], along i x r12. Where r12 is parallel to i to rounding, v1 is along j x r12 instead; no choice
+    of v1 is continuous for every direction.
     """
     x, y, z = np.moveaxis(along, -1, 0)
     zero = np.zeros_like(x)

@@ -25,7 +25,7 @@ def longitude_and_colatitude(vector: Floats[Float]) -> tuple[Floats[Float], Floa
 
     Along k and -k, where the longitude is undefined, alpha = 0.
 
-    Raises `ValueError` for a vector of zero length, and for one that is not finite.
+    Raises `ValueError` for a vector that has zero length or is not finite.
     """
     x, y, z = np.moveaxis(vector, -1, 0)
     level = np.hypot(x, y)

@@ -1,8 +1,8 @@
 """The wobble that a stable spin tolerates: the separatrix of torque-free motion, and the cone of a symmetric body.
 
-A wobble is an angular velocity about another axis than that of the spin. A spin about the axis of the smallest or of the
-largest moment remains a spin about that axis as long as the angular momentum, in the body frame, encircles that axis, that
-is, as long as L^2 - 2 T I_middle has the same sign as without the wobble.
+A wobble is an angular velocity about an axis other than the axis of the spin. A spin about the axis of the smallest or of the
+largest moment remains a spin about that axis as long as the angular momentum, in the body frame, encircles that axis, that is,
+as long as L^2 - 2 T I_middle has the same sign as without the wobble.
 """
 
 import math
@@ -36,7 +36,7 @@ def largest_wobble(moments: Vector, spin: float) -> float:
     """The wobble (rad/s) at which a spin (rad/s) about K is lost; infinite where no wobble is enough.
 
     Beyond it the angular momentum, in the body frame, no longer encircles K. The wobble is about the axis of the opposite
-    extreme moment: that of the largest moment if K has the smallest, and vice versa. A wobble about the axis of the middle
+    extreme moment: the axis of the largest moment if K has the smallest, and vice versa. A wobble about the axis of the middle
     moment alone is never enough. moments: principal moments A, B, C (kg m^2).
 
     Raises `ValueError` if K has the middle moment, since such a spin is unstable.

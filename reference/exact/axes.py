@@ -10,10 +10,10 @@ from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real,
 from bodycheck.reference.exact.rotations import IDENTITY, matrix, multiply, unit
 from bodycheck.reference.trajectory import Array
 
-#: Every order of three axes, with +1 for the right-handed ones and -1 for the left-handed ones.
+#: Every order of three axes, with +1 for right-handed orders and -1 for left-handed orders.
 _AXIS_ORDERS = (((0, 1, 2), 1), ((1, 2, 0), 1), ((2, 0, 1), 1), ((0, 2, 1), -1), ((2, 1, 0), -1), ((1, 0, 2), -1))
 
-#: The indices of XY, XZ and YZ among the components of a tensor, each with the two axes and the third one.
+#: The indices of XY, XZ and YZ among the components of a tensor, each with its two axes and the third axis.
 _PAIRS = ((3, 0, 1, 2), (4, 0, 2, 1), (5, 1, 2, 0))
 
 
@@ -24,8 +24,8 @@ def principal_axes(tensor: Components) -> tuple[Vector3, Quaternion4]:
     axes to components in the frame of the tensor. Of the possible orders and signs of the axes, those are chosen that give the
     smallest rotation; a diagonal tensor gives no rotation at all. Where moments are equal, their axes are arbitrary.
 
-    The axes in double precision are improved by Jacobi's rotations, which square what is left off the diagonal. Moments that
-    differ from one another or from zero by what the arithmetic has rounded are made equal or zero.
+    The axes in double precision are improved by Jacobi's rotations, which square the remaining components off the diagonal.
+    Moments that differ from one another or from zero only by rounding errors are made equal or zero.
     """
     if not any(tensor[3:]):
         return (tensor[0], tensor[1], tensor[2]), IDENTITY
@@ -72,7 +72,7 @@ def _labels(rows: tuple[Vector3, Vector3, Vector3]) -> tuple[tuple[int, int, int
     turn[list(order), [0, 1, 2]] = signs
     w, x, y, z = _quaternion(turn)
     largest = max(abs(part) for part in (w, x, y, z))
-    # The components of such a turn are in the ratio of 0 and 1, but for their signs.
+    # Apart from their signs, the components of such a turn are 0 or 1, times a common factor.
     a, b, c, d = (MP.nint(part / largest) for part in (w, x, y, z))
     return order, (a, b, c, d)
 
@@ -122,7 +122,7 @@ def _rotated(components: list[Real], axes: Quaternion4, pair: tuple[int, int, in
 
 
 def _equalised(moments: list[Real]) -> Vector3:
-    """Moments that are made zero, or equal to one another, where they differ from it by what the arithmetic has rounded."""
+    """Return the moments after making zero or equal the moments that differ from zero or from one another only by rounding."""
     largest = max(moments)
     equal = [moment if abs(moment) > NEGLIGIBLE * largest else MP.mpf(0) for moment in moments]
     order = sorted(range(3), key=equal.__getitem__)

@@ -16,7 +16,7 @@ Components = tuple[Real, Real, Real, Real, Real, Real]
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """Mass (kg), centre of mass (m) and inertia tensor about it (kg m^2) in some frame."""
+    """Mass (kg), centre of mass (m), and inertia tensor about the centre of mass (kg m^2), in some frame."""
 
     mass: Real
     centre: Vector3
@@ -80,9 +80,9 @@ def joined(parts: Sequence[MassProperties]) -> MassProperties:
 
 
 def mass_properties(definition: Given) -> MassProperties:
-    """Mass properties of what a file says that a body is made of, in the frame of the body.
+    """Mass properties of a body as a file defines it, in the frame of the body.
 
-    Of a tensor whose upper and lower half differ in their last digits, the mean is taken.
+    If the upper and the lower half of a tensor differ in their last digits, their mean is taken.
     """
     match definition:
         case Solid() as alone:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 #: Decimal digits of the arithmetic. The product of four doubles is exact in it.
 DIGITS = 100
 
-#: The arithmetic. It is a context of its own, so that nobody else can change its digits.
+#: The arithmetic. It is a separate context of mpmath, so that no other code can change its digits.
 MP = mpmath.MPContext()
 MP.dps = DIGITS
 
@@ -25,7 +25,7 @@ Vector3 = tuple[Real, Real, Real]
 #: The components w, x, y, z of a quaternion in this arithmetic.
 Quaternion4 = tuple[Real, Real, Real, Real]
 
-#: Ratio of a difference to its terms up to which it is only what rounding has left of a zero.
+#: Ratio of a difference to its terms up to which the difference is a rounding error of zero.
 NEGLIGIBLE = MP.mpf(10) ** (10 - DIGITS)
 
 #: Bits of the mantissa of a double.
@@ -39,7 +39,7 @@ WideArray = NDArray[Any]
 
 
 def real(value: Any) -> Real:
-    """A number of any type as one of this arithmetic, without rounding."""
+    """Convert a number of any type to this arithmetic, without rounding."""
     return MP.convert(value)
 
 
@@ -66,13 +66,13 @@ def doubles(values: Sequence[Real]) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class FloatType:
-    """A floating-point type: NumPy's double precision or `longdouble`, or heyoka's `real128`, or its `real` with some bits."""
+    """A floating-point type: NumPy's double precision or `longdouble`, heyoka's `real128`, or its `real` of `bits` bits."""
 
     dtype: Any = np.longdouble
     bits: int | None = None
 
     def number(self, value: Real) -> Any:
-        """The number of this type that is nearest to an exact one or to a double."""
+        """The number of this type that is nearest to an exact number or to a double."""
         value = real(value)
         if self.bits is not None:
             return self.dtype(MP.nstr(value, DIGITS), self.bits)

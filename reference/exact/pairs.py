@@ -3,7 +3,7 @@
 A pair is the sum of two numbers of the wide type, the second of which is at most half a rounding of the first. Where the wide
 type has 80 bits, a pair has 128 bits of mantissa, which hold the product of two doubles exactly. The algorithms are those of
 Dekker (Numer. Math. 18, 224, 1971); the bounds of their errors are those of Joldes, Muller and Popescu (ACM Trans. Math. Softw.
-44, 15res, 2017). Every operation acts on each element alone, so that a number does not depend on those beside it.
+44, 15res, 2017). Every operation acts on each element alone, so that a number does not depend on the other numbers of an array.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,8 @@ WideArray = NDArray[np.longdouble]
 #: The relative error of one rounding to the wide type.
 ROUNDING = float(np.finfo(np.longdouble).eps) / 2
 
-#: The relative error of one operation on pairs is at most this; that of a sum of three and of a product is smaller than half.
+#: Bound of the relative error of one operation on pairs; the error of a sum of three pairs and of a product is less than half
+#: of it.
 PAIR_ROUNDING = 16 * ROUNDING**2
 
 #: The factor that splits a number of the wide type into two halves, whose products are exact.
@@ -33,14 +34,14 @@ _SPLITTER = np.longdouble(2) ** ((np.finfo(np.longdouble).nmant + 2) // 2) + 1
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Numbers (...), each as the unevaluated sum of two of the wide type.
+    """Numbers (...), each as the unevaluated sum of two numbers of the wide type.
 
     Attributes
     ----------
     high
         (...) the numbers, rounded to the wide type.
     low
-        (...) what this rounding leaves, rounded to the wide type.
+        (...) the errors of this rounding, rounded to the wide type.
     """
 
     high: WideArray
@@ -75,13 +76,13 @@ class Pair:
 
 
 def of_wide(values: Any) -> Pair:
-    """Numbers (...) of the wide type, or of a narrower one, as pairs."""
+    """Numbers (...) of the wide type, or of a narrower type, as pairs."""
     high = np.asarray(values, dtype=np.longdouble)
     return Pair(high, np.zeros_like(high))
 
 
 def of_reals(values: "list[Real]") -> Pair:
-    """Numbers of a hundred digits, as pairs (k,)."""
+    """Convert k numbers of a hundred digits to pairs (k,)."""
     from bodycheck.reference.exact.numbers import MP, wide  # single scenes need this module for its types, but not mpmath
 
     high = [wide(value) for value in values]
@@ -106,12 +107,12 @@ def root(value: Pair) -> Pair:
 
 
 def stacked(parts: list[Pair]) -> Pair:
-    """Pairs (...) as the components of vectors (..., k)."""
+    """Stack k pairs (...) as the components of vectors (..., k)."""
     return _each(lambda arrays: np.stack(arrays, axis=-1), parts)
 
 
 def compare(one: Pair, other: Pair) -> NDArray[np.int_]:
-    """-1, 0 or 1 (...) where a pair is smaller than, equal to or larger than another."""
+    """Return -1, 0 or 1 (...) where a pair is smaller than, equal to or larger than another pair."""
     high, low = np.sign(one.high - other.high), np.sign(one.low - other.low)
     return np.asarray(np.where(high != 0, high, low)).astype(int)
 
@@ -119,7 +120,7 @@ def compare(one: Pair, other: Pair) -> NDArray[np.int_]:
 def doubles(value: Pair) -> Array:
     """The doubles (...) that are nearest to pairs."""
     near = value.high.astype(float)
-    # A number of the wide type that is half-way between two doubles is rounded to the even one, whatever the low part says.
+    # A number of the wide type that is half-way between two doubles is rounded to the even double, whatever the low part says.
     off = (value.high - near.astype(np.longdouble)) + value.low
     with np.errstate(over="ignore"):
         beside = np.nextafter(near, np.where(off > 0, np.inf, -np.inf))
@@ -152,7 +153,7 @@ def _product(a: WideArray, b: WideArray) -> tuple[WideArray, WideArray]:
 
 
 def _halves(a: WideArray) -> tuple[WideArray, WideArray]:
-    """A number as the sum of two, each with half of the digits."""
+    """A number as the sum of two numbers, each with half of the digits."""
     scaled = _SPLITTER * a
     head = scaled - (scaled - a)
     return head, a - head

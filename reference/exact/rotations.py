@@ -6,7 +6,7 @@ from bodycheck.reference.scene import Attitude, EulerAngles, EulerRates
 #: The origin of a frame, and a vector of zeros.
 ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
-#: The quaternion of no rotation.
+#: The identity quaternion: no rotation.
 IDENTITY: Quaternion4 = (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
@@ -48,13 +48,13 @@ def multiply(p: Quaternion4, q: Quaternion4) -> Quaternion4:
 
 
 def conjugate(q: Quaternion4) -> Quaternion4:
-    """The inverse of a rotation by a unit quaternion."""
+    """The conjugate of a unit quaternion: the inverse rotation."""
     w, x, y, z = q
     return w, -x, -y, -z
 
 
 def unit(q: Quaternion4) -> Quaternion4:
-    """A quaternion scaled to unit length; it is returned as it is where its length is 1 already."""
+    """A quaternion scaled to unit length; it is returned unchanged if its length is 1 already."""
     w, x, y, z = q
     square = w * w + x * x + y * y + z * z
     if square == 1:
@@ -78,7 +78,7 @@ def matrix(q: Quaternion4) -> tuple[Vector3, Vector3, Vector3]:
 
 
 def turned(rows: tuple[Vector3, Vector3, Vector3], v: Vector3) -> Vector3:
-    """A vector times a matrix that is given by its rows."""
+    """The product of a matrix, given by its rows, and a vector."""
     x, y, z = v
     first, second, third = rows
     return (

@@ -43,10 +43,10 @@ class Start:
 
 @functools.lru_cache(maxsize=64)
 def start(scene: Scene) -> Start:
-    """The start of a scene.
+    """The start of the rotation of a scene.
 
-    What the definition of the scene says is used as far as it is valid (see `definition.valid`). Otherwise the
-    doubles of the scene are meant exactly; quaternions count by their direction.
+    The parts of the scene's definition that are valid are used (see `scene.valid`). Otherwise the doubles of the scene are
+    taken as exact, and only the direction of a quaternion counts.
     """
     body, initial, definition, holds = scene.body, scene.initial, scene.definition, valid(scene)
     if definition is not None and holds.inertia:
@@ -82,7 +82,7 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
 
 @functools.lru_cache(maxsize=64)
 def defined_inertia(definition: Given) -> Inertia:
-    """The inertia of a body from what a file says that it is made of."""
+    """The inertia of a body as a file defines it."""
     properties = mass_properties(definition)
     moments, axes = principal_axes(properties.tensor)
     return Inertia(properties.mass, moments, axes)
@@ -95,9 +95,9 @@ def defined_rotation(orientation: Attitude, rotation: Vector | EulerRates) -> tu
 
 
 def _along(axes: Quaternion4, rates: Vector3) -> Vector3:
-    """The components of an angular velocity along the principal axes; what rounding has left of a zero is made zero.
+    """The components of an angular velocity along the principal axes; rounding errors of zero are set to zero.
 
-    A component along an axis of the body frame itself is exact, however small it is.
+    A component along an axis of the body frame is exact, and is kept however small it is.
     """
     rows = matrix(conjugate(axes))
     limit = NEGLIGIBLE * max(abs(rate) for rate in rates)

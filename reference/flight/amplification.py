@@ -8,13 +8,13 @@ from bodycheck.reference.trajectory import Array
 
 
 def amplification(begin: Start, times: Array) -> Array:
-    """Estimate from above of the attitude error (n,), rad, at times (n,) >= 0, s, from a relative error of 1 made before.
+    """Upper estimate of the attitude error (n,), rad, at times (n,) >= 0, s, per unit of relative error made at earlier times.
 
     The error is one of the rates relative to |Omega|, or of the inertia tensor relative to the largest moment. It causes an
-    error of the angles that grows with the angle of turning, times the ratio of the largest to the smallest moment. Near the
+    error of the angles proportional to the angle of turning times the ratio of the largest to the smallest moment. Near the
     separatrix it also changes E2 (see `torque_free`), which determines how long the body stays near the unstable axis: the
-    phase of each half period changes by the error over k'^2, the attitude along the unstable axis at most by its exponential.
-    A spin about the axis of the middle moment has the exponential alone.
+    phase of each half period changes by the error divided by k'^2, and the attitude near the unstable axis by at most the
+    exponential growth of the error. For a spin about the axis of the middle moment, only the exponential growth applies.
     """
     moments = sorted(float(moment / max(begin.moments)) for moment in begin.moments)
     speed = float(np.sqrt(sum(float(rate) ** 2 for rate in begin.rates)))

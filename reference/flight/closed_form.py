@@ -1,7 +1,7 @@
 """Motion of a body in free flight in closed form: a parabola, and a rotation about the centre of mass without torque.
 
 Nothing is integrated, so that every instant has the same cost. The motion is that of the exact numbers of the scene (see
-`exact.start`). The rotation is computed from the simplest form that is exact for its moments and rates, all digits being
+`exact.start`). The rotation is computed from the simplest form that is exact for its moments and rates. All digits are
 compared: a nearly symmetric body is treated as asymmetric, and the elliptic functions are accurate for it too.
 """
 
@@ -27,7 +27,7 @@ STORED_ERROR_RAD = 16 * EPS
 #: Attitude error (rad) per radian of the angles, which are computed and reduced to one turn in the wide type.
 ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 
-#: Relative error of the energy of a rotation and of its angular momentum, as they are computed from the states.
+#: Relative error of the energy of a rotation and of its angular momentum, when they are computed from the states.
 CONSERVED_ROUNDINGS = 20 * EPS
 
 #: Relative error of a few roundings in double precision, for a vector that is rotated or a product that is formed.
@@ -78,7 +78,7 @@ class Flight:
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """The numbers of a scene, or of m scenes with leading axes (m,), in doubles, as far as the bounds depend on them.
+    """The numbers of a scene, or of m scenes with leading axes (m,), that the bounds depend on, in doubles.
 
     Attributes
     ----------
@@ -116,7 +116,8 @@ def smallest_form(moments: Vector3, rates: Vector3) -> Form:
 def flight(scene: Scene, times: Array) -> Flight:
     """The motion of a body in free flight at any times (n,), s, in any order, in the frame of the body of the scene.
 
-    Its drag and its plane are ignored. The translation is the parabola, computed in the wide type and rounded once.
+    The drag and the plane of the scene are ignored. The translation is the parabola, computed in the wide type and rounded
+    once.
 
     Raises `ValueError` or `OverflowError` for moments or angular velocities that are not finite.
     """
@@ -163,14 +164,15 @@ def parabolas(position: Array, velocity: Array, gravity: Array, times: Array) ->
 
 
 def bounds(numbers: Numbers, turning: Turning, motion: Trajectory, *, turned: bool) -> Bounds:
-    """The bounds of the errors of a motion in free flight, or of those of m bodies with leading axes (m,).
+    """The bounds of the errors of a motion in free flight, or of the motions of m bodies with leading axes (m,).
 
     Angles within one turn are in double precision. The angles before this reduction, such as the phase u = u0 + lambda t and
-    the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where there is no
-    wider type than double precision. The separatrix needs no term of its own: the error of a period there is that of ln(4/k'),
-    and k' is accurate to all digits. An error of the phase changes each component of the angular velocity by at most its
-    amplitude times the error. It does not change the energy, and the angular momentum only by what the phases of attitude and
-    angular velocity differ. A body frame that is not along the principal axes adds the rounding of rotated components.
+    the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where no type is wider
+    than double precision. The separatrix needs no separate term: the error of a period there is the error of ln(4/k'), and k'
+    is accurate to all digits. An error of the phase changes each component of the angular velocity by at most its amplitude
+    times the error. It does not change the energy, and it changes the angular momentum only by the difference between the
+    phases of attitude and angular velocity. A body frame that is not along the principal axes adds the rounding of rotated
+    components.
 
     Parameters
     ----------
@@ -212,7 +214,7 @@ def bounds(numbers: Numbers, turning: Turning, motion: Trajectory, *, turned: bo
 def translation_bounds(numbers: Numbers, motion: Trajectory) -> tuple[Array, Array]:
     """Bounds (..., n) of the errors of the position (m) and of the velocity (m/s) of the parabola.
 
-    Each is rounded to double once, after a few roundings in the wide type of the terms that it consists of.
+    Position and velocity are each rounded to double once, after a few roundings of their terms in the wide type.
     """
     t, g = np.abs(motion.t), numbers.gravity[..., None]
     speed, wide_eps = _length(numbers.velocity)[..., None], 4 * float(np.finfo(Wide).eps)
@@ -223,7 +225,7 @@ def translation_bounds(numbers: Numbers, motion: Trajectory) -> tuple[Array, Arr
 
 
 def _dot(one: Array, other: Array) -> Array:
-    """Scalar products (...) of vectors (..., 3), whose terms are added in the order of the axes, whatever the shape."""
+    """Scalar products (...) of vectors (..., 3), with the terms added in the order of the axes, whatever the shape."""
     product = one * other
     return np.asarray(product[..., 0] + product[..., 1] + product[..., 2])
 
@@ -236,10 +238,10 @@ def _length(vectors: Array) -> Array:
 def flip_period(scene: Scene) -> float:
     """Time (s) between reversals of the spin about the axis of intermediate moment: half a period of the angular velocity.
 
-    After this time the components about two axes, the intermediate one and one extreme one, have changed sign, and the third
-    is the same as before. For a body with an axis of symmetry it is half a turn of the steady precession in the body frame,
-    and the two components are those across the axis of symmetry. It is infinite where nothing reverses: in a steady spin
-    about any axis, for a sphere, and on the separatrix.
+    After this time the components about the intermediate axis and one extreme axis have changed sign, and the third component
+    is the same as before. For a body with an axis of symmetry, this time is half a turn of the steady precession in the body
+    frame, and the two components are those across the axis of symmetry. The time is infinite if nothing reverses: in a steady
+    spin about any axis, for a sphere, and on the separatrix.
     """
     begin = start(scene)
     polhode = torque_free.polhode_of(begin) if any(begin.rates) else None

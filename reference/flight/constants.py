@@ -17,7 +17,7 @@ from bodycheck.reference.exact.pairs import PAIR_ROUNDING, ROUNDING, Pair
 from bodycheck.reference.flight.elliptic import Wides
 from bodycheck.reference.trajectory import Array
 
-#: Largest error of a difference of pairs that is allowed, as a part of one rounding to the wide type.
+#: Largest allowed error of a difference of pairs, as a fraction of one rounding to the wide type.
 NEGLIGIBLE_PART = 1 / 8
 
 #: Smallest ratios of two moments and of two rates, other than zero, for which no product of pairs underflows in any wide type.
@@ -26,14 +26,14 @@ SMALLEST_RATIOS = 1e-20, 1e-60
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """The numbers that the motion of the angular momentum in the body follows from: of one body, or of m bodies as arrays.
+    """The numbers that determine the motion of the angular momentum in the body frame, for one body or as arrays for m bodies.
 
     Attributes
     ----------
     order
         (3,) or (m, 3) indices, among I, J, K, of the axes 1, 2, 3.
     handedness
-        +1 if that order is right-handed, -1 if it is left-handed.
+        +1 if the axes 1, 2, 3 are right-handed, -1 if they are left-handed.
     unit
         The unit of angular velocity (rad/s), a power of two, whose inverse is the unit of time. The unit of the moments is
         another power of two, which has no effect.
@@ -70,14 +70,14 @@ class Constants:
 
 @dataclass(frozen=True)
 class Branch:
-    """The choices that tell which formulas hold for a motion.
+    """The choices that decide which formulas apply to a motion.
 
     Attributes
     ----------
     p
         Index, in the order 1, 2, 3, of the axis that the angular momentum encircles in the body: 0 or 2.
     f
-        Index of the axis from which the Euler angles are counted: the one closer to being an axis of symmetry, 0 or 2.
+        Index of the axis from which the Euler angles are counted: the extreme axis closer to being an axis of symmetry, 0 or 2.
     hyperbolic
         Whether k > k'.
     """
@@ -90,7 +90,8 @@ class Branch:
 def constants(moments: Sequence[Any], rates: Sequence[Any]) -> Constants:
     """The constants of one body, for principal moments (kg m^2) and an angular velocity along the principal axes (rad/s).
 
-    The numbers are of any type and are meant exactly: they are computed with a hundred digits and rounded once.
+    The arguments have any type of number and are taken as exact. The constants are computed with a hundred digits and rounded
+    once.
     """
     order = sorted(range(3), key=moments.__getitem__)
     i, _ = _scaled([real(moments[axis]) for axis in order])
@@ -108,15 +109,16 @@ def constants(moments: Sequence[Any], rates: Sequence[Any]) -> Constants:
 
 
 def _scaled(values: list[Real]) -> tuple[list[Real], Wide]:
-    """Numbers in the unit of a power of two, in which the largest is between 1/2 and 1, and this unit."""
+    """Numbers in units of a power of two chosen so that the largest is between 1/2 and 1, and this unit."""
     _, exponent = MP.frexp(max(abs(value) for value in values))
     return [MP.ldexp(value, -exponent) for value in values], Wide(np.ldexp(Wide(1), exponent))
 
 
 def constants_of_many(moments: Pair, rates: Array) -> tuple[Constants, NDArray[np.bool_]]:
-    """The constants of m bodies whose moments all differ, and which of them are as accurate as those of `constants`.
+    """The constants of m bodies whose moments all differ, and a mask (m,) of the bodies whose constants are accurate.
 
-    Those that are not have differences, of moments or in E2, that are so small that pairs have too few digits for them.
+    These constants are as accurate as the results of `constants`. For the other bodies, the differences of moments, or the
+    difference E2, are so small that pairs have too few digits.
 
     Parameters
     ----------
@@ -134,7 +136,7 @@ def constants_of_many(moments: Pair, rates: Array) -> tuple[Constants, NDArray[n
     axial, transverse, middle = i3 * high * squares[2], i1 * low * squares[0], i2 * squares[1]
     e1, e2, e3 = middle * low + i3 * span * squares[2], axial - transverse, i1 * span * squares[0] + middle * high
 
-    # A moment that is a pair has the error of some operations, which a difference of moments has too.
+    # A moment as a pair has the error of some operations, and so has a difference of moments.
     error = 8 * PAIR_ROUNDING * (axial.high * (1 + i3.high / high.high) + transverse.high * (1 + i2.high / low.high))
     allowed = NEGLIGIBLE_PART * ROUNDING
     accurate = (error <= allowed * abs(e2.high)) & (allowed * np.minimum(low.high, high.high) >= 8 * PAIR_ROUNDING)
@@ -146,7 +148,7 @@ def constants_of_many(moments: Pair, rates: Array) -> tuple[Constants, NDArray[n
 
 
 def _ascending(moments: Pair) -> NDArray[np.int_]:
-    """The axes (m, 3) in the order of ascending moments (m, 3); equal ones in the order I, J, K."""
+    """The axes (m, 3) in the order of ascending moments (m, 3); axes of equal moments in the order I, J, K."""
     each = [moments[:, axis] for axis in range(3)]
     rank = np.zeros(moments.high.shape, dtype=int)
     for one, other in ((0, 1), (0, 2), (1, 2)):
@@ -161,24 +163,24 @@ def _ordered(values: Pair, order: NDArray[np.int_]) -> Pair:
 
 
 def _in_units(values: Pair) -> tuple[Pair, Wides]:
-    """Rows (m, 3) in units of powers of two, in which the largest is between 1/2 and 1, and these units (m,)."""
+    """Rows (m, 3) in units (m,) of powers of two, so that the largest of a row is between 1/2 and 1, and these units."""
     _, exponent = np.frexp(abs(values.high).max(axis=1))
     down = -exponent[:, None]
     return Pair(np.ldexp(values.high, down), np.ldexp(values.low, down)), np.ldexp(Wide(1), exponent)
 
 
 def branches(c: Constants) -> tuple[Any, Any, Any]:
-    """p, f and whether k > k' of a `Branch`: of one body, or arrays (m,)."""
+    """The attributes p, f and hyperbolic of a `Branch`, for one body or as arrays (m,)."""
     outer = c.e2 >= 0
     encircled: Any = np.where(outer, c.e3, c.e1)
     other: Any = np.where(outer, c.low, c.high)
-    k2, kc2 = other * encircled, c.span * abs(c.e2)  # times the same factor
+    k2, kc2 = other * encircled, c.span * abs(c.e2)  # both times the same factor
     p = np.where(outer, 2, 0)
     f = np.where(c.i3 * c.low <= c.i1 * c.high, 2, 0)
     return p, f, k2 > kc2
 
 
 def branch(c: Constants) -> Branch:
-    """The choices for one body."""
+    """The branch of the motion of one body."""
     p, f, hyperbolic = branches(c)
     return Branch(int(p), int(f), bool(hyperbolic))

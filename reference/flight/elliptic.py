@@ -2,11 +2,11 @@
 
 The series converge quickly for every modulus. Functions take both moduli, k and k' (k^2 + k'^2 = 1), so that no digits are lost
 at either end: for small oscillations (k near 0) and at the separatrix (k' near 0). Constants are computed in the widest
-floating-point type of the machine, so that thousands of periods can be subtracted from an argument without loss; arrays are
-in double precision. Equations are cited from the NIST Digital Library of Mathematical Functions [DLMF].
+floating-point type of the machine, so that thousands of periods can be subtracted from an argument without loss of digits;
+arrays are in double precision. Equations are cited from the NIST Digital Library of Mathematical Functions [DLMF].
 
-Functions take numbers, or arrays (m,) with one number for each of m members. A member has the same value alone and beside
-others: every operation acts on each element alone, and iterations end for each member on its own.
+Functions take numbers, or arrays (m,) with one number for each of m members. The value of a member does not depend on the other
+members: every operation acts on each element separately, and iterations end separately for each member.
 """
 
 from collections.abc import Callable
@@ -73,12 +73,15 @@ def complete(kc: Wides, p: Wides, a: Wides, b: Wides) -> Wides:
 
 
 def quarter_period(kc: Wides) -> Wides:
-    """The quarter period K for the complementary modulus kc >= 0; a very large number for kc = 0, of a number alone."""
+    """The quarter period K for the complementary modulus kc >= 0.
+
+    For kc = 0 it is a very large number; an array kc must not contain zeros.
+    """
     return complete(kc, Wide(1), Wide(1), Wide(1)) if np.all(kc > 0) else SEPARATRIX_QUARTER_PERIOD
 
 
 def first_kind(sn: Wides, cn: Wides, dn: Wides) -> Wides:
-    """Inverse of the elliptic functions: u = sn R_F(cn^2, dn^2, 1) [DLMF 19.25.5].
+    """The inverse of the elliptic functions: u = sn R_F(cn^2, dn^2, 1) [DLMF 19.25.5].
 
     R_F is computed by duplication [DLMF 19.26.18] and its series to the seventh order [DLMF 19.36.1].
 
@@ -115,7 +118,7 @@ def first_kind(sn: Wides, cn: Wides, dn: Wides) -> Wides:
 def _each_until(
     converged: Callable[..., Any], advance: Callable[..., tuple[Wides, ...]], state: tuple[Wides, ...]
 ) -> tuple[Wides, ...]:
-    """Return the converged state of an iteration, in which each member is advanced only until it has converged."""
+    """Return the converged state of an iteration; each member is advanced only until it has converged."""
     done = converged(*state)
     if not np.ndim(done):
         while not done:
@@ -140,8 +143,8 @@ def _each_until(
 class ThetaSeries:
     """Six theta series in the terms 1, c1, c2, c3 for u in [-K, K].
 
-    The terms are c_n = cos(2 n z), or cosh(2 n z) in the hyperbolic case, with z = scale u. Where there are m members, each has
-    series of its own, in the same case.
+    The terms are c_n = cos(2 n z), or cosh(2 n z) in the hyperbolic case, with z = scale u. With m members, each has separate
+    series, all in the same case.
 
     Attributes
     ----------
@@ -163,7 +166,7 @@ class ThetaSeries:
 
 
 def theta_series(k: Wides, kc: Wides, quarter: Wides, eta: Wides, hyperbolic: bool) -> ThetaSeries:
-    """The theta series of one modulus, or of one for each of m members.
+    """The theta series for one modulus, or for the moduli of m members.
 
     They are theta functions [DLMF 20.2, 22.2] of the smaller of the two nomes, which is at most exp(-pi), so that the neglected
     terms are below 1e-18 of the sum. Jacobi's imaginary transformation [DLMF 20.7.30-20.7.33] relates the two nomes.
@@ -177,7 +180,7 @@ def theta_series(k: Wides, kc: Wides, quarter: Wides, eta: Wides, hyperbolic: bo
     eta
         Imaginary shift of Theta, in [0, K'), with k sc(eta, k') not much larger than 1.
     hyperbolic
-        Whether k > k', for which the terms are hyperbolic. Where the two are equal up to rounding, both are right.
+        Whether k > k', for which the terms are hyperbolic. If k and k' are equal up to rounding, either choice is right.
 
     Returns
     -------
@@ -230,14 +233,17 @@ def _over_sine(h: Array) -> Array:
 
 
 def _over_cosine(h: Array) -> Array:
-    """Coefficients (..., 4) of sum over n of h_n cos((2n + 1) v) / cos(v) in the same terms: those above at v + pi/2."""
+    """Coefficients (..., 4) of sum over n of h_n cos((2n + 1) v) / cos(v) in the terms of `_over_sine`.
+
+    They follow from `_over_sine` at v + pi/2.
+    """
     return ALTERNATING_SIGNS * _over_sine(ALTERNATING_SIGNS * h)
 
 
 def jacobi(series: ThetaSeries, u: Array) -> tuple[Array, Array, Array, Array]:
     """sn u, cn u, dn u and the phase (rad) of Theta(u + i eta), each (..., n), for arguments u (..., n) in [-K, K].
 
-    Where the series are those of m members, the arguments are (m, n).
+    With the series of m members, the arguments are (m, n).
     """
     z = np.asarray(series.scale)[..., None] * u
     if series.hyperbolic:

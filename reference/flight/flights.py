@@ -1,9 +1,9 @@
 """Motions of many bodies in free flight in closed form, with the bounds of `closed_form`.
 
 The members are `scenes.Scenes`. The constants of their rotations are computed with pairs of numbers of the wide type, and
-everything after that by the code that a single scene takes, with a leading axis. Members whose constants would lose digits
-(extremely near the separatrix, extremely nearly symmetric) take the way of a single scene. A member has the same motion, to the
-last bit, whichever members are beside it.
+everything after that by the code for a single scene, with a leading axis. Members whose constants would lose digits (extremely
+near the separatrix, extremely nearly symmetric) are computed one by one as single scenes. The motion of a member is the same,
+to the last bit, whatever the other members are.
 """
 
 import itertools
@@ -37,11 +37,11 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Sphere
 from bodycheck.reference.scenes import Scenes, sizes_of
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: The states that are computed at once, so that the arrays of a step of the computation stay in the cache of the processor.
+#: Number of states that are computed at once: so few that the arrays of a step stay in the cache of the processor.
 STATES_AT_ONCE = 2**14
 
-#: Moments and rates other than zero, in SI units, above this or below its inverse are left to the way of a single scene, since
-#: a product of several of them could over- or underflow.
+#: Members with a moment or a rate, other than zero, above this number or below its inverse, in SI units, are computed as single
+#: scenes, since a product of several such numbers could overflow or underflow.
 MODERATE = 2.0 ** min(np.finfo(Wide).maxexp // 12, 1000)
 
 #: The pairs of axes.
@@ -100,7 +100,7 @@ def _translate(scenes: Scenes, rows: slice, turning: Turning, motion: Trajectory
 
 
 def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Turning]]:
-    """The rotations of all members, in parts: the form, the indices of the members, and their rotation."""
+    """Yield the rotations of all members in parts: the form, the indices of the members, and their rotations."""
     equal, certain = _equal_moments(scenes)
     moving = scenes.angular_velocity != 0
     rest = ~moving.any(axis=1)
@@ -129,7 +129,7 @@ def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Tur
 
 
 def _elliptic(scenes: Scenes, places: Places, times: Array) -> Generator[tuple[Form, Places, Turning], None, Places]:
-    """The rotations of bodies whose moments all differ, in parts. Returns the indices of those left over."""
+    """Yield the rotations of bodies whose moments all differ, in parts; return the indices of the bodies left over."""
     invariants, accurate = constants_of_many(scenes.exact_moments[places], scenes.angular_velocity[places])
     p, f, hyperbolic = branches(invariants)
     t = np.concatenate(([0.0], times))
@@ -149,7 +149,7 @@ def _at_rest(quaternion: Array, times: Array) -> Turning:
 
 
 def _cut(places: Places, times: Array) -> list[Places]:
-    """Indices in parts of about `STATES_AT_ONCE` states."""
+    """Split indices of members into parts with about `STATES_AT_ONCE` states each."""
     size = max(1, STATES_AT_ONCE // (len(times) + 1))
     return [places[first : first + size] for first in range(0, len(places), size)]
 
@@ -162,7 +162,7 @@ def _moderate(values: Array) -> NDArray[np.bool_]:
 def _equal_moments(scenes: Scenes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return which of the pairs of moments are equal (m, 3), and whether this is certain for all three (m,).
 
-    Moments that follow from the sizes of a shape may differ by less than a pair of numbers can tell.
+    Moments that follow from the sizes of a shape may differ by less than a pair of numbers can resolve.
     """
     exact = scenes.exact_moments
     equal = np.stack([pairs.compare(exact[:, i], exact[:, j]) == 0 for i, j in _AXIS_PAIRS], axis=1)
@@ -183,7 +183,7 @@ def _equal_moments(scenes: Scenes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]
 
 
 def _start(scenes: Scenes, index: int) -> Start:
-    """The start of a member, in exact arithmetic but for its attitude, of which the doubles are all that matters here."""
+    """The start of a member, in exact arithmetic except for its attitude, of which only the doubles matter here."""
     scene = scenes.scene(index)
     shape = scene.body.shape
     w, x, y, z = scene.initial.quaternion

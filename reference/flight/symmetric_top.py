@@ -1,7 +1,7 @@
 """Rotation of a body with two equal moments without torque: a steady precession, in elementary functions.
 
-With the moments A, A, C and k the axis of the third, Omega = L/A + (1 - C/A) Omega_k k. The angular momentum L is constant in
-space, k is constant in the body, and Omega_k is constant, so that the attitude rotates steadily about both,
+With the moments A, A, C and the axis k of the moment C, Omega = L/A + (1 - C/A) Omega_k k. The angular momentum L is constant
+in space, k is constant in the body, and Omega_k is constant, so that the attitude rotates steadily about both,
 
     R(t) = R(0) exp(t L/A) exp(t (1 - C/A) Omega_k k),
 
@@ -25,7 +25,7 @@ from bodycheck.reference.trajectory import Array
 
 @dataclass(frozen=True, eq=False)
 class Steady:
-    """The steady precession of one body, or those of m bodies with the same axis of symmetry.
+    """The steady precession of one body, or of m bodies with the same axis of symmetry.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Steady:
 
 
 def rotation(start: Start, times: Array) -> Turning:
-    """The rotation of a body of which exactly two moments are equal from its start, at times (n,) in any order, s."""
+    """The rotation of a body with exactly two equal moments from its start, at times (n,) in any order, s."""
     moments, rates = start.moments, start.rates
     axis = figure_axis(moments)
     equal, axial = moments[axis - 1], moments[axis]
@@ -71,8 +71,8 @@ def figure_axis(moments: Vector3) -> int:
 def steady_precessions(axis: int, moments: Pair, rates: Array) -> Steady:
     """The steady precessions of m bodies with the axis of symmetry `axis`.
 
-    moments: (m, 3) principal moments (kg m^2), of which those about the other two axes are equal. rates: (m, 3) angular
-    velocities along the principal axes (rad/s), not all zero.
+    moments: (m, 3) principal moments (kg m^2); the moments about the other two axes are equal. rates: (m, 3) angular velocities
+    along the principal axes (rad/s), not all zero.
     """
     parts = [moments[:, each] * pairs.of_wide(rates[:, each]) for each in range(3)]
     size = pairs.root(parts[0] * parts[0] + parts[1] * parts[1] + parts[2] * parts[2])

@@ -8,9 +8,9 @@ J. Comput. Phys. 225, 145, 2007), arranged so that no digits cancel. With moment
     E2 = L^2 - 2 T I2 = I3 (I3 - I2) w3^2 - I1 (I2 - I1) w1^2,
     E3 = 2 T I3 - L^2 = I1 (I3 - I1) w1^2 + I2 (I3 - I2) w2^2.
 
-Only E2 is a difference. Its sign tells which axis p the angular momentum encircles in the body frame, that of the largest (+)
-or of the smallest moment (-); r is the other one. On the separatrix E2 is zero, and near it all of its digits would be lost,
-so E2 is computed with a hundred digits. With u = u0 + lambda t,
+Only E2 is a difference. Its sign tells which axis p the angular momentum encircles in the body frame, the axis of the largest
+moment (+) or of the smallest moment (-); r is the other of these two axes. On the separatrix E2 is zero, and near it all of its
+digits would be lost, so E2 is computed with a hundred digits. With u = u0 + lambda t,
 
     Lp = Mp dn u,  Mp^2 = Ip Er / (I3 - I1),        lambda^2 = |Ip - I2| Er / (I1 I2 I3),
     L2 = M2 sn u,  M2^2 = I2 Ep / |Ip - I2|,        k^2  = |I2 - Ir| Ep / (|Ip - I2| Er),
@@ -57,7 +57,7 @@ from bodycheck.reference.trajectory import Array
 class Polhode:
     """The motion of the angular momentum in the body frame, with the symbols of the module.
 
-    It is that of one body, or those of m bodies on the same branch. Then the attributes are arrays (m,), but for `branch`, and
+    It describes one body, or m bodies on the same branch. For m bodies the attributes are arrays (m,), except `branch`, and
     `order` is (m, 3).
 
     Attributes
@@ -65,7 +65,7 @@ class Polhode:
     order
         Indices, among I, J, K, of the axes 1, 2, 3.
     handedness
-        +1 if that order is right-handed, -1 if it is left-handed.
+        +1 if the axes 1, 2, 3 are right-handed, -1 if they are left-handed.
     branch
         The axes p and f, and whether k > k'.
     unit
@@ -141,8 +141,8 @@ class Precession:
 def polhode(moments: Sequence[Any], rates: Sequence[Any]) -> Polhode | None:
     """The polhode for principal moments (kg m^2) and an angular velocity along the principal axes (rad/s).
 
-    The numbers are of any type and are meant exactly: E1, E2, E3 and the differences of moments are computed with a hundred
-    digits and rounded once. None for a steady spin.
+    The numbers have any type and are taken as exact: E1, E2, E3 and the differences of moments are computed with a hundred
+    digits and rounded once. The result is None for a steady spin.
     """
     invariants = constants(moments, rates)
     chosen = branch(invariants)
@@ -162,12 +162,13 @@ def polhode_of(start: Start) -> Polhode | None:
 
 
 def polhodes(c: Constants, chosen: Branch) -> Polhode:
-    """The polhode of one body that has one, or those of m bodies on the same branch."""
+    """The polhode of a body that is not in a steady spin, or the polhodes of m such bodies on the same branch."""
     p, r = chosen.p, 2 - chosen.p
     e, moments = (c.e1, c.e2, c.e3), (c.i1, c.i2, c.i3)
     apart, other = (c.high, c.low) if p == 2 else (c.low, c.high)
     first, last = np.copysign(1.0, c.w1.astype(float)), np.copysign(1.0, c.w3.astype(float))
-    # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of it for a left-handed one.
+    # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of this for a left-handed
+    # order.
     middle = c.handedness * first * last
     scale = apart * e[r]
     kc = np.sqrt(c.span * abs(c.e2) / scale)
@@ -193,14 +194,14 @@ def polhodes(c: Constants, chosen: Branch) -> Polhode:
 
 
 def _amplitudes(c: Constants, p: int) -> tuple[Wides, Wides, Wides]:
-    """M1, M2, M3."""
+    """The amplitudes M1, M2, M3 of the angular momentum along the axes 1, 2, 3; p: index of the axis that it encircles."""
     e_p, e_r, apart = (c.e3, c.e1, c.high) if p == 2 else (c.e1, c.e3, c.low)
     first, last = (e_p, e_r) if p == 2 else (e_r, e_p)
     return np.sqrt(c.i1 * first / c.span), np.sqrt(c.i2 * e_p / apart), np.sqrt(c.i3 * last / c.span)
 
 
 def _functions_at_start(c: Constants, chosen: Branch) -> tuple[Wides, Wides, Wides]:
-    """The sizes of sn, cn and dn at t = 0."""
+    """The absolute values of sn u, cn u and dn u at t = 0."""
     m1, m2, m3 = _amplitudes(c, chosen.p)
     one, middle, three = abs(c.i1 * c.w1) / m1, abs(c.i2 * c.w2) / m2, abs(c.i3 * c.w3) / m3
     return (middle, one, three) if chosen.p == 2 else (middle, three, one)
@@ -208,7 +209,7 @@ def _functions_at_start(c: Constants, chosen: Branch) -> tuple[Wides, Wides, Wid
 
 @functools.lru_cache(maxsize=16)
 def precession(motion: Polhode) -> Precession:
-    """The rotation about the angular momentum for a polhode, or for m of them."""
+    """The rotation about the angular momentum for one polhode, or for those of m bodies."""
     i, e, size, (low, high) = motion.moments, motion.e, motion.size, motion.gaps
     f = motion.branch.f
     g = 2 - f
@@ -217,7 +218,7 @@ def precession(motion: Polhode) -> Precession:
     around_g, around_f = e[g] / e[f], abs(gap_g) / gap_f
     nu = i[f] / i[g] * (around_g if g == motion.p else around_f)
     k2 = motion.k**2
-    # Of many bodies none has nu or k' so small that it is zero; see `constants_of_many`.
+    # With many bodies, nu and k' are zero for none of them; see `constants_of_many`.
     parts = (nu, k2, k2 * (1 + nu))
     eta = first_kind(*(np.sqrt(part / (nu + k2)) for part in parts)) if np.all(nu > 0) else Wide(0)
     third_kind = complete(motion.kc, 1 + nu, Wide(0), Wide(1)) if np.all(motion.kc > 0) else None
@@ -233,14 +234,14 @@ def precession(motion: Polhode) -> Precession:
 
 
 def half_period(motion: Polhode) -> Wides:
-    """The time (s) after which L2 and Lr have changed sign and Lp has the same value: 2 K / lambda."""
+    """The time (s) after which L2 and Lr have changed sign and Lp has its first value again: 2 K / lambda."""
     return 2 * motion.quarter / motion.rate / motion.unit
 
 
 def remainder(value: WideArray, period: Wides) -> tuple[Array, Array]:
-    """Values (..., n) minus the nearest whole number of periods, and these whole numbers (..., n), both in double precision.
+    """Values (..., n) minus the nearest multiple of the period, and the number (..., n) of periods, both in double precision.
 
-    period: a number, or (..., 1) where each row has its own.
+    period: a number, or an array (..., 1) with one period for each row.
     """
     count = np.rint(value.astype(float) * (1 / period).astype(float))
     return (value - period * count.astype(Wide)).astype(float), count
@@ -267,7 +268,7 @@ def steady_spins(rates: Array, t: Array) -> Turning:
 
 
 def spinning(rates: Array, speed: Wides, t: Array) -> Turning:
-    """Steady spins with angular velocities `rates` (..., 3) of the sizes `speed` (...), rad/s, at times t (n,), s."""
+    """Steady spins with angular velocities `rates` (..., 3) of magnitude `speed` (...), rad/s, at times t (n,), s."""
     speed = np.asarray(speed)
     turn, _ = remainder(speed[..., None] * t.astype(Wide), 4 * PI)
     axis = (rates / speed[..., None]).astype(float)
@@ -297,7 +298,7 @@ def tumbling(motion: Polhode, t: Array) -> Turning:
     psi = np.arctan2(slope * elliptic[1], _factor(handedness * motion.sign[turn.g]) * elliptic[turn.g])
     phi = secular + turn.sense * phase
     across, along = np.hypot(middle, g), 1 + np.abs(f)
-    # tan(theta/2) has two forms; this is the one without cancellation for the sign of cos(theta).
+    # tan(theta/2) has two forms; the form without cancellation depends on the sign of cos(theta).
     half_sine, half_cosine = np.where(f > 0, (across, along), (along, across)) / np.hypot(across, along)
     half_sum, half_difference = (phi + psi) / 2, (phi - psi) / 2
     vector = (half_sine * np.cos(half_difference), half_sine * np.sin(half_difference), half_cosine * np.sin(half_sum))

@@ -32,7 +32,7 @@ class Turning:
 
 
 def placed(turning: Turning, attitude: Array) -> Turning:
-    """A rotation from a given attitude, made of one from any attitude, whose first instant, t = 0, is left out.
+    """Return a rotation turned so that it starts from a given attitude at t = 0, its first instant, which is left out.
 
     attitude: (..., 4) quaternions of any length, from the principal axes to the world.
     """

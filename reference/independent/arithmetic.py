@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.trajectory import Array
 
-#: Ratio of a difference to its terms up to which it is taken for what rounding has left of zero.
+#: Ratio of a difference to its terms up to which the difference counts as a rounding error of zero.
 ROUNDED = MP.mpf(10) ** -80
 
 #: A number of this arithmetic.
 Real = Any
 
-#: Three numbers, and three rows of them.
+#: A vector of three numbers, and a matrix of three rows.
 Vector = Sequence[Real]
 Matrix = Sequence[Vector]
 
@@ -29,13 +29,13 @@ WideArray = NDArray[np.longdouble]
 #: Relative spacing of the numbers of this type.
 WIDE_EPS = float(np.finfo(Wide).eps)
 
-#: Doubles that together hold all digits of a number of this type.
+#: Number of doubles that together hold all digits of a number of this type.
 _PARTS = -(-(np.finfo(Wide).nmant + 2) // 53)
 
 #: Bits of the lower part of a time that is split into two; the upper part has the other 26.
 _LOWER_BITS = 27
 
-#: Bits of a rate that are counted: 2^-64 of a turn after 2^46 turns.
+#: Bits of a rate that are used: the error is 2^-64 of a turn after 2^46 turns.
 _RATE_BITS = 110
 
 #: Bits of a piece of a rate. Its product with either part of a time is exact in the wide type.
@@ -99,10 +99,10 @@ def product(one: Matrix, other: Matrix) -> Matrix:
 
 
 def turns(offset: Real, rate: Real, times: Array) -> tuple[WideArray, WideArray]:
-    """Whole numbers of turns (n,), and what is left, in [-1/2, 1/2], of offset + rate t at times t (n,), s.
+    """Whole turns (n,), and the remaining fractions of a turn (n,), in [-1/2, 1/2], of offset + rate t at times t (n,), s.
 
     offset: turns at t = 0. rate: turns per second. Each piece of the rate and of the time is multiplied without rounding, and
-    whole turns are dropped at once, so that what is left has the accuracy of the wide type after any number of turns.
+    whole turns are dropped at once, so that the fractions have the accuracy of the wide type after any number of turns.
     """
     whole = MP.nint(offset)
     count, left = np.full(len(times), wide(whole)), np.full(len(times), wide(offset - whole))
@@ -119,7 +119,7 @@ def turns(offset: Real, rate: Real, times: Array) -> tuple[WideArray, WideArray]
 
 
 def _pieces(rate: Real) -> list[np.longdouble]:
-    """Numbers of few bits each, whose sum is a rate."""
+    """Split a rate into numbers of few bits each, whose sum is the rate."""
     pieces, rest, bits = [], rate, 0
     while rest and bits < _RATE_BITS:
         fraction, exponent = MP.frexp(rest)

@@ -13,7 +13,7 @@ from bodycheck.reference.scene import Attitude, Body, Definition, EulerAngles, E
 #: Decimal digits of the arithmetic.
 DIGITS = 100
 
-#: The arithmetic, a context of its own.
+#: The arithmetic, in a separate context of mpmath.
 MP = mpmath.MPContext()
 MP.dps = DIGITS
 
@@ -40,8 +40,8 @@ class Border:
     mobility
         Rows of the inverse of the inertia tensor (1/(kg m^2)).
     cosines
-        Rows of the matrix of direction cosines at t = 0, which takes body to world components: its rows are the axes of the
-        world along those of the body.
+        Rows of the matrix of direction cosines at t = 0, which takes body to world components: its rows are the components of
+        the world axes along the body axes.
     rates
         Angular velocity at t = 0, in the frame of the body (rad/s).
     momentum
@@ -59,8 +59,8 @@ class Border:
 def border(scene: Scene) -> Border:
     """Return the start of the motion of a scene.
 
-    The numbers come from the definition of the scene as far as it is valid (see `definition.valid`), and otherwise from the
-    doubles of the scene.
+    The numbers come from the parts of the scene's definition that are valid (see `scene.valid`), and otherwise from the doubles
+    of the scene.
     """
     return _border(scene, valid(scene))
 
@@ -89,7 +89,7 @@ def attitude(orientation: Attitude) -> Matrix:
 def euler_velocity(orientation: Attitude, rates: EulerRates) -> Triple:
     """The angular velocity in the frame of the body (rad/s) from the rates of the Euler angles of its attitude.
 
-    With R = Rz(phi) Rx(theta) Rz(psi), its components are those of the skew matrix R^T dR/dt.
+    With R = Rz(phi) Rx(theta) Rz(psi), its components are entries of the skew matrix R^T dR/dt.
     """
     phi, theta, psi = _angles(orientation)
     first, second, third = about_z(phi), about_x(theta), about_z(psi)

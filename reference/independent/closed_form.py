@@ -1,15 +1,16 @@
 """A second closed form of the flight without drag, which shares no formula and no code with the truth.
 
-The parabola of the centre of mass is a witness of every flight. The rotation takes the place of an integration where none can
-follow the motion: after many turns, near the separatrix, and in bodies that are nearly symmetric. Its cost does not depend on
-the motion.
+The parabola of the centre of mass is a witness of every flight. The rotation replaces the integrations where they cannot follow
+the motion: after many turns, near the separatrix, and in bodies that are nearly symmetric. Its cost does not depend on the
+motion.
 
 With the principal moments I1 <= I2 <= I3 along a right-handed set of axes, and the angular momentum L in the frame of the body,
 
     Lp = Mp dn u,   L2 = M2 sn u,   Lr = Mr cn u,   u = u0 + lambda t,
 
-where p is the axis 1 or 3 that L encircles and r the other one (Landau and Lifshitz, Mechanics, par. 37). The attitude follows
-from the precession of the line of nodes n = L x f / |L x f| about L, where f is one of the axes 1 and 3 and g the other one:
+where p is the axis 1 or 3 that L encircles and r is the other of these two axes (Landau and Lifshitz, Mechanics, par. 37). The
+attitude follows from the precession of the line of nodes n = L x f / |L x f| about L, where f is one of the axes 1 and 3 and g
+is the other:
 
     dphi/dt = |L| (L2^2/I2 + Lg^2/Ig) / (L2^2 + Lg^2) = steady - swing cn^2 u / (1 + nu sn^2 u),
     steady = |L|/Ig + swing,   swing = |L| (1/I2 - 1/Ig) (M2/Mg)^2 / (1 + nu),   nu = (M2/Mg)^2 - (k^2 if g = p, otherwise 1).
@@ -105,7 +106,7 @@ class Turned:
     Attributes
     ----------
     cosines
-        (n, 3, 3) matrices from principal axes at these instants to those at t = 0.
+        (n, 3, 3) matrices from the principal axes at these instants to the principal axes at t = 0.
     rates
         (n, 3) angular velocity along the principal axes (rad/s).
     error
@@ -148,9 +149,9 @@ def _turned(moments: Vector, rates: Vector, times: Array) -> Turned:
 
 
 def _along(axes: Matrix, rates: Vector) -> Vector:
-    """The components of an angular velocity along principal axes; what rounding has left of zero is made zero.
+    """The components of an angular velocity along principal axes; rounding errors of zero are set to zero.
 
-    A component along an axis of the frame of the body itself is not rounded, however small it is.
+    A component along an axis of the body frame has no rounding error, and is kept however small it is.
     """
     limit = ROUNDED * max(abs(rate) for rate in rates)
     rounded = [sum(bool(component) for component in axis) > 1 for axis in axes]
@@ -162,7 +163,7 @@ def _along(axes: Matrix, rates: Vector) -> Vector:
 
 
 def _steady(rates: Vector, times: Array) -> Turned:
-    """A steady turn about an axis, or none at all: R = 1 + sin(a) [n] + (1 - cos(a)) [n]^2."""
+    """A steady turn about an axis, or no rotation: R = 1 + sin(a) [n] + (1 - cos(a)) [n]^2."""
     speed = norm(rates)
     x, y, z = scaled(rates, 1 / speed) if speed else rates
     skew = wide_matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -175,7 +176,7 @@ def _steady(rates: Vector, times: Array) -> Turned:
 
 
 def _polhode(moments: Vector, rates: Vector) -> Polhode:
-    """The polhode of an angular velocity along the principal axes (rad/s) that is not that of a steady turn."""
+    """The polhode of an angular velocity along the principal axes (rad/s), of a body that does not turn steadily."""
     (i1, i2, i3), (w1, w2, w3) = moments, rates
     low, high, span = i2 - i1, i3 - i2, i3 - i1
     over, under = i3 * high * w3 * w3, i1 * low * w1 * w1
@@ -241,7 +242,7 @@ def _tumbling(motion: Polhode, times: Array) -> Turned:
 
 
 def _arguments(motion: Polhode, times: Array) -> tuple[WideArray, WideArray]:
-    """Whole numbers of half periods 2 K (n,), and what is left of u, in [-K, K], at times (n,), s."""
+    """Whole numbers of half periods 2 K (n,), and the remainder (n,) of u, in [-K, K], at times (n,), s."""
     if not motion.modulus.mean:
         return np.zeros(len(times), dtype=Wide), wide(motion.start) + wide(motion.rate) * times.astype(Wide)
     period = 2 * motion.modulus.quarter
@@ -286,8 +287,8 @@ def _about_momentum(angle: WideArray) -> WideArray:
 def parabola(scene: Scene, times: Array) -> tuple[WideArray, WideArray, Array, Array]:
     """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at times (n,), s, in NumPy's widest type, without drag.
 
-    The way is the time multiplied by the mean of the first and the last velocity. The two last results are bounds (n,) of the
-    errors of both.
+    The path is the time multiplied by the mean of the first and the last velocity. The last two results are bounds (n,) of the
+    errors of position (m) and velocity (m/s).
     """
     wide = np.longdouble
     t = times.astype(wide)[:, None]

@@ -13,10 +13,10 @@ from bodycheck.reference.scene import Attitude, Brick, Cylinder, Definition, Ell
 #: A matrix of rational numbers by its rows.
 Rows = list[list[Fraction]]
 
-#: Maps an attitude to its matrix of direction cosines, from the axes of the part to those of the body.
+#: Maps an attitude to its matrix of direction cosines, from the axes of the part to the axes of the body.
 Cosines = Callable[[Attitude], Rows]
 
-#: Binary digits of a second moment of a part that is turned. Exact quotients of many parts would have ever longer denominators.
+#: Binary digits kept of a second moment of a rotated part. Exact quotients of many parts would have ever longer denominators.
 PART_BITS = 800
 
 #: Binary digits of a denominator up to which a second moment is kept exactly.
@@ -38,7 +38,7 @@ def mass_and_tensor(definition: Definition, cosines: Cosines) -> tuple[Fraction,
 
 
 def from_second_moments(second: Rows) -> Rows:
-    """The inertia tensor (kg m^2) that belongs to second moments of the mass (kg m^2)."""
+    """The inertia tensor (kg m^2) that follows from second moments of the mass (kg m^2)."""
     trace = second[0][0] + second[1][1] + second[2][2]
     return [[(trace if i == j else 0) - second[i][j] for j in range(3)] for i in range(3)]
 
@@ -49,7 +49,7 @@ def along_axes(moments: Sequence[float], axes: Rows) -> Rows:
 
 
 def inverse(rows: Rows) -> Rows:
-    """The inverse of a matrix by its cofactors. Raises `ZeroDivisionError` for a singular one."""
+    """The inverse of a matrix by its cofactors. Raises `ZeroDivisionError` for a singular matrix."""
 
     def cofactor(i: int, j: int) -> Fraction:
         (a, b), (c, d) = ((rows[p % 3][j + 1 - 3], rows[p % 3][j + 2 - 3]) for p in (i + 1, i + 2))
@@ -125,7 +125,7 @@ def _joined(parts: Sequence[Particle] | Sequence[Solid], cosines: Cosines) -> tu
 
 
 def _short(value: Fraction) -> Fraction:
-    """A number to `PART_BITS` binary digits, or exactly where its denominator has few."""
+    """A number rounded down to `PART_BITS` binary digits, or unchanged if its denominator is short."""
     numerator, denominator = value.numerator, value.denominator
     shift = PART_BITS - numerator.bit_length() + denominator.bit_length()
     if denominator.bit_length() <= SHORT_BITS or shift <= 0:

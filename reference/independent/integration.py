@@ -1,13 +1,13 @@
-"""The rotation of a free body from the angular momentum and two axes of the world, all seen from the body (heyoka).
+"""The rotation of a free body, from the angular momentum and two world axes in the body frame (heyoka).
 
-Seen from the body, what is fixed in space turns backwards: dv/dt = v x Omega for the angular momentum m and for the axes e1 and
-e2 of the world, with Omega = J m and the inverse J of the inertia tensor. The third axis is e1 x e2. The frame is that of the
-body, whatever its principal axes are. Angular momentum has the unit of the largest moment times `unit_of_rate`, and time the
-inverse of that, which are powers of two.
+In the body frame, a vector that is fixed in space turns backwards: dv/dt = v x Omega for the angular momentum m and for the
+axes e1 and e2 of the world, with Omega = J m and the inverse J of the inertia tensor. The third axis is e1 x e2. The frame is
+that of the body, whatever its principal axes are. The unit of angular velocity is a power of two, and the unit of time is its
+inverse. The unit of angular momentum is the largest moment times the unit of angular velocity.
 
-Of a slender body one mobility is far larger than the others, and to round it would drown the difference between these. J is
-therefore split into c u u^T + R, in which c and u are exact in double precision and R has no large entry; u need not be exactly
-along the slender axis for that.
+In a slender body, one mobility is far larger than the others, and its rounding error would exceed the difference between the
+others. J is therefore split into c u u^T + R, in which c and u are exact in double precision and R has no large entry; u need
+not be exactly along the slender axis for that.
 """
 
 import functools
@@ -33,11 +33,11 @@ class Arithmetic:
 
     @property
     def rounding(self) -> float:
-        """The relative rounding error."""
+        """The relative rounding error of this arithmetic."""
         return float(np.finfo(self.dtype).eps) if self.bits is None else 2.0 ** (1 - self.bits)
 
     def number(self, value: Number) -> Any:
-        """The nearest number of this type."""
+        """The number of this type that is nearest to a number of a hundred digits."""
         if self.bits is not None:
             return hy.real(MP.nstr(value, DIGITS + 5), self.bits)
         head = float(value)
@@ -45,18 +45,18 @@ class Arithmetic:
 
     @property
     def digits(self) -> int:
-        """Its decimal digits."""
+        """The number of decimal digits of this arithmetic."""
         return math.ceil(-math.log10(self.rounding))
 
     def rounded(self, values: WideArray) -> WideArray:
-        """Numbers of this type in the widest type of NumPy."""
+        """Convert numbers of this type to the widest type of NumPy."""
         if self.bits is None:
             return values
         head = values.astype(float)
         return np.asarray(head.astype(np.longdouble) + (values - head).astype(float))
 
     def array(self, values: Triple) -> WideArray:
-        """The nearest numbers of this type, as an array."""
+        """The numbers of this type that are nearest to numbers of a hundred digits, as an array."""
         return np.array([self.number(value) for value in values])
 
 
@@ -65,7 +65,7 @@ EXTENDED = Arithmetic(np.longdouble)
 
 
 def multiprecision(bits: int) -> Arithmetic:
-    """heyoka's arithmetic with a mantissa of any number of bits, at most those of `border.DIGITS`."""
+    """heyoka's arithmetic with a mantissa of `bits` bits, which may hold at most `border.DIGITS` decimal digits."""
     return Arithmetic(hy.real, bits)
 
 
@@ -89,7 +89,7 @@ def equations() -> Equations:
 
 @dataclass(frozen=True, eq=False)
 class Spinning:
-    """A rotation that can be followed in some arithmetic.
+    """A rotation that can be followed in a given arithmetic.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Spinning:
     state
         (9,) m, e1 and e2 at t = 0.
     tensor, rest
-        (3, 3) I in units of the largest moment, and R.
+        (3, 3) the inertia tensor in units of the largest moment, and R in units of its inverse.
     axis, axial
         u (3,) and c (1,).
     unit
@@ -123,11 +123,11 @@ class Spinning:
         return Rotation(quaternion_of(cosines), self._mobile(momentum) * self._number(self.unit))
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, of this motion."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, of this motion."""
         return self._mobile(np.cross(_linear(self.tensor, angular_velocity), angular_velocity))
 
     def _mobile(self, momentum: WideArray) -> WideArray:
-        """J times vectors (n, 3)."""
+        """The inverse inertia tensor J times vectors (n, 3)."""
         along = momentum[:, :1] * self.axis[0] + momentum[:, 1:2] * self.axis[1] + momentum[:, 2:] * self.axis[2]
         return np.asarray(_linear(self.rest, momentum) + self.axial * along * self.axis)
 
@@ -137,7 +137,7 @@ class Spinning:
 
 @functools.lru_cache(maxsize=64)
 def spinning(start: Border, arithmetic: Arithmetic) -> Spinning:
-    """The rotation of a body from its start, in some arithmetic."""
+    """The rotation of a body from its start, in a given arithmetic."""
     largest = max(start.tensor[axis][axis] for axis in range(3))
     unit = MP.ldexp(1, max(MP.frexp(rate)[1] for rate in start.rates if rate))
     first, second, _ = start.cosines

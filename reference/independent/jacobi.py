@@ -1,7 +1,7 @@
 """Jacobi's elliptic functions and the integral of the first kind by the arithmetic-geometric mean.
 
-Both moduli enter through the complementary modulus k' alone, which may be as small as one likes, or zero. The means are
-a_0 = 1, b_0 = k', a_(n+1) = (a_n + b_n) / 2, b_(n+1) = sqrt(a_n b_n).
+Both moduli enter through the complementary modulus k' alone, which may be arbitrarily small, or zero. The means are a_0 = 1,
+b_0 = k', a_(n+1) = (a_n + b_n) / 2, b_(n+1) = sqrt(a_n b_n).
 """
 
 import math
@@ -15,13 +15,13 @@ from bodycheck.reference.independent.border import MP
 #: Relative difference of two means at which they are equal in the wide type after one more step, and in a hundred digits.
 _EQUAL, _EXACTLY_EQUAL = MP.mpf(10) ** -18, MP.mpf(10) ** -60
 
-#: Size of an argument that has the functions of zero.
+#: Size of an argument below which its functions are taken as the functions of zero.
 _SMALLEST_ARGUMENT = Wide(1e-60)
 
 
 @dataclass(frozen=True, eq=False)
 class Modulus:
-    """A modulus.
+    """A modulus of elliptic functions, by its arithmetic-geometric means.
 
     Attributes
     ----------
@@ -61,7 +61,8 @@ def argument(modulus: Modulus, sn: Real, cn: Real) -> Real:
     """The argument u in [-K, K] from numbers proportional to sn u and cn u >= 0, by Landen's descending transformation.
 
     The amplitude phi is transformed by tan(phi_(n+1) - phi_n) = (b_n / a_n) tan(phi_n), and u = phi_N / (2^N mean) [DLMF
-    19.8.12, 22.20.4]. It is kept as the direction of a complex number, and its whole turns are counted in double precision.
+    19.8.12, 22.20.4]. The amplitude is kept as the direction of a complex number, and its whole turns are counted in double
+    precision.
     """
     if not modulus.mean:
         return MP.asinh(sn / cn)

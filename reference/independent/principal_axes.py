@@ -1,9 +1,10 @@
 """Principal moments and axes of an inertia tensor by the trigonometric roots of its characteristic polynomial.
 
-The deviator D = (I - tr(I)/3) / p with p^2 = |I - tr(I)/3|^2 / 6 has the eigenvalues x that solve x^3 - 3 x = 2 r with
-r = det(D) / 2 (O. K. Smith, Communications of the ACM 4, 168, 1961). For r >= 0 the largest one, x = 2 cos(arccos(r) / 3), is
-at least sqrt(3) away from the other two, and for r <= 0 the smallest one. It is computed first, together with its axis; the
-other two may be close to each other or equal, and are those of the symmetric 2 by 2 tensor across that axis.
+The deviator D = (I - tr(I)/3) / p with p^2 = |I - tr(I)/3|^2 / 6 has the eigenvalues x that solve x^3 - 3 x = 2 r with r =
+det(D) / 2 (O. K. Smith, Communications of the ACM 4, 168, 1961). For r >= 0 the largest eigenvalue, x = 2 cos(arccos(r) / 3),
+is at least sqrt(3) away from the other two, and for r <= 0 the smallest eigenvalue is. This eigenvalue is computed first,
+together with its axis; the other two may be close to each other or equal, and are the eigenvalues of the symmetric 2 by 2
+tensor across that axis.
 """
 
 from bodycheck.reference.independent.arithmetic import ROUNDED, Matrix, Real, Vector, applied, cross, dot, norm, scaled
@@ -20,8 +21,8 @@ UNIT_VECTORS: Matrix = (
 def principal_axes(tensor: Matrix) -> tuple[Vector, Matrix]:
     """The principal moments I1 <= I2 <= I3 (kg m^2) of a tensor, and its principal axes as a right-handed set of unit vectors.
 
-    Moments that differ by less than what rounding can make of equal ones are equal in the result. A diagonal tensor is
-    returned without any rounding.
+    Moments whose difference can be a rounding error are equal in the result. A diagonal tensor is returned without any
+    rounding.
     """
     if not any(tensor[i][j] for i in range(3) for j in range(3) if i != j):
         pairs = [(tensor[axis][axis], UNIT_VECTORS[axis]) for axis in range(3)]

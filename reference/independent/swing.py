@@ -15,7 +15,7 @@ from bodycheck.reference.independent.arithmetic import Wide, WideArray, wide
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.jacobi import Modulus, functions
 
-#: Argument beyond which nothing is left to integrate: 4 exp(-2 u) is 1e-20.
+#: Argument beyond which the rest of the integral is negligible: 4 exp(-2 u) is 1e-20.
 LARGEST_ARGUMENT = 24
 
 #: Nodes of a panel, and its largest width. Chebyshev series then converge by a factor 4.3 or more for each term.
@@ -25,7 +25,7 @@ LARGEST_WIDTH = 0.75
 
 @dataclass(frozen=True, eq=False)
 class Swing:
-    """The integral J for one modulus and one nu.
+    """The integral J(u) of cn^2 / (1 + nu sn^2) from 0 to u, for one modulus and one nu.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Swing:
 
 
 def swing(modulus: Modulus, nu: np.longdouble) -> Swing:
-    """The integral J for a modulus and 0 <= nu <= 1."""
+    """The integral J(u) of cn^2 / (1 + nu sn^2) from 0 to u, for a modulus and 0 <= nu <= 1."""
     reach = wide(min(modulus.quarter, MP.mpf(LARGEST_ARGUMENT)))
     count = math.ceil(reach / LARGEST_WIDTH)
     width = reach / count
@@ -58,7 +58,7 @@ def swing(modulus: Modulus, nu: np.longdouble) -> Swing:
 
 
 def integrated(course: Swing, u: WideArray) -> WideArray:
-    """Return J(u) for arguments u (n,) in [-K, K]."""
+    """Return the integral J(u) of `Swing` for arguments u (n,) in [-K, K]."""
     scaled = np.minimum(np.abs(u) / course.width, Wide(course.series.shape[1]))
     panel = np.minimum(scaled.astype(int), course.series.shape[1] - 1)
     twice = 4 * (scaled - panel) - 2
@@ -74,7 +74,7 @@ def integrated(course: Swing, u: WideArray) -> WideArray:
 def _chebyshev() -> tuple[WideArray, WideArray]:
     """Chebyshev nodes (NODES,) in [-1, 1], and the matrix (NODES + 1, NODES) that maps values there to an integral from -1.
 
-    The integral is given by the coefficients of its Chebyshev series; that of T_n is T_(n+1) / (2n + 2) - T_(n-1) / (2n - 2).
+    The integral is given by the coefficients of its Chebyshev series; the integral of T_n is T_(n+1)/(2n+2) - T_(n-1)/(2n-2).
     """
     angles = [(2 * j + 1) * MP.pi / (2 * NODES) for j in range(NODES)]
     terms = [[MP.cos(n * angle) * (1 if n == 0 else 2) / NODES for angle in angles] for n in range(NODES)]

@@ -5,8 +5,8 @@
 - `taylor`: the Euler-Lagrange equations by Taylor's method in 80-bit and 128-bit arithmetic, with heyoka (Linux only).
 - `heyoka_solver`: Taylor's method itself, in any arithmetic.
 - `collocation`: Gauss-Legendre collocation in the wide type, which steps over singular positions.
-- `periods`: any number of turns of a body without torque from one period.
-- `rotation`: what an integration in a wide type gives.
+- `periods`: any number of turns of a body without torque, continued from one period.
+- `rotation`: the result of an integration in a wide type.
 - `sensitivity`: growth of an error along a motion, from the variational equations, with heyoka.
 - `dop853`: SciPy's DOP853 near machine precision, used by `lagrangian` and `quasi_coordinates`, by `flight.drag` and by
   `sliding.coupled_motion`.

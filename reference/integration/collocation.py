@@ -1,8 +1,9 @@
 """Integration by Gauss-Legendre collocation in the widest type of NumPy, all nodes of a step at once.
 
 A step is solved for the derivatives at its nodes by Picard's iteration, accelerated by Anderson's method (J. ACM 12, 547,
-1965), which also converges where a few directions of the iteration do not contract: close to a position in which a mechanism is
-singular. The derivatives are a series of Legendre polynomials in a step; how fast they fall off gives the size of the next.
+1965), which also converges where a few directions of the iteration do not contract, such as close to a singular position of a
+mechanism. Within a step, the derivatives are a series of Legendre polynomials; the decrease of its terms determines the size of
+the next step.
 """
 
 import math
@@ -19,32 +20,33 @@ from bodycheck.reference.exact.numbers import MP, Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.trajectory import Array
 
-#: The derivatives (s, k) of states (s, k).
+#: A function from states (s, k) to their derivatives (s, k).
 Derivatives = Callable[[WideArray], WideArray]
 
-#: A state (k,) that is moved back to where it belongs.
+#: A function that corrects a state (k,), for instance by moving it back onto constraints.
 Corrected = Callable[[WideArray], WideArray]
 
-#: Iterations of a step at most, and how many of the last ones Anderson's method combines by default.
+#: Largest number of iterations of a step, and number of the last iterations that Anderson's method combines by default.
 _ITERATIONS, _MEMORY = 80, 25
 
 #: The smallest tolerance: relative size of the last terms of the series of a step that rounding in the wide type allows.
 FINEST = 2 * float(np.finfo(Wide).eps)
 
-#: The last change of a step, in tolerances, and the size of the last terms up to which it is taken.
+#: The change of an iteration below which a step has converged, and the size of the last terms of its series below which it is
+#: accepted, both in units of the tolerance.
 _CHANGE, _TAKEN = 5, 30
 
-#: The part of a column that is left, when those before it are taken from it, if it depends on them.
+#: Relative size of a column after the columns before it are projected out, up to which it counts as dependent on them.
 _DEPENDENT = 1e-13
 
-#: Relative size of terms of a series up to which rounding hides them.
+#: Relative size of terms of a series below which rounding hides them.
 _HIDDEN = 1e-15
 
-#: How far the size of a step changes at most, and the sizes that are tried for a step.
+#: Smallest and largest ratio of the sizes of consecutive steps, and the ratios of sizes that are tried to solve a step.
 _SMALLER, _LARGER = 0.4, 2.5
 _SIZES = (1.0, 0.62, 0.38, 1.45, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 
-#: Relative size of what a singular position makes of rounding in a step that is taken.
+#: Relative size, in a step that is accepted, of rounding errors that a singular position has magnified.
 _MAGNIFIED = 1e-11
 
 
@@ -57,9 +59,10 @@ class Rule:
     nodes
         (s,) the nodes.
     inside, across
-        (s, s) integrals from 0 to each node of the polynomials that are one at a node and zero at the others; (s,) those to 1.
+        (s, s) integrals from 0 to each node, and (s,) integrals from 0 to 1, of the polynomials that are 1 at one node and 0 at
+        the other nodes.
     series
-        (s, s) the coefficients of the Legendre series of such polynomials.
+        (s, s) the coefficients of the Legendre series of these polynomials.
     """
 
     nodes: WideArray
@@ -70,7 +73,7 @@ class Rule:
 
 @cache
 def rule(stages: int) -> Rule:
-    """The rule with a number of nodes. Its coefficients are those of the Legendre series, whose integrals are known."""
+    """The rule with the given number of nodes. It is computed from Legendre series, whose integrals are known."""
     x = np.array([MP.mpf(float(node)) for node in legendre.leggauss(stages)[0]])
     for _ in range(4):
         # Newton's iteration with a hundred digits; the derivative follows from the polynomials of the two highest degrees.
@@ -95,7 +98,7 @@ def _polynomials(x: Any, degree: int) -> Any:
 
 
 def _integrals(x: Any, count: int) -> Any:
-    """The integrals (n, count) of the first polynomials from -1 to x (n,), divided by two: those over [0, 1]."""
+    """The integrals (n, count) of the first Legendre polynomials from -1 to x (n,), halved for the interval [0, 1]."""
     values = _polynomials(x, count + 1)
     first = (values[1] + 1) / 2
     rest = [(values[n + 1] - values[n - 1]) / (2 * (2 * n + 1)) for n in range(1, count)]
@@ -120,13 +123,13 @@ class Step:
     Attributes
     ----------
     start, size
-        When it begins, and how long it is (s).
+        The instant at which the step begins, and its length (s).
     state
         (k,) the state at its beginning.
     slopes
         (s, k) the derivatives at its nodes.
     error
-        How large the last terms of their series are.
+        Relative size of the last terms of the series of the derivatives.
     """
 
     start: np.longdouble
@@ -137,7 +140,7 @@ class Step:
 
     @property
     def end(self) -> np.longdouble:
-        """When it ends (s)."""
+        """The instant at which the step ends (s)."""
         return self.start + self.size
 
     def at(self, times: WideArray) -> WideArray:
@@ -148,14 +151,14 @@ class Step:
         return states
 
     def last(self) -> WideArray:
-        """The state (k,) at its end."""
+        """The state (k,) at the end of the step."""
         state: WideArray = self.state + self.size * (rule(len(self.slopes)).across @ self.slopes)
         return state
 
 
 @dataclass(frozen=True, eq=False)
 class Integrated:
-    """States (n, k), and the sum (n,) of the errors that the steps until then have made, before they grow."""
+    """States (n, k), and the sum (n,) of the errors that the steps up to each instant have made, without their growth."""
 
     states: WideArray
     errors: Array
@@ -173,7 +176,7 @@ def integrate(
     corrected: Corrected | None = None,
     memory: int = _MEMORY,
 ) -> Integrated:
-    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. Other parameters are those of `steps`."""
+    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. See `steps` for the other parameters."""
     states, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
     row = int(np.searchsorted(times, 0.0, side="right"))
     states[:row], errors[:row] = start, 0.0
@@ -204,7 +207,7 @@ def steps(
     corrected: Corrected | None = None,
     memory: int = _MEMORY,
 ) -> Iterator[Step]:
-    """The steps from a state (k,) at t = 0 on, without an end.
+    """The endless sequence of steps from a state (k,) at t = 0.
 
     Parameters
     ----------
@@ -215,15 +218,15 @@ def steps(
     stages
         Number of nodes of a step.
     first
-        A size of the first step (s).
+        The size at which the first step is tried (s).
     most
         Evaluations of the equations, of all nodes at once, after which the integration is given up.
     tolerance
         Relative size of the last terms of the series of a step.
     corrected
-        What is done to the state after each step, such as a projection on constraints.
+        A function that corrects the state after each step, such as a projection on constraints; None for no correction.
     memory
-        How many of the last iterations are combined. With 1 they are Picard's, which are cheaper where all of them contract.
+        Number of the last iterations that are combined. With 1, the iteration is Picard's, which is cheaper where it converges.
 
     Raises `OutOfReach` where no step can be solved or too many are needed.
     """
@@ -241,7 +244,7 @@ def steps(
     raise OutOfReach(f"the motion needs more than {most} evaluations of its equations")
 
 
-#: A solved step: its size (s), the derivatives (s, k) at its nodes, and how large the last terms of their series are.
+#: A solved step: its size (s), the derivatives (s, k) at its nodes, and the relative size of the last terms of their series.
 _Solved = tuple[np.longdouble, WideArray, float]
 
 
@@ -254,7 +257,7 @@ def _step(
     tolerance: float,
     memory: int,
 ) -> _Solved:
-    """A step from a state whose size is near h.
+    """Solve a step from a state, with a size near h (s).
 
     Close to a singular position the accelerations have few digits, and a smaller step does not make its series shorter. Then
     the larger step, which has fewer nodes close to that position, is taken.
@@ -277,7 +280,7 @@ def _step(
 
 
 def _factor(used: Rule, slopes: WideArray, tolerance: float) -> float:
-    """By how much the next step is larger, from how fast those terms of the series fall off that rounding does not hide."""
+    """The factor by which the next step is larger, from the decrease of the terms of the series that rounding does not hide."""
     scale = np.abs(slopes).max(axis=0) + np.abs(slopes).max() / 20 + Wide(1e-300)
     terms = (np.abs(used.series @ slopes) / scale).max(axis=1).astype(float)
     # Terms of even and odd degree may differ.
@@ -291,7 +294,7 @@ def _factor(used: Rule, slopes: WideArray, tolerance: float) -> float:
 
 
 def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray:
-    """The derivatives at the nodes of a step from the low terms of the series of the step before."""
+    """The derivatives at the nodes of a step, extrapolated from the low terms of the series of the step before."""
     few = 6
     at = 1 + 2 * used.nodes * grown
     extended: WideArray = _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
@@ -315,7 +318,7 @@ def _solved(
     for iteration in range(_ITERATIONS):
         renewed = derivatives(state + h * (used.inside @ slopes))
         residual = renewed - slopes
-        # Small components count by a twentieth of the largest, so that what rounding leaves of zero does not.
+        # The scale of a component is at least a twentieth of the largest scale, so that rounding errors of zero do not count.
         scale = np.abs(renewed).max(axis=0) + np.abs(renewed).max() / 20 + Wide(1e-300)
         change = float((np.abs(residual) / scale).max())
         if not np.isfinite(change):
@@ -333,7 +336,7 @@ def _solved(
 
 
 def _mixed(points: list[WideArray], residuals: list[WideArray], scale: WideArray) -> WideArray:
-    """The next iterate of Anderson's method: the combination of the last ones whose linear residual is smallest."""
+    """The next iterate of Anderson's method: the combination of the last iterates whose linear residual is smallest."""
     latest = points[-1] + residuals[-1]
     if len(points) == 1:
         return latest
@@ -351,12 +354,12 @@ def _mixed(points: list[WideArray], residuals: list[WideArray], scale: WideArray
 
 
 def _fitted(columns: WideArray, target: WideArray) -> WideArray:
-    """The weights (k,) of columns (k, n) whose sum is closest to a target (n,), by Gram and Schmidt's method.
+    """The weights (k,) with which the sum of columns (k, n) is closest to a target (n,), by Gram and Schmidt's method.
 
-    A column that is a sum of those before it has the weight zero.
+    A column that is a linear combination of the columns before it has the weight zero.
     """
     count = len(columns)
-    # Columns of the triangular factor; the last one is that of the target.
+    # Columns of the triangular factor; the last column belongs to the target.
     factor, rest = np.zeros((count, count + 1), dtype=Wide), np.concatenate([columns, target[None]])
     for index in range(count):
         direction = rest[index].copy()

@@ -108,10 +108,10 @@ def solve(
     scale
         (k,) typical sizes of the components of the state.
     after_step
-        Called with the state after each step. It may return a new right-hand side and the same state in the coordinates of
-        that, with which the integration continues.
+        Called with the state after each step. It may return a new right-hand side and the same state in the coordinates of this
+        right-hand side, with which the integration continues.
     at_sample
-        Called when each row is stored.
+        Called each time a row is stored.
 
     Returns
     -------

@@ -20,14 +20,14 @@ from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.trajectory import Array
 
-#: The 128-bit type. heyoka has no type of its own where `long double` already has 128 bits (64-bit ARM).
+#: The 128-bit type. heyoka has no separate type where `long double` already has 128 bits (64-bit ARM).
 QUADRUPLE = getattr(hy, "real128", np.longdouble)
 
 #: Tolerance for the remainder of the series in a step, for each type: a few roundings, in which a smaller remainder would be
 #: lost.
 STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
 
-#: Such a few roundings in bits, for multiprecision arithmetic.
+#: The same few roundings in bits, for multiprecision arithmetic.
 TOLERANCE_BITS = 4
 
 #: Size of a floating-point type in bits, by the number of bits of its mantissa.
@@ -71,13 +71,14 @@ def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None 
     """heyoka's integrator of the given equations in a floating-point type, compiled or taken from heyoka's cache.
 
     bits: the length of the mantissa where the type is heyoka's multiprecision `real`, and None for any other type. large:
-    whether the equations are so many that optimising their code would take minutes; the code then takes twice the time.
+    whether the equations are so many that optimising their code would take minutes; it is then not optimised and runs half as
+    fast.
     """
     return compiled(equations(), dtype, bits, large=large)
 
 
 def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = False, events: Sequence[Any] = ()) -> Any:
-    """An integrator as from `integrator` that is not kept. events: heyoka's events that do not stop it."""
+    """Return a new integrator, like `integrator` but without a cache. events: heyoka's events that do not stop it."""
     prepare_heyoka()
     options: dict[str, Any] = {} if bits is None else {"prec": bits}
     zero = dtype(0) if bits is None else hy.real(0, bits)
@@ -96,16 +97,17 @@ def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = F
 
 
 def step_tolerance(dtype: Any, bits: int | None = None) -> float:
-    """The tolerance for the remainder of the series in a step, with which the series does not end at a multiple of four.
+    """The tolerance for the remainder of the series in a step, such that the order of the series is no multiple of four.
 
     heyoka's series have the order 1 - log(tolerance) / 2, rounded up, and a step is as long as their last two coefficients
-    allow. Of what begins at rest where its acceleration does not change to first order, such as a pendulum that is horizontal,
-    the coordinates have the powers 2, 6, 10, ... of time alone, and the velocities 1, 5, 9, ...: a series that ends at a
-    multiple of four has none of them among its last two, and its first step would have no end.
+    allow. If a motion begins at rest where its acceleration does not change to first order, such as the motion of a horizontal
+    pendulum, the series of its coordinates have only the powers 2, 6, 10, ... of time, and those of its velocities only the
+    powers 1, 5, 9, ...: in a series whose order is a multiple of four, the last two coefficients are zero, and the first step
+    would be infinitely long.
     """
     tolerance = STEP_TOLERANCES[dtype] if bits is None else 2.0 ** (TOLERANCE_BITS - bits)
     order = math.ceil(1 - math.log(tolerance) / 2)
-    return tolerance if order % 4 else math.exp(1 - 2 * order)  # in the middle of what gives one order more
+    return tolerance if order % 4 else math.exp(1 - 2 * order)  # in the middle of the range that gives one order more
 
 
 def solve(

@@ -28,8 +28,8 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: A chart is changed where sin(theta) is below this; the distance to the singularity is then still large compared with the
-#: rotation of one step.
+#: A chart is changed where sin(theta) is below this value; the distance to the singularity is then still large compared with
+#: the rotation of one step.
 MIN_CHART_SINE = 0.5
 
 #: Quaternions (w, x, y, z) that rotate components along the axes of charts 0, 1, 2 to components along the body's own axes:
@@ -72,7 +72,7 @@ def rotational_mass_matrix(moments: Vector, theta: float, psi: float) -> Array:
 def angular_accelerations(
     moments: Vector, theta: float, psi: float, dtheta: float, dphi: float, dpsi: float
 ) -> tuple[float, float, float]:
-    """Second derivatives of the Euler angles without generalized forces: [G 2.45d-f], solved for them.
+    """Second derivatives of the Euler angles without generalized forces, from [G 2.45d-f].
 
     psi'' is eliminated first; the remaining 2 x 2 system in theta'' and phi'' has the determinant A B sin^2(theta), so that
     the result is singular where sin(theta) = 0.
@@ -176,7 +176,7 @@ def to_states(y: Array, charts: NDArray[np.int_]) -> tuple[Array, Array, Array, 
 def integrate(scene: Scene, times: Array) -> Trajectory:
     """The motion of a body in free flight at ascending times (n,) >= 0, s, from the Euler-Lagrange equations.
 
-    The scene must be along the principal axes of its body; its drag and its plane are ignored.
+    The body frame of the scene must be along the principal axes; drag and plane are ignored.
 
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """

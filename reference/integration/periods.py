@@ -1,4 +1,4 @@
-"""Any number of turns of a body without torque from one period of its angular velocity.
+"""Any number of turns of a body without torque, continued from one period of its angular velocity.
 
 Seen from the body, the angular velocity of a rotation without torque repeats itself after a time T. One period turns the body
 as a whole by an angle alpha about the fixed angular momentum: R(t + T) = D R(t). So R(n T + tau) = D^n R(tau), where D^n is
@@ -16,7 +16,7 @@ from bodycheck.reference.trajectory import Array
 #: Part of the error of a motion that is negligible.
 NEGLIGIBLE = 0.1
 
-#: Most corrections of a guess of the period.
+#: Largest number of corrections of a guess of the period.
 MAX_CORRECTIONS = 8
 
 #: Number of instants in a search for the period.
@@ -30,11 +30,11 @@ class Motion(Protocol):
         """Attitudes and angular velocities at times (n,) >= 0 (s), in any order."""
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, of this motion."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, of this motion."""
 
 
 def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed: float) -> Rotation:
-    """A rotation at any times from one period of it.
+    """Return a rotation at any times, continued from one period of it.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed:
     times
         (n,) times >= 0 (s), in any order.
     allowed
-        By how much the angular velocity may differ after a period, as a part of its size: the error of the motion.
+        The relative difference that the angular velocity may have after a period: the error of the motion.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed:
         seen = motion.follow(np.concatenate([within, period, 0 * period]))
         shift, mismatch = return_shift(motion, seen.angular_velocity[-1], seen.angular_velocity[-2], allowed)
         speed = float(np.sqrt((seen.angular_velocity[-1] ** 2).sum()))
-        # An instant is shifted by the error of all periods before it. What is of second order in that is left out.
+        # An instant is shifted by the error of all periods before it. Terms of second order in this error are left out.
         late = whole * abs(float(shift))
         change = (
             motion.acceleration(seen.angular_velocity[:-2]) if speed * late.max(initial=0.0) > NEGLIGIBLE * allowed else None
@@ -84,10 +84,10 @@ def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed:
 
 
 def return_shift(motion: Motion, first: WideArray, last: WideArray, allowed: float) -> tuple[Any, float]:
-    """The time (s) until an angular velocity (3,) is as close as it gets to another one, and its distance then (rad/s).
+    """The time (s) after which an angular velocity `last` (3,) comes closest to `first` (3,), and their distance then (rad/s).
 
-    It is exact to first order. `allowed` is the relative error of the angular velocities: a change that is as small as that
-    says nothing of the time, which is then zero.
+    The time is exact to first order. `allowed` is the relative error of the angular velocities: if they change by no more than
+    this error, the time cannot be determined, and is zero.
     """
     difference, change = first - last, motion.acceleration(first[None])[0]
     square, noise = (change * change).sum(), (first * first).sum() * _in_type(allowed, first)[0]
@@ -99,7 +99,7 @@ def return_shift(motion: Motion, first: WideArray, last: WideArray, allowed: flo
 def searched_period(motion: Motion, end: float, dtype: Any) -> float:
     """The time (s) after which the angular velocity of a motion first returns.
 
-    Raises `OutOfReach` if it does not before `end`.
+    Raises `OutOfReach` if it does not return before `end` (s).
     """
     instants = np.linspace(0.0, end, SEARCHED)
     rates = motion.follow(instants.astype(dtype)).angular_velocity.astype(float)
@@ -119,9 +119,11 @@ def _in_type(value: Any, like: WideArray) -> WideArray:
 
 
 def _continued(seen: Rotation, whole: WideArray, shift: Any, axis: WideArray, change: WideArray | None) -> Rotation:
-    """The rotation after whole numbers (n,) of periods and the instants within one, of which two more are the period and 0.
+    """The rotation after whole numbers (n,) of periods plus instants (n,) within a period.
 
-    shift: the period minus the time that was taken for it. change: (n, 3) angular accelerations at the instants; None where
+    seen: the rotation at these n instants, and after them at the period and at 0.
+
+    shift: the period minus the time that was assumed for it. change: (n, 3) angular accelerations at the instants; None where
     the shift is too small to move an instant.
     """
     quaternion, rates = seen.quaternion, seen.angular_velocity
@@ -142,7 +144,7 @@ def _continued(seen: Rotation, whole: WideArray, shift: Any, axis: WideArray, ch
 
 
 def _to_body(q: WideArray, v: WideArray) -> WideArray:
-    """A vector (3,) of the world in components of the body, for a quaternion (4,), body to world."""
+    """Body components (3,) of a vector (3,) in world components, for a quaternion (4,), body to world."""
     pure = np.concatenate([0 * v[:1], v])[None]
     return np.asarray(product(product(inverse(q[None]), pure), q[None])[0, 1:])
 

@@ -48,7 +48,7 @@ def equations(moments: Vector, gravity: float) -> Derivative:
 def integrate(scene: Scene, times: Array) -> Trajectory:
     """The motion of a body in free flight at ascending times (n,) >= 0, s, from Euler's equations.
 
-    The scene must be along the principal axes of its body; its drag and its plane are ignored.
+    The body frame of the scene must be along the principal axes; drag and plane are ignored.
 
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """

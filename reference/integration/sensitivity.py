@@ -24,8 +24,8 @@ class Growth:
     """Attitude error (rad) at n instants per unit of relative error made earlier: an error eps grows to about eps times this.
 
     One unit is an error of one rad in the attitude together with one of |Omega| rad/s in the angular velocity, in the worst
-    direction. Both attributes are at least 1. A flip undoes much of the growth of an initial error, but not that of an error
-    made in the middle of the flip.
+    direction. Both attributes are at least 1. A flip undoes much of the growth of an initial error, but not the growth of an
+    error made in the middle of the flip.
 
     Attributes
     ----------
@@ -50,11 +50,11 @@ def variational_equations() -> Equations:
 def growth(scene: Scene, times: Array) -> Growth:
     """The growth of an error in the attitude of a free body until times (n,) >= 0, s, in any order.
 
-    The scene must be along the principal axes of its body. The state-transition matrix of (rotation in the world frame, angular
-    velocity in the body frame) from 0 to t is [[1, J(t)], [0, M(t)]], because an initial rotation rotates the whole motion.
-    That from s to t has the upper right block (J(t) - J(s)) / M(s). `of_initial` is the largest singular value of
-    [1, |Omega(0)| J(t)]. `of_any` is that of [1, |Omega(s)| (J(t) - J(s)) / M(s)] for the worst s, but with the Frobenius norm
-    of the second block, which is at most sqrt(3) times too large.
+    The body frame of the scene must be along the principal axes. The state-transition matrix of (rotation in the world frame,
+    angular velocity in the body frame) from 0 to t is [[1, J(t)], [0, M(t)]], because an initial rotation rotates the whole
+    motion. The matrix from s to t has the upper right block (J(t) - J(s)) / M(s). `of_initial` is the largest singular value of
+    [1, |Omega(0)| J(t)]. `of_any` is the largest singular value of [1, |Omega(s)| (J(t) - J(s)) / M(s)] for the worst s, but
+    with the Frobenius norm of the second block, which is at most sqrt(3) times too large.
 
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """

@@ -162,7 +162,7 @@ class Tumbling:
     state
         (6,) psi, phi, theta and their rates at t = 0.
     from_frame
-        (4,) quaternion from the frame that the angles count from to the world.
+        (4,) quaternion from the frame in which the angles are defined to the world.
     """
 
     moments: WideArray
@@ -172,7 +172,7 @@ class Tumbling:
     from_frame: WideArray
 
     def follow(self, instants: WideArray) -> Rotation:
-        """Return attitudes and angular velocities at times (n,) >= 0 (s) in any order. Raise `OutOfReach`."""
+        """Return attitudes and angular velocities at times (n,) >= 0 (s) in any order. Raise `OutOfReach` on failure."""
         dtype: Any = self.state.dtype.type
         a, b, c = relabel(self.moments, self.chart)
         solution = solve(
@@ -189,7 +189,7 @@ class Tumbling:
         return Rotation(turned[:, :4] @ to_world, relabel(turned[:, 4:], -self.chart) * self.unit)
 
     def acceleration(self, angular_velocity: WideArray) -> WideArray:
-        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, by Euler's equations."""
+        """The angular accelerations (n, 3), rad/s^2, at angular velocities (n, 3), rad/s, by Euler's equations."""
         return np.asarray(np.cross(self.moments * angular_velocity, angular_velocity) / self.moments)
 
 
@@ -217,7 +217,7 @@ def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
 
 
 def in_body_frame(begin: Start, rotation: Rotation) -> Rotation:
-    """A rotation in the frame of the body, from one along its principal axes."""
+    """The rotation in the frame of the body, from the rotation along its principal axes."""
     if begin.axes == IDENTITY:
         return rotation
     axes = np.broadcast_to(rounded(begin.axes, rotation.quaternion.dtype.type), rotation.quaternion.shape)

@@ -40,13 +40,13 @@ from bodycheck.reference.schemes.runge_kutta import (
     implicit,
 )
 
-#: Classical Runge-Kutta as Munthe-Kaas brought it to Lie groups.
+#: Name of the classical Runge-Kutta scheme in the form of Munthe-Kaas for Lie groups.
 MUNTHE_KAAS = "Runge-Kutta-Munthe-Kaas 4"
 
-#: What follows the name of a scheme that integrates the body twist.
+#: Suffix of the name of a scheme that integrates the body twist.
 ON_TWIST = " on the body twist"
 
-#: Numbers of substeps that engines take or are told to take.
+#: Numbers of substeps that engines take by default or are set to take.
 SUBSTEPS = (2, 3, 4, 5, 8, 10)
 
 
@@ -59,7 +59,7 @@ class Entry:
     scheme
         The scheme.
     formulations
-        The formulations whose rotation is the same, by the words that follow the scheme's name; the first has none.
+        The formulations that give the same rotation, by the suffix of the scheme's name; the suffix of the first is empty.
     order
         The order of the attitude of a tumbling body; 0 if it does not converge to the motion of the body.
     """
@@ -70,11 +70,11 @@ class Entry:
 
     @property
     def rotation(self) -> Equations:
-        """The formulation that stands for all in rotation."""
+        """The first formulation; the others give the same rotation."""
         return self.formulations[""]
 
 
-#: Formulations by what follows the names of their schemes, for each way to carry the attitude.
+#: Formulations by the suffixes of the names of their schemes, for each representation of the attitude.
 EXPONENTIAL: Mapping[str, Equations] = {"": world_velocity, ON_TWIST: body_twist}
 APART: Mapping[str, Equations] = {"": world_velocity}
 AVERAGED: Mapping[str, Equations] = {"": averaged(world_velocity), ON_TWIST: averaged(body_twist)}
@@ -99,20 +99,20 @@ EXPLICIT = {
 #: Implicit schemes by their textbook names.
 IMPLICIT = {"implicit Euler": IMPLICIT_EULER, "trapezoidal rule": TRAPEZOIDAL, "Radau IIA 3": RADAU_IIA_3}
 
-#: Schemes of order 1 whose velocity changes first.
+#: Schemes of order 1 that change the velocity before the pose.
 EULER = {
     "semi-implicit Euler": semi_implicit_euler,
     "linearly implicit Euler": rosenbrock_euler,
     "semi-implicit Euler of the momentum": momentum_euler,
 }
 
-#: What follows the name of a scheme with coordinates of the attitude.
+#: Suffixes of the names of schemes with coordinates of the attitude.
 LINEAR, ON_BODY = " with linear quaternions", " of quaternion and body rates"
 ON_WORLD, ON_ANGLES = " of quaternion and world rates", " of angles and world rates"
 
 
 def _of_order_one() -> dict[str, Entry]:
-    """Schemes of order 1 that are no Runge-Kutta schemes, and those without a gyroscopic torque."""
+    """Schemes of order 1 that are no Runge-Kutta schemes, and schemes without a gyroscopic torque."""
     entries = {"explicit Euler": Entry(explicit_euler, EXPONENTIAL, 1)}
     for name, scheme in EULER.items():
         entries[name] = Entry(scheme, APART if scheme is momentum_euler else EXPONENTIAL, 1)
@@ -153,7 +153,7 @@ def _runge_kutta() -> dict[str, Entry]:
 
 
 def _with_substeps(schemes: Mapping[str, Entry]) -> dict[str, Entry]:
-    """Several steps of a scheme in each step: of those of order 1 that engines divide their steps with."""
+    """Schemes that take several substeps in each step, made of the schemes of order 1 that engines use in substeps."""
     divided = [name + how for name in EULER for how in ("", LINEAR)]
     entries = {
         f"{count} substeps of {name}": replace(schemes[name], scheme=substeps(count, schemes[name].scheme))

@@ -1,8 +1,8 @@
 """Equations of motion in coordinates of the attitude: the four components of a quaternion, or three angles.
 
-Schemes add increments of these coordinates as those of any vector, in place of turning a body by the exponential map. A
-quaternion so loses its norm within a step. It is normalised after each step; its rate is linear in it, so that a scheme that
-never normalises it turns the body in the same way.
+Schemes add increments to these coordinates as to any vector, instead of turning the body by the exponential map. A quaternion
+therefore does not keep its norm within a step. It is normalised after each step. Its rate is linear in the quaternion, so that
+a scheme that never normalises the quaternion turns the body in the same way.
 """
 
 import math
@@ -12,11 +12,11 @@ from bodycheck.reference.scene import Quaternion, Scene, Vector
 from bodycheck.reference.schemes.formulations import Formulation, force_of, gyroscopic, unchanged, world_velocity
 from bodycheck.reference.schemes.increments import Increment, Pair, Pose, add_scaled, product, rotate, rotate_inverse
 
-#: How coordinates change a pose, and their rates; see `Formulation`.
+#: The functions `displace` and `rate` of a `Formulation`.
 Displace = Callable[[Pose, Increment], Pose]
 Rate = Callable[[Pose, Increment, Pair], Increment]
 
-#: No displacement, in coordinates of either sort.
+#: The increment of no displacement, for both kinds of coordinates.
 STILL_QUATERNION: Increment = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 STILL_ANGLES: Increment = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
@@ -77,7 +77,7 @@ def angles_and_world_rates(scene: Scene) -> Formulation:
 
 
 def _with_world_rates(scene: Scene, displace: Displace, rate: Rate, zero: Increment) -> Formulation:
-    """A formulation with the angular velocity in the world frame, from how its coordinates change."""
+    """A formulation with the angular velocity in the world frame, from its functions `displace` and `rate`."""
     spin, relaxed_spin, scaled_spin = gyroscopic(scene.body)
     force = force_of(scene)
 
@@ -103,7 +103,7 @@ def _with_world_rates(scene: Scene, displace: Displace, rate: Rate, zero: Increm
 
 
 def displace_quaternion(pose: Pose, u: Increment) -> Pose:
-    """The pose after an increment of its position (m, world) and of its four components, normalised."""
+    """The pose after an increment of its position (m, world) and of the components of its quaternion, normalised."""
     w, x, y, z = _moved(pose[1], u)
     norm = math.sqrt(w * w + x * x + y * y + z * z)
     return add_scaled(pose[0], 1.0, u[0]), (w / norm, x / norm, y / norm, z / norm)
@@ -129,7 +129,7 @@ def angles(attitude: Quaternion) -> Vector:
 
 
 def added(one: tuple[float, ...], other: tuple[float, ...]) -> tuple[float, ...]:
-    """The sum of two vectors with as many components."""
+    """The sum of two vectors with the same number of components."""
     return tuple(a + b for a, b in zip(one, other, strict=True))
 
 

@@ -32,7 +32,8 @@ from bodycheck.reference.schemes.increments import (
 )
 from bodycheck.reference.trajectory import Array
 
-#: The angular acceleration (rad/s^2) at an angular velocity (rad/s), and that of a step of some length (s).
+#: Functions that return the angular acceleration (rad/s^2) at an angular velocity (rad/s), and over a step of a given length
+#: (s).
 Spin = Callable[[Vector], Vector]
 SpinOver = Callable[[Vector, float], Vector]
 
@@ -56,8 +57,8 @@ class Formulation:
         Maps a pose, a velocity and a time step h (s) to the mean acceleration of a step in which the angular momentum changes
         at its rate at the start, and is then scaled to its former length; see `one_step.momentum_euler`.
     from_state, to_state
-        Convert a velocity of a body in some pose from and to that of states: the linear velocity (m/s) in the world frame and
-        the angular velocity (rad/s) in the body frame.
+        Map a pose and a velocity of states to the velocity of the formulation, and back. The velocity of states is the linear
+        velocity (m/s) in the world frame and the angular velocity (rad/s) in the body frame.
     zero
         The increment of no displacement.
     """
@@ -152,7 +153,7 @@ def averaged(formulation: Equations) -> Equations:
 
 
 def unchanged(_pose: Pose, v: Pair) -> Pair:
-    """The velocity of a formulation whose velocities are those of states."""
+    """Return a velocity unchanged, for a formulation that uses the velocities of states."""
     return v
 
 

@@ -22,7 +22,7 @@ from bodycheck.reference.scene import Quaternion, Vector
 #: Linear and angular part of a velocity (m/s, rad/s), of an acceleration (m/s^2, rad/s^2) or of an increment (m, rad).
 Pair = tuple[Vector, Vector]
 
-#: Linear part (m) and change of the attitude: a rotation vector (rad), or a change of as many coordinates as the attitude has.
+#: Linear part (m) and change of the attitude: a rotation vector (rad), or a change of the coordinates of the attitude.
 Increment = tuple[Vector, tuple[float, ...]]
 
 #: Position (m, world) and unit quaternion (w, x, y, z; body to world).
@@ -116,8 +116,8 @@ def displace_so3_r3(pose: Pose, u: Increment) -> Pose:
 def displace_se3(pose: Pose, u: Increment) -> Pose:
     """The pose g exp(u) on SE(3), for an increment u with both parts in the body frame.
 
-    The quotients here and in `inverse_dexp_se3` lose digits at small angles, but they multiply products that are as small, so
-    that the error of the result is one of rounding.
+    The quotients here and in `inverse_dexp_se3` lose digits at small angles, but they multiply products that are equally small,
+    so that the result has only rounding errors.
     """
     position, attitude = pose
     rho, (x, y, z) = u
@@ -152,7 +152,7 @@ def inverse_dexp_se3(u: Increment, v: Pair) -> Pair:
 
 
 def _coefficients(phi: Vector) -> tuple[float, float]:
-    """The coefficient c(a) of the angle a = |phi|, and c'(a) / a."""
+    """The coefficient c(a) of dexp^-1 at the angle a = |phi|, and c'(a) / a."""
     angle = math.sqrt(dot(phi, phi))
     if angle <= SMALL_ANGLE_RAD:
         return 1 / 12, 1 / 360

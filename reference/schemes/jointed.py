@@ -1,12 +1,13 @@
-"""Textbook schemes in the coordinates of joints, for mechanisms whose bodies hang on the world by joints.
+"""Textbook schemes in the coordinates of joints, for mechanisms whose bodies are connected to the world by joints.
 
-The state is that of the links of the mechanism's trees (`mechanisms.tree`): an angle or a displacement and its rate for each
-coordinate of a revolute or prismatic joint, the quaternion of a ball and its angular velocity in the axes of the link. A ball
-is turned by the exponential map, as the body of `formulations` is, and stages of Runge-Kutta schemes are those of Munthe-Kaas.
-The accelerations are those of the articulated-body recursion in doubles.
+The state consists of the states of the links of the mechanism's trees (`mechanisms.tree`): an angle or a displacement and its
+rate for each coordinate of a revolute or prismatic joint, and the quaternion of a ball joint and its angular velocity along the
+axes of the link. A ball joint is turned by the exponential map, like the body in `formulations`, and the stages of Runge-Kutta
+schemes are those of Munthe-Kaas. The accelerations come from the articulated-body recursion in doubles.
 
-A scheme that takes the damping of joints at the end of a step adds h d to the inertia of their coordinates, and one that takes
-springs there too adds h^2 k, and h k v to the force, where d and k are the coefficients and h is the time step.
+A scheme that evaluates the damping of joints at the end of a step adds h d to the inertia of their coordinates. A scheme that
+evaluates the springs there too also adds h^2 k to the inertia and h k v to the damping force. Here d and k are the coefficients
+of damping and springs, v is the rate of the coordinate, and h is the time step.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -34,12 +35,12 @@ DOUBLES = FloatType(np.float64)
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The equations of motion of a tree in doubles, in which a scheme may take some forces at the end of the step."""
+    """The equations of motion of a tree in doubles, in which some forces may be evaluated at the end of a step."""
 
     form: Form
 
     def accelerations(self, state: State) -> list[float]:
-        """The derivatives of the rates."""
+        """The derivatives with respect to time of the rates of a state."""
         links, (coordinates, rates) = list[articulated.Link](), state
         q = v = 0
         for (kind, parent), constants in zip(self.form.links, self.form.constants, strict=True):
@@ -51,7 +52,7 @@ class Equations:
         return [value for states in solution.rates for value in states]
 
     def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
-        """The coordinates after an increment, which is a rotation vector in the axes of the link for a ball."""
+        """The coordinates after an increment, which is a rotation vector along the axes of the link for a ball joint."""
         moved, q, v = list[float](), 0, 0
         for kind, _ in self.form.links:
             if kind == "ball":
@@ -82,7 +83,7 @@ Step = Callable[[Equations, State, float], State]
 
 @dataclass(frozen=True)
 class Entry:
-    """A scheme, and the forces that it takes at the end of the step."""
+    """A scheme, and whether it evaluates joint damping and springs at the end of the step."""
 
     step: Step
     damping: bool = False
@@ -90,7 +91,7 @@ class Entry:
 
 
 def explicit_euler(equations: Equations, state: State, h: float) -> State:
-    """Explicit Euler: coordinates and rates change as at the start of the step."""
+    """Explicit Euler: coordinates and rates change at their derivatives at the start of the step."""
     coordinates, rates = state
     return equations.displaced(coordinates, _times(h, rates)), _sum(rates, h, equations.accelerations(state))
 
@@ -104,8 +105,8 @@ def semi_implicit_euler(equations: Equations, state: State, h: float) -> State:
 def linearly_implicit_euler(equations: Equations, state: State, h: float) -> State:
     """Linearly implicit Euler: the change of the rates solves (1 - h J) d = h a, and the coordinates follow with the new rates.
 
-    J is the derivative of the accelerations a with respect to the rates. These are polynomials of second degree in the rates,
-    of which central differences are the derivative.
+    J is the derivative of the accelerations a with respect to the rates. The accelerations are polynomials of second degree in
+    the rates, so that central differences are exact.
     """
     coordinates, rates = state
     columns = []
@@ -120,7 +121,10 @@ def linearly_implicit_euler(equations: Equations, state: State, h: float) -> Sta
 
 
 def explicit(tableau: Tableau, averaged: bool = False) -> Step:
-    """The explicit Runge-Kutta scheme of a tableau; averaged: one that adds the rates of stages as if a ball did not turn."""
+    """The explicit Runge-Kutta scheme of a tableau.
+
+    averaged: whether the scheme adds the rates of stages as if a ball joint did not turn.
+    """
 
     def step(equations: Equations, state: State, h: float) -> State:
         coordinates, rates = state
@@ -138,7 +142,7 @@ def explicit(tableau: Tableau, averaged: bool = False) -> Step:
 def _weighted(
     row: Sequence[float], slopes: Sequence[tuple[list[float], list[float]]], h: float, rates: list[float]
 ) -> tuple[list[float], list[float]]:
-    """The increment and the rates after weighted slopes of a step h."""
+    """The increment and the rates after a step h along weighted slopes."""
     u, v = [0.0] * len(rates), rates
     for weight, (moved, accelerated) in zip(row, slopes, strict=True):
         u, v = _sum(u, h * weight, moved), _sum(v, h * weight, accelerated)
@@ -151,7 +155,7 @@ def _runge_kutta() -> dict[str, Entry]:
     return entries | {f"averaged {name}": Entry(explicit(tableau, averaged=True)) for name, tableau in averaged.items()}
 
 
-#: All schemes in the coordinates of joints by the names that results show; of those that agree on a mechanism the first counts.
+#: All schemes in the coordinates of joints by the names that results show; if several agree on a mechanism, the first counts.
 JOINTED: Mapping[str, Entry] = {
     "semi-implicit Euler": Entry(semi_implicit_euler),
     "semi-implicit Euler with implicit damping": Entry(semi_implicit_euler, damping=True),
@@ -163,7 +167,7 @@ JOINTED: Mapping[str, Entry] = {
 
 
 def has_schemes(mechanism: Mechanism) -> bool:
-    """Return whether this module defines schemes for a mechanism: it has no loops, no dry friction and no flying bodies."""
+    """Return whether this module defines schemes for a mechanism: it has no loops, no dry friction and no free bodies."""
     trees = () if mechanism.loops else forest(mechanism).trees
     links = [link for tree in trees for link in tree.links]
     return bool(links) and not any(link.kind == "free" or link.friction for link in links)
@@ -172,8 +176,8 @@ def has_schemes(mechanism: Mechanism) -> bool:
 def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64], nudge: float = 0.0) -> Array:
     """States (n, k) of a tree, in the layout of `mechanisms.link_states`, after strides (n,) of steps of a scheme.
 
-    Rows are NaN from the first sample that the scheme does not reach because a number overflows. With a nudge every number of
-    the initial state is changed by this part of its size or of one, up and down in turn.
+    Rows are NaN from the first sample that the scheme does not reach because a number overflows. With a nudge, every number of
+    the initial state is changed by this fraction of its size, or of 1 if its size is smaller, alternately up and down.
     """
     equations = Equations(_doubles(tree, timestep if entry.damping else 0.0, timestep if entry.springs else 0.0))
     begin = [float(value) for value in start(tree)]
@@ -190,7 +194,7 @@ def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64]
 
 
 def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Trajectory:
-    """The states of the bodies (b, n, ...) from those of the trees (n, k) at instants t (n,)."""
+    """The states of the bodies (b, n, ...) from the states of the trees (n, k) at instants t (n,), s."""
     whole, count = forest(mechanism), len(t)
     links = [
         poses.link_frames(tree, split(tree, row, t, DOUBLES), count, DOUBLES)
@@ -200,7 +204,7 @@ def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Traject
 
 
 def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
-    """A tree in doubles, with the damping and the springs of the joints taken at the ends of steps (s); 0 for the start."""
+    """A tree in doubles, with damping and springs evaluated at the ends of steps of these lengths (s); 0 for the start."""
     form = in_doubles(tree)
     return replace(form, constants=[_at_end(each, damping_step, spring_step) for each in form.constants])
 
@@ -226,7 +230,7 @@ def _apart(tree: Tree, row: Sequence[float]) -> State:
 
 
 def _together(tree: Tree, state: State) -> list[float]:
-    """The inverse of `_apart`."""
+    """A state in the layout of `mechanisms.link_states` from coordinates and rates: the inverse of `_apart`."""
     (coordinates, rates), values, q, v = state, list[float](), 0, 0
     for link in tree.links:
         held, moving = SIZES[link.kind]

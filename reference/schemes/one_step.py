@@ -1,6 +1,6 @@
 """Textbook one-step schemes for one free rigid body.
 
-A scheme displaces a pose by increments and changes a velocity by accelerations, so that it reads the same in both choices
+A scheme displaces a pose by increments and changes a velocity by accelerations, so that its code is the same for both choices
 of velocity (see `formulations`).
 """
 
@@ -26,7 +26,7 @@ from bodycheck.reference.trajectory import Array
 #: Largest relative change in the last iteration of an implicit scheme at which its equations count as solved to rounding.
 SOLVED = 1e-12
 
-#: Relative change of the velocity at which the iteration of velocity Verlet ends, which is that of Simbody by default.
+#: Relative change of the velocity at which the iteration of velocity Verlet ends, which is the default of Simbody.
 VERLET_TOLERANCE = 1e-4
 
 #: A scheme. It takes the equations of motion, the pose and the velocity at the start of a step, and the time step (s), and
@@ -69,7 +69,7 @@ def momentum_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> t
 
 
 def torque_free_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    """Semi-implicit Euler without the gyroscopic torque: the angular velocity stays as it is.
+    """Semi-implicit Euler without the gyroscopic torque: the angular velocity stays constant.
 
     It does not converge to the motion of a body that tumbles.
     """
@@ -78,7 +78,7 @@ def torque_free_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -
 
 
 def of_turn(scheme: Scheme) -> Scheme:
-    """The scheme followed by an angular velocity that is the turn of the step divided by its length.
+    """The scheme with its final angular velocity replaced by the turn of the step divided by the time step.
 
     With a quaternion as coordinates the turn by w is 2 atan(h |w| / 2), so that w loses the fraction (h |w|)^2 / 12 a step.
     """
@@ -92,7 +92,7 @@ def of_turn(scheme: Scheme) -> Scheme:
 
 
 def of_sine(scheme: Scheme) -> Scheme:
-    """The scheme followed by an angular velocity that is twice the sine of half the turn of the step, divided by its length.
+    """The scheme with its final angular velocity replaced by twice the sine of half the turn, divided by the time step.
 
     With a quaternion as coordinates the turn by w is 2 atan(h |w| / 2), and w is divided by the root of 1 + (h |w| / 2)^2.
     """
@@ -105,7 +105,7 @@ def of_sine(scheme: Scheme) -> Scheme:
 
 
 def substeps(count: int, scheme: Scheme) -> Scheme:
-    """The scheme that takes several steps of another in each step."""
+    """The scheme that takes `count` steps of another scheme in each step."""
 
     def step(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
         for _ in range(count):
@@ -119,8 +119,8 @@ def velocity_verlet(formulation: Formulation, pose: Pose, v: Pair, h: float) -> 
     """Velocity Verlet with coordinates that are linear in their rates, a `Scheme` of order 2 (Swope and others, 1982).
 
     The coordinates change by h q' + h^2 q'' / 2. The velocity changes by h (a + a') / 2; the acceleration a' at the end depends
-    on it, and is found by iteration from a step of explicit Euler until the velocity changes by less than `VERLET_TOLERANCE` of
-    itself, but at most ten times.
+    on the new velocity, which is found by iteration from a step of explicit Euler, until it changes by less than the fraction
+    `VERLET_TOLERANCE`, in at most ten iterations.
     """
     a = formulation.acceleration(pose, v)
     first, second = formulation.rate(pose, formulation.zero, v), formulation.rate(pose, formulation.zero, a)
@@ -142,12 +142,12 @@ def velocity_verlet(formulation: Formulation, pose: Pose, v: Pair, h: float) -> 
 def implicit_midpoint(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Implicit midpoint rule, a `Scheme` of order 2, solved to rounding.
 
-    Velocity and acceleration are those at the middle of the step, half an increment away. The fixed-point iteration ends
-    where the last change of neither the linear nor the angular part becomes smaller (Hairer, McLachlan and Razakarivony,
-    BIT 48, 2008).
+    Velocity and acceleration are those at the middle of the step, half an increment away. The fixed-point iteration ends when
+    the changes of both the linear and the angular part no longer become smaller (Hairer, McLachlan and Razakarivony, BIT 48,
+    2008).
 
-    Raises `ArithmeticError` where the iteration does not converge, which can happen where the body turns by a radian or more
-    in a step.
+    Raises `ArithmeticError` if the iteration does not converge, which can happen if the body turns by a radian or more in a
+    step.
     """
     middle, least, gains = v, (math.inf, math.inf), True
     while gains:
@@ -211,12 +211,12 @@ def step_from(
 
 
 def _sizes(v: Pair) -> tuple[float, float]:
-    """The largest absolute component of the linear and of the angular part."""
+    """The largest absolute component of the linear part and of the angular part of a pair."""
     return max(map(abs, v[0])), max(map(abs, v[1]))
 
 
 def _moved(formulation: Formulation, pose: Pose, v: Pair, h: float) -> Pose:
-    """The pose after a step in which it changes at the rate of a velocity at the start."""
+    """The pose after a step, in which it changes at the rate that belongs to a velocity at the start."""
     return formulation.displace(pose, scale_increment(h, formulation.rate(pose, formulation.zero, v)))
 
 

@@ -1,9 +1,9 @@
 """Runge-Kutta schemes for one free rigid body, explicit and implicit, from their tableaus.
 
-A stage has an increment of the pose and a velocity. What the scheme is depends on the formulation: with the exponential map it
-is that of Munthe-Kaas (BIT 38, 1998), or one with averaged velocities; with a quaternion or angles as coordinates it is the
-scheme of a vector. The coefficients are those of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993,
-chapter II, unless another source is named.
+A stage has an increment of the pose and a velocity. The kind of scheme depends on the formulation: with the exponential map it
+is a scheme of Munthe-Kaas (BIT 38, 1998), or a scheme with averaged velocities; with a quaternion or angles as coordinates it
+is the usual scheme for vectors. The coefficients are those of Hairer, Norsett and Wanner, Solving Ordinary Differential
+Equations I, 1993, chapter II, unless another source is named.
 """
 
 import math
@@ -14,7 +14,7 @@ from bodycheck.reference.schemes.formulations import Formulation
 from bodycheck.reference.schemes.increments import Increment, Pair, Pose
 from bodycheck.reference.schemes.one_step import SOLVED, Scheme
 
-#: Most iterations for the equations of an implicit scheme; more are needed only where they have no solution.
+#: Largest number of iterations for the equations of an implicit scheme; more are needed only where they have no solution.
 MOST_ITERATIONS = 200
 
 Row = tuple[float, ...]
@@ -30,7 +30,8 @@ class Tableau:
     Attributes
     ----------
     stages
-        For each stage the weights of the slopes of other stages: of those before it if the scheme is explicit, else of all.
+        For each stage the weights of the slopes of other stages: of the stages before it if the scheme is explicit, otherwise
+        of all stages.
     weights
         The weights of the slopes in the step.
     order

@@ -1,11 +1,13 @@
-"""A witness of a slide: the balance of momentum along a motion, by code that starts from the file.
+"""A witness of a slide: the balance of momentum along a motion, by separate code that starts from the case file.
 
-A motion is given in panels. In each of them the change of position, yaw and velocity is compared with the integral of what
-causes it: the velocities, and the accelerations of `quadrature`. What is missing is the defect of the panel. The equations of
-motion, linearised along the motion, carry the defects on to later instants; their sum there is how far the motion is from the
-solution that the file determines (defect correction: Zadunaisky, Numer. Math. 27, 21, 1976).
+A motion is given in panels. In each panel, the changes of position and yaw are compared with the integrals of the velocities,
+and the changes of the velocities with the integrals of the accelerations of `quadrature`. The difference is the defect of the
+panel. The equations of motion, linearised along the motion, carry the defects on to later instants; the sum of the defects
+there is the distance of the motion from the solution that the file determines (defect correction: Zadunaisky, Numer. Math. 27,
+21, 1976).
 
-It shares no code with the motion: the moment of inertia, the law of friction and the meaning of the attitude are its own.
+It shares no code with the motion: it has separate code for the moment of inertia, the law of friction and the meaning of the
+attitude.
 """
 
 import math
@@ -19,7 +21,7 @@ from bodycheck.reference.sliding.panels import PANEL_NODES, PARTIAL_WEIGHTS, Pan
 from bodycheck.reference.sliding.quadrature import Flat, accelerations, flat
 from bodycheck.reference.trajectory import Array
 
-#: Change of the velocity, as a fraction of the speed, for derivatives of friction: it leaves six digits of them.
+#: Change of the velocity, as a fraction of the speed, in difference quotients of friction, which then have six correct digits.
 DERIVATIVE_STEP = 1e-6
 
 
@@ -32,11 +34,11 @@ class Deviation:
     ends
         (n + 1, 6) the estimated errors at the ends of the panels.
     within
-        (n, 6) the largest errors at the nodes of the panels beyond those at their beginnings.
+        (n, 6) the largest errors at the nodes of the panels, beyond the errors at the beginnings of the panels.
     gyration
         Radius of gyration sqrt(C/m) about the vertical (m).
     braking
-        A deceleration (m/s^2) that the speed |u|, |u|^2 = v^2 + (C/m) w^2, exceeds in every motion.
+        A lower bound, in every motion, of the deceleration (m/s^2) of the speed |u|, |u|^2 = v^2 + (C/m) w^2.
     """
 
     ends: Array
@@ -46,7 +48,7 @@ class Deviation:
 
 
 def planar_start(scene: Scene) -> Array:
-    """Initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) of a body that lies flat, as its file states them.
+    """Initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) of a body that lies flat, as its case file states them.
 
     psi is the direction of the body's axis I in the plane. Where K is vertical it is the sum of the Euler angles phi and psi.
     """
@@ -90,7 +92,7 @@ def deviation(scene: Scene, panels: Panels) -> Deviation:
     Raises
     ------
     OutOfReach
-        If the errors, or what they are computed from, exceed the range of doubles.
+        If the errors, or intermediate results, exceed the range of doubles.
     """
     try:
         with within_range("the error of the slide"):
@@ -100,7 +102,7 @@ def deviation(scene: Scene, panels: Panels) -> Deviation:
 
 
 def _deviation(scene: Scene, panels: Panels) -> Deviation:
-    """The same; raises `LinAlgError` where a change of the errors cannot be undone."""
+    """The deviation, as in `deviation`; raises `LinAlgError` if the trapezoidal rule for the errors is singular."""
     body = flat(scene)
     # Angles times the radius of gyration are lengths.
     units = np.array([1.0, 1.0, body.gyration, 1.0, 1.0, body.gyration])
@@ -112,7 +114,7 @@ def _deviation(scene: Scene, panels: Panels) -> Deviation:
     caused[..., 3:] = flattened.reshape(count, PANEL_NODES, 3)
 
     def missing(change: Array, late: Array, integral: Array, rates: Array) -> Array:
-        # Where the times of a motion are late against the weights, it has moved on meanwhile.
+        # If the times of a motion are later than the weights say, the motion has moved on in the meantime.
         return np.asarray(change - integral - rates * late[..., None])
 
     weights = panels.weights
@@ -141,10 +143,11 @@ def _deviation(scene: Scene, panels: Panels) -> Deviation:
 
 
 def least_braking(body: Flat) -> float:
-    """Half the smaller deceleration (m/s^2) of |u|, of a straight slide and of a pure spin.
+    """Half the smaller of the decelerations (m/s^2) of |u| in a straight slide and in a pure spin.
 
-    The power of friction over |u| is a convex function of the motion, and even in the spin and in the velocity of a symmetrical
-    face. So it is at least 1/sqrt(2) of the smaller of both; the rest is for pressures that shift.
+    The power of friction divided by |u| is a convex function of the velocities and, for a symmetrical face, an even function of
+    the spin and of the velocity. So the deceleration is at least 1/sqrt(2) of the smaller of the two; the remaining margin is
+    for pressures that shift.
     """
     pure = accelerations(body, np.zeros(2), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
     return float(np.hypot.reduce(pure, axis=1).min()) / 2  # squares of strong friction would overflow
@@ -159,7 +162,7 @@ def _rates_of_errors(body: Flat, panels: Panels, nodes: Array, caused: Array) ->
     changed = velocity[:, None] + step[:, None, None] * np.eye(3)
     moved = accelerations(body, np.repeat(yaw, 3), changed.reshape(-1, 3)).reshape(count, 3, 3)
     by_velocity = np.moveaxis((moved - acceleration[:, None]) / np.where(step > 0, step, np.inf)[:, None, None], 1, 2)
-    # Friction turns with the body: a turn of the body alone is a turn of everything, and of the velocity back.
+    # Friction turns with the body: turning the body alone is the same as turning everything and turning the velocity back.
     by_yaw = -by_velocity[:, :, 1] * velocity[:, :1] + by_velocity[:, :, 0] * velocity[:, 1:2]
     by_yaw[:, 0] -= acceleration[:, 1]
     by_yaw[:, 1] += acceleration[:, 0]

@@ -1,4 +1,4 @@
-"""Bounds of the error of a slide, from what the witness finds missing in it."""
+"""Bounds of the error of a slide, from the errors that the witness estimates."""
 
 import math
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from bodycheck.reference.sliding.balance import Deviation, deviation, direction_
 from bodycheck.reference.sliding.coupled_motion import Motion
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: Relative error of about ten roundings in double precision: those of a closed form, and of the storage of a result.
+#: Relative error of about ten roundings in double precision: the roundings in a closed form, and in the storage of a result.
 RELATIVE_ROUNDING = 16 * float(np.finfo(float).eps)
 
 #: Relative error of a yaw that is read from the quaternion of a trajectory. It is at most two roundings.
 STORED_ROUNDING = 4 * float(np.finfo(float).eps)
 
-#: The bound over the error that the witness estimates. The estimate is linear in the error and takes the derivatives of
-#: friction at the middle of a panel; twice of it holds even for a moment of inertia that is a quarter too small.
+#: Ratio of the bound to the error that the witness estimates. The estimate is linear in the error and takes the derivatives of
+#: friction at the middle of a panel; twice the estimate is a bound even if a moment of inertia is a quarter too small.
 SAFETY = 2.0
 
 
-#: Error of the speed, as a fraction of it, up to which the estimate is trusted to be linear in the error.
+#: Error of the speed, as a fraction of the speed, up to which the estimate is trusted to be linear in the error.
 LINEAR = 0.1
 
 
@@ -40,8 +40,8 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
 
     The bounds of position and yaw are the largest over all panels so far, whatever the n instants are.
 
-    After the stop the true body may move on for as long as the error of its velocity takes to be braked. The velocity is
-    bounded by that error until then, and by zero later. The remaining distance is bounded by that error times that duration.
+    After the stop the true body may move on until friction has braked a velocity as large as the error. Until then the velocity
+    is bounded by this error, and later by zero. The remaining distance is bounded by this error times the duration.
 
     Parameters
     ----------
@@ -69,11 +69,11 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     stored = STORED_ROUNDING * (1 + np.abs(start[2]) + turned)
     differing = np.abs(_wrapped(direction_of_first_axis(trajectory.quaternion) - rows[:, 2]))
     position, yaw = np.hypot(x, y), turn + np.maximum(differing, stored)
-    # From where the error of the speed matters to the speed itself, all that is known is that both motions slow down.
+    # Once the error of the speed is comparable to the speed, it is only known that both motions slow down.
     left, first = _nearly_at_rest(motion, estimate)
     late, lasting = panel >= first, left / estimate.braking if left else 0.0
     velocity, spin = np.maximum(velocity, late * left), np.maximum(spin, late * left / k)
-    # A way that no double can hold is infinite, but only where there is any.
+    # A distance beyond the range of doubles is infinite, but only in the late panels.
     position, yaw = position + np.where(late, left * lasting, 0.0), yaw + np.where(late, left / k * lasting, 0.0)
     elapsed = times
     if motion.stop is not None:
@@ -89,13 +89,13 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
 
 
 def largest_deviation(estimate: Deviation) -> Array:
-    """The largest estimated errors (n + 1, 6) in each of n panels and after them, without signs."""
+    """The largest absolute estimated errors (n + 1, 6) in each of n panels and after them."""
     ends = np.abs(estimate.ends)
     return np.concatenate([np.maximum(ends[:-1], ends[1:]) + estimate.within, ends[-1:]])
 
 
 def _nearly_at_rest(motion: Motion, estimate: Deviation) -> tuple[float, int]:
-    """A bound of the error of the speed |u| (m/s) from some panel on, and the index of that panel.
+    """A bound of the error of the speed |u| (m/s) from a certain panel on, and the index of this panel.
 
     The panel is the first one at whose beginning the estimated error exceeds `LINEAR` times the speed, or else the stop, which
     follows the last panel. From then on neither motion is faster than the sum of that speed and the error. If there is neither
@@ -115,5 +115,5 @@ def _nearly_at_rest(motion: Motion, estimate: Deviation) -> tuple[float, int]:
 
 
 def _wrapped(angle: Array) -> Array:
-    """Angles (rad) less their full turns, in [-pi, pi]."""
+    """Angles (rad) minus full turns, in [-pi, pi]."""
     return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))

@@ -5,8 +5,8 @@ Ordinary slides take some hundred steps. Two kinds take many:
 - A body whose moment of inertia is tiny for its face: friction brakes its spin much faster than its slide. The equations are
   stiff, and an explicit method takes steps that are no longer than a few times that shorter time. This is known beforehand.
 - A body that turns often before friction stops it: its friction changes as its face turns, and is not smooth where the
-  instantaneous centre crosses an edge. What a turn costs depends on how near the centre comes to the edges. It is measured on
-  the first steps, and the angle that is left follows from velocity and spin.
+  instantaneous centre crosses an edge. The cost of a turn depends on how near the centre comes to the edges. It is measured in
+  the first steps, and the remaining angle is estimated from velocity and spin.
 """
 
 import math
@@ -14,16 +14,16 @@ import math
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.sliding.friction import Law
 
-#: Most steps that a slide is expected to take, which is some ten seconds.
+#: Largest expected number of steps with which a slide is integrated; so many steps take some ten seconds.
 MAX_SLIDE_STEPS = 10_000
 
-#: Number of steps, which take half a second, after which it is known how many a motion takes that turns often.
+#: Number of steps after which the cost of a motion with many turns is estimated; so many steps take half a second.
 PROBED_STEPS = 500
 
-#: Steps that are taken for one that was expected, since the pace of a motion changes.
+#: Ratio of the largest number of steps that are taken to the largest expected number, since the pace of a motion changes.
 PATIENCE = 1.2
 
-#: Product of a step and of the rate of a decay up to which DOP853 is stable on it.
+#: Largest product of the step and a rate of decay at which DOP853 is stable.
 STABLE_STEP = 6.3
 
 #: Spin, in speeds over the radius of gyration, that is small for the derivative of the torque of friction.
@@ -31,7 +31,7 @@ SMALL_SPIN = 1e-4
 
 
 def refuse_stiff(law: Law, mass: float, gyration: float, deceleration: float, v1: float, v2: float, lasting: float) -> None:
-    """Raise `OutOfReach` for a body whose spin is braked so much faster than its slide that it takes too many steps.
+    """Raise `OutOfReach` for a body whose spin is braked so much faster than its slide that too many steps are needed.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def turning_ahead(
 ) -> float:
     """An estimate of the angle (rad) through which a body turns in a duration (s), or until it rests.
 
-    Spin and slide each lengthen the time until the rest, since friction is shared between them. The spin is taken to fall
-    evenly.
+    Spin and slide each lengthen the time until rest, since friction is shared between them. The spin is assumed to fall at a
+    constant rate.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def turning_ahead(
 def refuse_long(taken: int, turned: float, left: float) -> None:
     """Raise `OutOfReach` where a motion would take too many steps.
 
-    Less than half a turn says nothing: friction on most faces repeats itself after half a turn.
+    Nothing is estimated before half a turn, since friction on most faces repeats itself after half a turn.
 
     Parameters
     ----------

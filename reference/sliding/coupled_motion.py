@@ -25,8 +25,8 @@ from bodycheck.reference.sliding.panels import Panels
 from bodycheck.reference.sliding.stepping import Stage, Steps, integrate_until_rest
 from bodycheck.reference.trajectory import Array
 
-#: Fraction of the initial speed below which the log-time integration ends; the rest of the way to the stop is extrapolated
-#: with the deceleration at that instant.
+#: Fraction of the initial speed below which the log-time integration ends; the remaining path to the stop is extrapolated with
+#: the deceleration at that instant.
 LOG_TIME_STOP_FRACTION = 1e-15
 
 #: The same for the plain-time integration, where the speed is then accurate to six digits; the error of the extrapolation is of
@@ -60,7 +60,8 @@ class Flat:
     law
         The law of friction.
     nearness
-        Maps v1, v2 (m/s) and w (rad/s), body frame, to the nearness to where friction is not smooth; see `footprint.nearness`.
+        Maps v1, v2 (m/s) and w (rad/s), body frame, to the nearness to a state where friction is not smooth; see
+        `footprint.nearness`.
     """
 
     mass: float
@@ -217,7 +218,7 @@ def _unit_velocity(flat: Flat, y: Array) -> tuple[float, float, float]:
 
 
 def _unit_friction(flat: Flat, y: Array) -> Array:
-    """Rates (3,) of v_x, v_y and sqrt(C/m) w by friction, over mu g, from a state (8,) in log time."""
+    """Rates (3,) of v_x, v_y and sqrt(C/m) w by friction, divided by mu g, from a state (8,) in log time."""
     f1, f2, torque = flat.law(*_unit_velocity(flat, y))
     return np.array([*rotate_in_plane(float(y[3]), f1, f2), torque / flat.gyration]) / (flat.mass * flat.deceleration)
 
@@ -287,7 +288,7 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
 
 
 def _refuse_stiff(flat: Flat, start: Array, duration: float) -> None:
-    """Refuse a motion from a start (6,) that is too stiff; duration: in units of the time in which a straight slide stops."""
+    """Raise `OutOfReach` for a motion that is too stiff; duration: in units of the time in which a straight slide stops."""
     lasting = -math.log(max(1 - duration, LOG_TIME_STOP_FRACTION))
     v1, v2 = rotate_in_plane(-float(start[2]), float(start[3]), float(start[4]))
     budget.refuse_stiff(flat.law, flat.mass, flat.gyration, flat.deceleration, v1, v2, lasting)
@@ -302,19 +303,19 @@ def _turning_ahead(flat: Flat, velocity: Array, duration: float) -> float:
 
 
 def _stage(fraction: float, stop_fraction: float) -> Stage:
-    """The stage of a motion with a fraction of its initial speed, which is integrated down to the second fraction."""
+    """The stage of a motion at a fraction of its initial speed; it is integrated down to `stop_fraction`."""
     if fraction > NEAR_REST_FRACTION:
         return Stage.MOVING
     return Stage.NEAR_REST if fraction > stop_fraction else Stage.AT_REST
 
 
 def _rows(states: Array, velocities: Callable[[Array], Array]) -> Array:
-    """The rows (n, 6) of a motion from its states (n, m), of which t, x, y and psi come first."""
+    """The rows (n, 6) of a motion from its states (n, m), whose first components are t, x, y and psi."""
     return np.concatenate([states[:, 1:4], velocities(states)], axis=1)
 
 
 def _panels(steps: Steps, velocities: Callable[[Array], Array]) -> Panels:
-    """The panels of a motion that are the steps of its integration."""
+    """The panels of a motion, from the steps of its integration."""
     nodes = _rows(steps.nodes.reshape(-1, steps.ends.shape[1]), velocities)
     shape = *steps.nodes.shape[:2], 6
     return Panels(steps.ends[:, 0], _rows(steps.ends, velocities), steps.nodes[:, :, 0], nodes.reshape(shape))
@@ -323,7 +324,7 @@ def _panels(steps: Steps, velocities: Callable[[Array], Array]) -> Panels:
 def complete_with_rest(
     rows: Array, times: Array, at: Array, velocity: Array, acceleration: Array, metric: Array
 ) -> tuple[Array, Array | None]:
-    """Complete a motion by its stop and by rest.
+    """Complete a motion by its stop and the rest after it.
 
     From the last integrated state the body slows down evenly along the direction of its motion until it stops.
 

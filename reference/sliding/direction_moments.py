@@ -212,9 +212,9 @@ def disk_boundary(disk: Disk) -> DirectionMoments:
 def rim_integrals(k: float) -> tuple[float, float, float]:
     """Integrals of |rho| cos^j over the unit circle, j = 0, 1, 2, with |rho|^2 = 1 + k^2 - 2 k cos, k >= 0.
 
-    They are complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]. Where m is small, these would cancel,
-    and the trapezoidal rule is used instead. |rho| = 1 is subtracted from its integrand, so that the integral for j = 1 keeps
-    its relative accuracy.
+    They are complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]. Where m is small, these would lose
+    digits by cancellation, and the trapezoidal rule is used instead. |rho| = 1 is subtracted from its integrand, so that the
+    integral for j = 1 keeps its relative accuracy.
     """
     if k < NEAR_CENTRE_RADII:
         excess = k * (k - 2 * RIM_COSINES) / (1 + np.sqrt(1 + k * (k - 2 * RIM_COSINES)))

@@ -1,6 +1,6 @@
 """The footprint of a body: the face on which it lies, in the body frame with the origin under the centre of mass.
 
-The footprint is constant in this frame; of a body that turns, the velocity is rotated instead. An area bears load everywhere,
+The footprint is constant in this frame; if the body turns, the velocity is rotated instead. An area bears load everywhere,
 `Points` bear it only at the points. The load is a linear combination of the three functions 1, x, y.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from bodycheck.reference.trajectory import Array
 
 #: Smallest distance d of the instantaneous centre from the edge of an area, in radii of the footprint, in `nearness`; smaller
-#: distances count as this one.
+#: distances count as this distance.
 #:
 #: Friction has a term d^2 ln|d| there: a step of this length causes an error of the order of its cube, which is below rounding.
 MIN_EDGE_DISTANCE_RADII = 1e-5
@@ -91,11 +91,11 @@ def load_moments(footprint: Footprint) -> Array:
 
 
 def nearness(footprint: Footprint) -> Callable[[float, float, float], float]:
-    """The function of v1, v2 (m/s) and w (rad/s), body frame, that tells how near friction is to where it is not smooth.
+    """The function of v1, v2 (m/s) and w (rad/s), body frame, that measures how near a state is to non-smooth friction.
 
     It grows as the inverse of a distance. For an area, friction is not smooth where the instantaneous centre crosses the edge,
-    and the distance is that of the centre from the edge, in radii of the footprint. For points, friction is not smooth where
-    a point comes to rest, and the distance is the ratio of the sliding speed of that point to the speed of the body.
+    and the distance is the distance of the centre from the edge, in radii of the footprint. For points, friction is not smooth
+    where a point comes to rest, and the distance is the ratio of the sliding speed of that point to the speed of the body.
     """
     radius = reach(footprint)
     match footprint:

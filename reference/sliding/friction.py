@@ -78,7 +78,7 @@ def friction(body: Body, plane: Plane, gravity: float) -> Law:
 
 
 def refuse_tipping(body: Body, plane: Plane, gravity: float) -> Callable[[float, float, float], None]:
-    """The check whether a body would tip.
+    """Return a check of whether a body would tip.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def is_coupled(scene: Scene, plane: Plane, start: Array) -> bool:
 
 
 def reason(plane: Plane, gravity: float, start: Array) -> str:
-    """Why the coordinates x, y and yaw, and the equations chosen for them, are exact for a scene.
+    """Return the reason why the coordinates x, y and yaw, and the equations chosen for them, are exact for a scene.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Mot
 
 
 def coupled_body(scene: Scene, plane: Plane) -> tuple[Flat, Callable[[float, float, float, float], None]]:
-    """The body of a scene for `coupled_motion`, and what raises `WouldTip`, with the instant, for a state in which it tips."""
+    """The body of a scene for `coupled_motion`, and a check that raises `WouldTip`, with the instant, where it tips."""
     body, gravity = scene.body, scene.gravity
     refuse = refuse_tipping(body, plane, gravity)
 
@@ -253,7 +253,7 @@ def stopping_time(rate: float, deceleration: float) -> float:
 def decelerated(end: float, at: Array) -> tuple[Array, Array]:
     """A uniformly decelerated motion that ends at the time `end` (s), at times `at` (k,), s.
 
-    Returns the distance over the initial speed (k,), s, and the remaining fraction of the speed (k,).
+    Returns the distance divided by the initial speed (k,), s, and the remaining fraction of the speed (k,).
     """
     if end == 0:
         return np.zeros_like(at), np.zeros_like(at)

@@ -1,6 +1,6 @@
 """A planar motion in panels: its states at instants between which it is smooth, and at the nodes of Gauss's rule in between.
 
-Integrals over a panel are then sums over its nodes. What checks a motion needs nothing else of the way that it was computed.
+Integrals over a panel are then sums over its nodes. A check of a motion needs no other information about its computation.
 """
 
 from collections.abc import Callable
@@ -10,8 +10,8 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 
-#: Number of nodes in a panel. Integrals up to each node are then of one order more than the interpolant of an integration,
-#: which is of order 7, so that they see its error.
+#: Number of nodes in a panel. Integrals up to each node are then one order higher than the interpolant of an integration, which
+#: is of order 7, so that they show its error.
 PANEL_NODES = 7
 
 #: The nodes and weights on a panel from 0 to 1.
@@ -20,18 +20,18 @@ NODES = NODES + 0.5
 
 
 def _partial_weights() -> Array:
-    """The weights (k, k) of the integrals from 0 to each node, over those of the whole panel."""
+    """The weights (k, k) of the integrals from 0 to each node, divided by the weights of the whole panel."""
     degrees = np.polynomial.legendre.legvander(2 * NODES - 1, PANEL_NODES)
     # The integral of P_m from -1 to x is (P_{m+1} - P_{m-1})/(2 m + 1), and x + 1 for m = 0.
     integrals = [degrees[:, 1] + 1]
     integrals += [(degrees[:, m + 1] - degrees[:, m - 1]) / (2 * m + 1) for m in range(1, PANEL_NODES)]
-    # Gauss's rule gives the coefficients of a polynomial exactly; they are those below times the weights.
+    # Gauss's rule gives the coefficients of a polynomial exactly; they are the numbers below times the weights.
     coefficients = (2 * np.arange(PANEL_NODES) + 1) * degrees[:, :PANEL_NODES]
     return np.asarray(np.stack(integrals, axis=1) @ coefficients.T / 2)
 
 
 def _differentiation() -> Array:
-    """The matrix (k, k) from the values at the nodes to the derivatives there, of a polynomial that begins at zero."""
+    """The matrix (k, k) from values at the nodes to derivatives at the nodes, for a polynomial that is zero at the start."""
     points = np.array([0.0, *NODES])
     apart = points[:, None] - points + np.eye(len(points))
     products = apart.prod(axis=1)

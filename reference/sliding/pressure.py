@@ -12,7 +12,7 @@ from bodycheck.reference.errors import OutOfReach, WouldTip
 from bodycheck.reference.sliding.footprint import Disk, Footprint, outline
 from bodycheck.reference.trajectory import Array
 
-#: Negative pressure, as a fraction of p0, that still counts as rounding.
+#: Size of a negative pressure, as a fraction of p0, up to which it counts as a rounding error.
 PRESSURE_ROUNDING = 1e-12
 
 

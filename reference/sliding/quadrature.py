@@ -1,4 +1,4 @@
-"""Accelerations of a sliding body by quadrature over its face, from what the file says alone.
+"""Accelerations of a sliding body by quadrature over its face, from the data of the case file alone.
 
 This is the witness's own law of friction. It shares no code with `friction`: the moment of inertia, the load and the direction
 of sliding are sums over nodes of the face, for many states at once. Where the instantaneous centre is near, the face is a fan
@@ -23,25 +23,27 @@ FAR = 3.0
 #: Number of nodes along an edge; on half of a rim; in each direction of a rectangle; along a radius and around a disk.
 EDGE, RIM, ACROSS, RADIAL, AROUND = 20, 40, 14, 14, 40
 
-#: The least and the largest length of the grading of a rim (rad). What is left of the kink of the integrand below the least is
-#: of the order of its square; the largest leaves the nodes nearly as they are without grading.
+#: The smallest and the largest length of the grading of a rim (rad). A kink of the integrand that is narrower than the smallest
+#: length causes an error of the order of the square of this length; with the largest length, the nodes are nearly as without
+#: grading.
 FINEST_GRADING, WIDEST_GRADING = 1e-6, 4.0
 
-#: Nodes and weights of Gauss's rules for integrals of t dt times a polynomial along a ray, for t from 0 to 1. With one node
-#: it is exact for linear polynomials, as in the torque, and with two for cubic ones; that of a linear pressure is quadratic.
+#: Nodes and weights of Gauss's rules for integrals of t dt times a polynomial along a ray, for t from 0 to 1. The rule with one
+#: node is exact for linear polynomials, as in the torque, and the rule with two nodes for cubic polynomials; with a linear
+#: pressure, the polynomial is quadratic.
 RAY_OF_TORQUE = ((2 / 3, 1 / 2),)
 RAY_OF_PRESSURE = tuple(((6 + sign * math.sqrt(6)) / 10, 1 / 4 + sign * math.sqrt(6) / 36) for sign in (-1, 1))
 
 #: Number of states that are computed at once, so that their nodes stay in the cache of a processor.
 CHUNK = 256
 
-#: Velocities per unit of speed that count as none.
+#: Size of velocities, per unit of speed, up to which they count as zero.
 NOTHING = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """A body that lies on a plane, as the file says it.
+    """A body that lies on a plane, as the case file defines it.
 
     Attributes
     ----------
@@ -54,7 +56,7 @@ class Flat:
     gyration
         Radius of gyration sqrt(C/m) about the vertical (m).
     nodes
-        (n, 2) nodes on the face, body frame (m): those of a rule of quadrature, or the corners.
+        (n, 2) nodes on the face, body frame (m): the nodes of a quadrature rule, or the corners.
     shares
         (n,) shares of the nodes in the face, whose sum is 1.
     """
@@ -75,8 +77,8 @@ class Flat:
 def flat(scene: Scene) -> Flat:
     """The body of a scene with a plane, as its file defines it.
 
-    A homogeneous body that lies flat is a prism, whose C/m is the mean of r^2 over its face. Where the file states a tensor, or
-    the scene has no definition that holds, C is that of the tensor or of the scene.
+    A homogeneous body that lies flat is a prism, whose C/m is the mean of r^2 over its face. If the file states a tensor, or
+    the scene has no valid definition, C is taken from the tensor or from the scene.
     """
     shape, plane = scene.body.shape, scene.plane
     assert isinstance(shape, Brick | Cylinder)
@@ -142,10 +144,10 @@ def _accelerations(body: Flat, yaw: Array, velocity: Array) -> Array:
 
 
 def _pressures(body: Flat, directions: Array) -> Array:
-    """Pressures (n, k) p0, p_x, p_y over the mean pressure; p0 = 1 alone for a uniform pressure.
+    """Pressures (n, k) p0, p_x, p_y, divided by the mean pressure; only p0 = 1 for a uniform pressure.
 
     A balanced pressure has its centre at -(h/N) F, where friction and load have no moment about the centre of mass: the mean of
-    p is 1, and that of p r is h mu times the mean of p e.
+    p is 1, and the mean of p r is h mu times the mean of p e.
 
     Parameters
     ----------
@@ -170,7 +172,7 @@ def _pressures(body: Flat, directions: Array) -> Array:
 def _means(body: Flat, v: Array, w: Array) -> tuple[Array, Array]:
     """Means (n, k) over the face of 1, x, y times the direction of sliding e = e1 + i e2, and times its moment r x e.
 
-    There are three, or the first alone for a uniform pressure.
+    There are k = 3 of each, or for a uniform pressure only the first.
 
     Parameters
     ----------
@@ -215,7 +217,8 @@ def _sums(positions: Array, sliding: Array, shares: Array, count: int) -> tuple[
 def _fan(shape: Brick | Cylinder, centre: Array) -> tuple[Array, Array, Array]:
     """Ends (n, k) of rays from the centres (n,) to the outline, their unit directions, and their shares in the face.
 
-    All are complex numbers or numbers; the share of a stretch of the ray is t dt times the value, for t from 0 to 1.
+    Ends and directions are complex numbers; the share of a stretch dt of a ray is t dt times the share of the ray, for t from 0
+    to 1.
     """
     if isinstance(shape, Cylinder):
         return _fan_of_disk(shape.radius, centre)
@@ -279,7 +282,7 @@ def _face(shape: Brick | Cylinder) -> tuple[Array, Array]:
 
 
 def _radius(shape: Brick | Cylinder) -> float:
-    """Distance (m) of the farthest point of the face from the centre."""
+    """Distance (m) of the farthest point of the face from the centre of the face."""
     return math.hypot(*shape.semi_axes[:2]) if isinstance(shape, Brick) else shape.radius
 
 

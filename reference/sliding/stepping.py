@@ -67,7 +67,7 @@ def integrate_until_rest(
     clock
         Maps a state to t' > 0, the rate of time.
     stage
-        Tells from a state how far the motion has come; called at the start and after each step.
+        Maps a state to the stage of the motion; called at the start and after each step.
     state
         (m,) initial state.
     times
@@ -75,7 +75,7 @@ def integrate_until_rest(
     scale
         (m,) typical sizes of the components of the state.
     longest_step
-        Longest step in s.
+        Longest step in the independent variable s.
     ahead
         Maps a state to an estimate of the angle (rad) through which the body turns from there until it rests or all times are
         passed.

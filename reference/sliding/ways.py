@@ -17,17 +17,18 @@ from bodycheck.reference.witness import DOUBLE_DIGITS, Witness
 #: Name of the witness that starts from the file.
 BALANCE_WITNESS = "balance of momentum, quadrature"
 
-#: Share of an estimated error by which the estimate itself may be wrong, since it is linear in the error.
+#: Fraction of an estimated error by which the estimate itself may be wrong, since it is linear in the error.
 LINEARITY = 0.25
 
 
 def ways(scene: Scene, times: Array) -> tuple[Witness, ...]:
     """The ways of a slide at ascending times (n,) >= 0, s.
 
-    A slide in closed form has that and the balance of momentum. Any other has the integrations in log time and in plain time,
-    and the balance of momentum along the first of them. The bound of an integration is twice its disagreement with the other,
-    as its own error is known by that alone: two integrations of different equations with different steps have errors of like
-    size, and the errors would have to have equal signs and sizes for the disagreement to be below half of one of them.
+    For a slide in closed form, the ways are the closed form and the balance of momentum. For any other slide, they are the
+    integrations in log time and in plain time, and the balance of momentum along the first of them. The bound of an integration
+    is twice its disagreement with the other, since its own error is known only from this disagreement: two integrations of
+    different equations with different steps have errors of like size, and the errors would have to have equal signs and sizes
+    for the disagreement to be below half of one of them.
 
     Raises as `motion.slide` does.
     """
@@ -48,10 +49,10 @@ def ways(scene: Scene, times: Array) -> tuple[Witness, ...]:
 
 
 def _balance(scene: Scene, motion: Motion, times: Array) -> Witness:
-    """A motion less the errors that the balance of momentum finds in it, and the bound of what these leave."""
+    """A motion minus the errors that the balance of momentum finds in it, with bounds of the remaining errors."""
     estimate = deviation(scene, motion.panels)
     panel = np.searchsorted(motion.panels.times[1:], times, side="left")
-    # A panel's error is that at its end: what differs within it is part of the bound.
+    # The error at the end of a panel is taken for the whole panel; the differences within it are part of the bound.
     errors = estimate.ends[np.minimum(panel + 1, len(estimate.ends) - 1)]
     within = (
         largest_deviation(estimate)[panel]

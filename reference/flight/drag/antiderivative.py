@@ -1,9 +1,9 @@
 """Antiderivatives of smooth functions on panels, by Gauss-Legendre nodes in the wide type.
 
-On each panel [a, a + h] a function is its series of Legendre polynomials P_k in x = 2 r - 1, with r = (y - a) / h between 0 and
-1. Its mean over [a, y] follows from the integral of P_k from -1 to x, which is -(1 - x^2) P_k'(x) / (k (k + 1)) for k > 0, by
-Legendre's equation [DLMF 14.2]. The integral from a to y is h r times this mean, so that it keeps its relative accuracy however
-close y is to a.
+On each panel [a, a + h] a function is represented by a series of Legendre polynomials P_k in x = 2 r - 1, with r = (y - a) / h
+between 0 and 1. Its mean over [a, y] follows from the integral of P_k from -1 to x, which is -(1 - x^2) P_k'(x) / (k (k + 1))
+for k > 0, by Legendre's equation [DLMF 14.2]. The integral from a to y is h r times this mean, so that its relative accuracy is
+kept however close y is to a.
 """
 
 import functools
@@ -26,11 +26,11 @@ Indices = NDArray[np.integer[Any]]
 #: represented to 7.9^-24 = 3e-22.
 NODES = 24
 
-#: Steps of Newton's method from the nodes in double precision to those in the wide type, with one to spare.
+#: Steps of Newton's method that refine the nodes from double precision to the wide type, including one spare step.
 NODE_STEPS = 3
 
-#: Steps of Newton's method for the place in a panel, in double precision. Four give all digits where a function varies by a
-#: factor of two within a panel; one is to spare. One step in the wide type follows.
+#: Steps of Newton's method for the place in a panel, in double precision. Four steps give all digits if a function varies by a
+#: factor of two within a panel; the fifth is a spare. One step in the wide type follows.
 INVERSION_STEPS = 5
 
 
@@ -63,7 +63,7 @@ def nodes() -> tuple[WideArray, WideArray]:
 
 
 def _slope(x: WideArray) -> WideArray:
-    """Derivative of the Legendre polynomial of degree NODES inside (-1, 1)."""
+    """Derivatives (n,) of the Legendre polynomial of degree NODES at x (n,) inside (-1, 1)."""
     values = legendre(x)
     return np.asarray(NODES * (values[NODES - 1] - x * values[NODES]) / (1 - x * x))
 
@@ -99,12 +99,12 @@ def _series() -> WideArray:
 
 
 def places(edges: WideArray) -> WideArray:
-    """Nodes (m * NODES,) of the panels between m + 1 ascending edges."""
+    """The Gauss nodes (m * NODES,) of the panels between m + 1 ascending edges."""
     return np.asarray(edges[:-1, None] + np.diff(edges)[:, None] * ((1 + nodes()[0]) / 2)).ravel()
 
 
 def panels(edges: WideArray, values: WideArray) -> Panels:
-    """Panels between ascending edges (m + 1,), from the values (f, m * NODES) of the functions at `places`."""
+    """The panels between ascending edges (m + 1,), from the values (f, m * NODES) of the functions at `places`."""
     terms = values.reshape(len(values), len(edges) - 1, NODES) @ _series().T
     sums = np.zeros((len(values), len(edges)), dtype=Wide)
     np.cumsum(terms[:, :, 0] * np.diff(edges), axis=1, out=sums[:, 1:])
@@ -122,7 +122,7 @@ def invert(antiderivatives: Panels, targets: WideArray) -> tuple[Indices, WideAr
 
     Parameters
     ----------
-    found
+    antiderivatives
         The panels.
     targets
         (n,) values between zero and the whole integral.

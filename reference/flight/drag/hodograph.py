@@ -27,11 +27,11 @@ from bodycheck.reference.flight.drag.antiderivative import integrals, invert, pa
 from bodycheck.reference.flight.drag.straight import continued
 from bodycheck.reference.flight.elliptic import WideArray
 
-#: The delta up to which y is the variable of integration.
+#: The value of delta up to which y is the variable of integration.
 START_DELTA = Wide(0.5)
 
-#: Length of a panel in y and in delta. The nearest singularities of the integrands are about 0.5 away from a panel's edge (the
-#: complex deltas where D is zero), more than two panel lengths from its middle.
+#: Length of a panel in y and in delta. The nearest singularities of the integrands are about 0.5 away from a panel's edge (at
+#: complex values of delta where D is zero), more than two panel lengths from the middle of the panel.
 PANEL_LENGTH = Wide(0.25)
 
 #: The motion has relaxed where 4 (1/u0^2 + F(sigma0) + |sigma|) exp(-2 |sigma|), which is |w^2 - 1|, is below exp(-50) = 2e-22.
@@ -40,14 +40,14 @@ RELAXED_EXPONENT = 25
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """The initial velocity.
+    """The initial velocity, dimensionless.
 
     Attributes
     ----------
     speed
         Its size w0.
     sine, cosine
-        Of its elevation.
+        Sine and cosine of its elevation.
     deficit
         1 - sine, to all digits.
     """
@@ -99,7 +99,7 @@ def _edges(start: Start, turn: Wide) -> WideArray:
 def _state(start: Start, turn: Wide, y: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray, WideArray]:
     """Horizontal speed, upward velocity, speed, path and d delta / dy at values (n,) of the variable of integration.
 
-    turn: the y from which delta - y is constant.
+    turn: the value of y beyond which delta - y is constant.
     """
     inverse = 1 / start.speed**2
     early = np.minimum(y, turn)

@@ -1,8 +1,8 @@
 """Translation of a body with quadratic drag, m dv/dt = -m g k - c |v| v [G 2.45a-c with a generalized force], and its error.
 
 The motion is that of the exact doubles of the scene. It is composed of exact solutions, each used where it has the accuracy of
-the wide type: a parabola while drag has no effect, a straight path while gravity has none, a vertical path where the horizontal
-speed has none, and else the quadratures of `hodograph`.
+the wide type: a parabola while drag has no effect, a straight path while gravity has no effect, a vertical path where the
+horizontal speed has no effect on the drag, and otherwise the quadratures of `hodograph`.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ PASSIVE = 1e-11
 #: Relative error of lengths, times and speeds in the wide type: some tens of roundings, with a margin.
 WIDE_ERROR = 64 * float(np.finfo(Wide).eps)
 
-#: Largest relative error of a rounding to double precision, and the largest of a number that is subnormal.
+#: Largest relative error of a rounding to double precision, and largest absolute error for a subnormal number.
 ROUNDING, SUBNORMAL = 2.0**-53, 2.0**-1074
 
 
@@ -57,10 +57,10 @@ class Motion:
 
 
 def motion(scene: Scene, times: Array) -> Motion:
-    """The translation of a scene at times (n,) >= 0, s, in any order; its errors are bounds, and include no rounding to double.
+    """The translation of a scene at times (n,) >= 0, s, in any order; its errors are bounds, without the rounding to double.
 
-    The bounds follow from relative errors of time, of path and of speed in the wide type: an error of time moves the position
-    by |v| and the velocity by |dv/dt| times it.
+    The bounds follow from relative errors of time, of path and of speed in the wide type: an error of time changes the position
+    by |v| times this error and the velocity by |dv/dt| times this error.
     """
     t, resistance, gravity = times.astype(Wide), Wide(scene.drag) / Wide(scene.body.mass), Wide(scene.gravity)
     start, velocity = (np.array(part, dtype=Wide) for part in (scene.initial.position, scene.initial.velocity))
@@ -73,17 +73,17 @@ def motion(scene: Scene, times: Array) -> Motion:
 
 
 def sizes(vectors: Floats) -> Floats:
-    """Lengths (...,) of vectors (..., 3), also where their squares would overflow."""
+    """Lengths (...,) of vectors (..., 3), computed without overflow of their squares."""
     return np.asarray(np.hypot(np.hypot(vectors[..., 0], vectors[..., 1]), vectors[..., 2]))
 
 
 def _error(size: WideArray) -> Array:
-    """Error (n,) of numbers of a size (n,) in the wide type."""
+    """Bound (n,) of the error of numbers of the given sizes (n,) in the wide type."""
     return np.asarray(WIDE_ERROR * size.astype(float) + SUBNORMAL)
 
 
 def _displacement(resistance: Wide, gravity: Wide, velocity: WideArray, t: WideArray) -> tuple[WideArray, WideArray, WideArray]:
-    """Displacement (n, 3), m, velocity (n, 3), m/s, and length of the path or more (n,), m."""
+    """Displacement (n, 3), m, velocity (n, 3), m/s, and length of the path (n,), m, or a bound of it."""
     along = np.hypot(velocity[0], velocity[1])
     speed = np.hypot(along, velocity[2])
     fall = np.array([0, 0, -gravity], dtype=Wide)
@@ -108,7 +108,7 @@ def _displacement(resistance: Wide, gravity: Wide, velocity: WideArray, t: WideA
 
 
 def thrown(along: Wide, climb: Wide, times: WideArray) -> WideArray:
-    """The course (5, n), as in `straight`, with gravity and drag, from any horizontal speed and upward velocity."""
+    """The course (5, n), defined in `straight`, with gravity and drag, from any horizontal speed and upward velocity."""
     speed = np.hypot(along, climb)
     if speed > FASTEST:
         slowing = 1 / FASTEST - 1 / speed

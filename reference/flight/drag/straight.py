@@ -1,7 +1,7 @@
 """Closed forms of the translation with quadratic drag: without gravity, and along the vertical.
 
-All quantities are without dimension: speeds are divided by the terminal speed V = sqrt(g m / c), times by V / g, lengths by
-V^2 / g = m / c. The equations are dw/dt = -k - |w| w. Without gravity, V is any speed and the unit of time is m / (c V).
+All quantities are dimensionless: speeds are divided by the terminal speed V = sqrt(g m / c), times by V/g, lengths by V^2/g =
+m/c. The equation of motion is dw/dt = -k - |w| w. Without gravity, V is an arbitrary speed and the unit of time is m/(cV).
 
 A course is an array (5, n) in the wide type. Its rows are the horizontal distance, the height, the length of the path, the
 horizontal speed and the upward velocity, at n instants.
@@ -43,7 +43,7 @@ def coasting(along: Wide, climb: Wide, times: WideArray) -> WideArray:
 
 
 def logarithm_past_one(speed: Wide, times: WideArray) -> WideArray:
-    """ln(1 + w t) for w > 0 and times t (n,) >= 0, also where the product would overflow."""
+    """ln(1 + w t) for w > 0 and times t (n,) >= 0, computed without overflow of the product."""
     large = times > 1e30 / speed
     apart = np.log(speed) + np.log(np.where(large, times, 1))
     return np.where(large, apart, np.log1p(speed * np.where(large, 0, times)))
@@ -77,7 +77,7 @@ def rising(along: Wide, climb: Wide, times: WideArray) -> WideArray:
 def falling(along: Wide, sink: Wide, times: WideArray) -> WideArray:
     """The course straight down from a downward speed `sink` >= 0, at times (n,) >= 0."""
     decayed = np.expm1(-2 * times)
-    # 2 exp(-t) (cosh t + sink sinh t) - 2, halved: nothing overflows, and nothing cancels for either sign of 1 - sink.
+    # exp(-t) (cosh t + sink sinh t) - 1: nothing overflows, and nothing cancels for either sign of 1 - sink.
     share = (1 - sink) * decayed / 2
     short = np.minimum(times, 1)
     growth = np.log1p(sink * np.sinh(short) + 2 * np.sinh(short / 2) ** 2)

@@ -1,11 +1,11 @@
-"""The equations of translation with quadratic drag by heyoka's Taylor series in the wide type (Linux only).
+"""Integration of a translation with quadratic drag by heyoka's Taylor series in the wide type (Linux only).
 
-|v| v is analytic except where v is zero. A path that is nearly vertical passes close by at its apex, and a step of Taylor's
-method across it would follow the other branch of the square root without notice. Steps therefore end before an apex, at least
-twice as near to it each time, and a small constant is added to the square of the speed, so that the apex of a vertical path is
-reached as well.
+|v| v is analytic except where v is zero. At its apex, a nearly vertical path passes close to zero velocity, and a step of
+Taylor's method across it would follow the other branch of the square root without notice. Steps therefore end before an apex,
+each at most half as far from it as the one before, and a small constant is added to the square of the speed, so that the apex
+of a vertical path is reached as well.
 
-Importing this raises `ImportError` where heyoka is not installed.
+Importing this module raises `ImportError` if heyoka is not installed.
 """
 
 import heyoka as hy
@@ -19,14 +19,14 @@ from bodycheck.reference.integration import heyoka_solver
 #: Name of the backend in results.
 BACKEND = heyoka_solver.EXTENDED_NAME
 
-#: Smallest speed in the law of the force where gravity may turn the path, in the witness's unit. Its effect on the motion is of
-#: second order, some 1e-24.
+#: Smallest speed in the force law if gravity may reverse the path, in the witness's unit. Its effect on the motion is of second
+#: order, some 1e-24.
 SMALLEST_SPEED = 2.0**-40
 
 #: Speed, in terminal speeds, above which an apex is far.
 FAST = 4
 
-#: Largest number of steps that end before an apex, of which there are about 90.
+#: Largest number of steps that end before an apex; about 90 are needed.
 MAX_HOPS = 1000
 
 
@@ -51,7 +51,7 @@ def solve(resistance: Wide, gravity: Wide, start: WideArray, times: WideArray) -
         if rises := bool(gravity > 0 and state[5] > -2 * np.sqrt((state[3:5] ** 2).sum() + smallest**2)):
             step = min(step, _safe_step(resistance, gravity, np.sqrt((state[3:] ** 2).sum() + smallest**2)))
         ahead = int(np.searchsorted(times, now + step, side="right")) if rises else len(times)
-        # The equations are autonomous, so that every step begins at time zero.
+        # The equations are autonomous, so that every step may begin at time zero.
         states = heyoka_solver.solve(solver, state, parameters, np.append(times[done:ahead] - now, step))
         rows[done:ahead], state, now, done = states[:-1], states[-1], now + step, ahead
         if done == len(times):
@@ -60,9 +60,10 @@ def solve(resistance: Wide, gravity: Wide, start: WideArray, times: WideArray) -
 
 
 def _safe_step(resistance: Wide, gravity: Wide, speed: Wide) -> Wide:
-    """A step that ends before the apex of a path that rises at a speed: half the time to stop at the present deceleration.
+    """A step that ends before the apex of a path that rises at this speed: half the time to stop at the present deceleration.
 
-    Where the drag is much larger than gravity, it is the time in which drag alone leaves `FAST` terminal speeds.
+    Where drag is much larger than gravity, the step is the time in which drag alone reduces the speed to `FAST` terminal
+    speeds.
     """
     terminal = np.sqrt(gravity / resistance)
     if speed > 2 * FAST * terminal:

@@ -40,7 +40,7 @@ def translation(scene: Scene, times: Array) -> Translation:
     """The translation of a scene with drag, which may be zero, at ascending times (n,) >= 0, s.
 
     The bounds are those of the motion itself, with the rounding to double precision, plus the largest disagreement so far with
-    the witness, of which the witness's own error is subtracted: it is no error of the motion.
+    the witness. The error of the witness is subtracted from the disagreement, since it is no error of the motion.
     """
     flight = motion(scene, times)
     position, velocity = flight.position.astype(float), flight.velocity.astype(float)
@@ -48,7 +48,7 @@ def translation(scene: Scene, times: Array) -> Translation:
     velocity_error = flight.velocity_error + _rounding(velocity)
     other = witness(scene, times) if scene.drag else None
     if other is not None:
-        # An instant that is not compared has the disagreement of the next one that is.
+        # An instant that is not compared takes the disagreement of the next compared instant.
         following = np.searchsorted(other.instants, np.arange(len(times)))
         seen = other.motion
         apart = _excess(flight.position[other.instants], seen.position, seen.position_error)
@@ -65,10 +65,10 @@ def translation(scene: Scene, times: Array) -> Translation:
 
 
 def _excess(one: WideArray, other: WideArray, error: Array) -> Array:
-    """Largest distance so far (k,) between vectors (k, 3), beyond the error (k,) of the second ones."""
+    """Largest distance so far (k,) between vectors (k, 3), beyond the error (k,) of the second vectors."""
     return np.maximum.accumulate(np.maximum(sizes(one - other).astype(float) - error, 0))
 
 
 def _rounding(values: Array) -> Array:
-    """Largest distance (n,) of vectors (n, 3) in double precision from those that they were rounded from."""
+    """Bound (n,) of the distance between vectors (n, 3) in double precision and the vectors before rounding."""
     return np.asarray(ROUNDING * sizes(values) + SUBNORMAL)

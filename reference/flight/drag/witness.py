@@ -1,12 +1,13 @@
 """The translation with quadratic drag, integrated in three coordinates: the witness of `motion`.
 
-It shares nothing with `motion` but the law of the force: dx/dt = v, dv/dt = -(c/m) |v| v - g k, by heyoka's Taylor series in
-the wide type, or by SciPy's DOP853 where heyoka is not installed. The units are powers of two of its own, so that tolerances
-mean the same for every scene.
+It shares only the force law with `motion`. The equations dx/dt = v, dv/dt = -(c/m) |v| v - g k are solved by heyoka's Taylor
+series in the wide type, or by SciPy's DOP853 if heyoka is not installed. Its units are powers of two chosen for each scene, so
+that tolerances mean the same for every scene.
 
 The cost is known beforehand. Any motion has relaxed to the terminal velocity after 48 times sqrt(m / (g c)), since the
 horizontal speed decays by exp(-t) in that unit and the excess of speed by exp(-2 t); the rest is a straight line. A faster
-start and a lower apex add steps by the logarithm of their ratio only.
+start or a smaller speed at the apex adds steps only in proportion to the logarithm of the ratio of this speed to the terminal
+speed.
 """
 
 from collections.abc import Callable
@@ -23,7 +24,7 @@ from bodycheck.reference.integration import dop853
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: A solver of the equations, as `cartesian` says.
+#: A solver of the equations; see `cartesian`.
 Way = Callable[[Wide, Wide, WideArray, WideArray], WideArray]
 
 #: Time, in sqrt(m / (g c)), after which the velocity differs from the terminal velocity by less than 2e-20 of it.
@@ -36,7 +37,7 @@ TAYLOR_ERROR = 2.0**-48
 #: Relative error of the witness by DOP853: some hundred steps with the relative error that it allows in each.
 DOP853_ERROR = 100 * dop853.RELATIVE_TOLERANCE
 
-#: Number of instants at which DOP853 is compared. Each costs a step at least.
+#: Number of instants at which DOP853 is compared. Each instant costs at least one step.
 DOP853_INSTANTS = 33
 
 
@@ -49,7 +50,7 @@ class Witness:
     name
         Name of the solution and its backend in results.
     instants
-        (k,) indices of the instants of comparison, ascending, the last instant among them.
+        (k,) indices of the instants of comparison, ascending, including the last instant.
     motion
         Positions and velocities at these k instants, with an estimate of their own errors.
     """
@@ -61,7 +62,7 @@ class Witness:
 
 @dataclass(frozen=True)
 class Units:
-    """The equations in units of their own: dv/ds = -resistance |v| v - gravity k.
+    """The equations in suitable units: dv/ds = -resistance |v| v - gravity k, with the time s in the unit `time`.
 
     Attributes
     ----------
@@ -78,7 +79,7 @@ class Units:
 
 
 def witness(scene: Scene, times: Array) -> Witness | None:
-    """The witness at ascending times (n,) >= 0, s; None where the integration fails."""
+    """The witness of a translation with drag at ascending times (n,) >= 0, s; None if the integration fails."""
     try:
         from bodycheck.reference.flight.drag import taylor_flight
     except ImportError:
@@ -95,7 +96,7 @@ def witness(scene: Scene, times: Array) -> Witness | None:
 
 
 def cartesian(scene: Scene, times: Array, way: Way, error: float) -> Motion:
-    """The motion at ascending times (n,) >= 0, s.
+    """The translation with drag at ascending times (n,) >= 0, s, integrated in three Cartesian coordinates.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def cartesian(scene: Scene, times: Array, way: Way, error: float) -> Motion:
 
 
 def _units(scene: Scene, end: float) -> Units:
-    """Units in which neither the coefficients nor the state at the larger of its speeds is far from one."""
+    """Units in which neither the coefficients nor the state at its largest speed is far from 1 in size."""
     resistance, gravity = Wide(scene.drag) / Wide(scene.body.mass), Wide(scene.gravity)
     fastest = Wide(sizes(np.array(scene.initial.velocity, dtype=Wide)))
     if gravity == 0:
@@ -146,7 +147,7 @@ def _units(scene: Scene, end: float) -> Units:
 
 
 def _errors(scene: Scene, moved: WideArray, moving: WideArray, times: Array, error: float) -> tuple[Array, Array]:
-    """Estimated errors of positions (m) and velocities (m/s), from the sizes of path, speed and change of speed so far."""
+    """Estimated errors (n,) of positions (m) and velocities (m/s), from the sizes of path, speed and change of speed so far."""
     speed = sizes(moving).astype(float)
     reach = np.maximum.accumulate(sizes(moved).astype(float) + speed * times)
     # Gravity changes a speed by no more than about the terminal speed before drag balances it.
