@@ -15,10 +15,10 @@ from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of
 if TYPE_CHECKING:
     from bodycheck.studies.parity.releases import Meaning
 
-#: Most bodies and joints that the line of a change names.
+#: The most bodies and joints that the line of a change names.
 MOST_SUBJECTS = 4
 
-#: Most faults of a file that are printed.
+#: The most faults of a file that are printed.
 MOST_FAULTS = 4
 
 #: The columns of the table of rows.

@@ -8,7 +8,7 @@ from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
 
-#: What is said of each cause, with the subjects after it.
+#: The words for each cause, which the subjects follow.
 SAYS: dict[Cause, str] = {
     "armature": "armature differs",
     "inertia-turned": "inertia about other axes",
@@ -27,7 +27,7 @@ SAYS: dict[Cause, str] = {
     "unexplained": "unexplained",
 }
 
-#: Most subjects that a sentence names.
+#: The most subjects that a sentence names.
 MOST = 4
 
 
