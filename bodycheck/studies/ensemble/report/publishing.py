@@ -37,11 +37,11 @@ def write(
     Parameters
     ----------
     results
-        What `reporting.read` returned.
+        The result of `reporting.read`.
     folder
         The folder of the runs.
     case, header
-        The case, and the header of the results, which says where the members are from.
+        The case, and the header of the results, which names the source of the members.
     text_of
         Function from the number of a member to its case file. If it is None, nothing is run: there are no files of worst
         members, and no animations.
@@ -50,7 +50,7 @@ def write(
     progress
         A function that is called after each worst member.
     formats
-        Formats in which every plot is also written as a file of its own.
+        Formats in which every plot is also written as a separate file.
 
     Raises
     ------
