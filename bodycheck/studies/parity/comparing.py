@@ -51,7 +51,7 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """An engine's reading beside the model of the file.
+    """The comparison of an engine's reading with the model of the file.
 
     Attributes
     ----------
