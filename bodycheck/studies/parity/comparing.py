@@ -1,4 +1,4 @@
-"""Compare what an engine has read and computes with the model of the file: rows without causes."""
+"""Compare the reading and the terms of an engine with the model of the file, as rows without causes."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ class Asked:
     truth
         The terms of the model at the states and then at the probes, for all of its velocities.
     gravity_stated
-        Whether the file says what gravity is.
+        Whether the file states the gravity.
     """
 
     model: RobotModel
@@ -168,7 +168,7 @@ def _with_constraints(comparison: Comparison) -> Comparison:
 def _is_constraint(friction: Array, most: Array) -> Array:
     """Return for each velocity (n,) whether a friction (s, n) varies in size, or has its full size at half of the states.
 
-    A friction of constant size below that of the file (n,), such as none at all, is another friction and no constraint.
+    A friction of constant size below that of the file (n,), such as none at all, is a different friction, not a constraint.
     """
     size = np.abs(friction)
     full = np.mean(size > 0.99 * most, axis=0) >= 0.5

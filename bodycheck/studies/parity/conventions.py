@@ -25,10 +25,10 @@ Point = Literal["origin", "center of mass", "origin of the joint"]
 Axes = Literal["world", "body"]
 BodyPoint = Literal["origin", "center of mass", "world"]
 
-#: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as that of the engine.
+#: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as the engine's.
 ALIKE = 1e-6
 
-#: Probe states, at which conventions are decided and nothing is compared.
+#: The number of probe states, at which conventions are decided and nothing is compared.
 PROBES = 3
 
 #: The form in which an engine takes efforts or accelerations: as in the state, where they belong to the velocities of the file,
@@ -45,7 +45,7 @@ class Written:
     linear, angular
         The axes of the components: those of the joint's frame in the parent, those of the child, or those of the parent.
     point
-        The point whose velocity it is.
+        The point whose linear velocity is written.
     angular_first
         Whether the angular part comes first.
     """

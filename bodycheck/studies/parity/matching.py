@@ -38,7 +38,7 @@ class Match:
         The n velocities that are compared, in the order of the file. They do not include the velocities of joints that follow
         others without a separate velocity in the engine.
     columns
-        The indices (n,) of these velocities among those of the engine.
+        The indices (n,) of these velocities among the velocities of the engine.
     expansion
         The matrix (m, n) that gives all m velocities of `model` from the compared velocities.
     """

@@ -49,7 +49,7 @@ class NoMotion(Exception):
 
 
 def sentence(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> str:
-    """Return what differences between two models with the same joints do to a motion, as a sentence without a full stop.
+    """Return the effect of differences between two models with the same joints on a motion, as a sentence without a full stop.
 
     Parameters
     ----------

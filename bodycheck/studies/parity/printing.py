@@ -1,4 +1,4 @@
-"""Print what a parity study found to the terminal."""
+"""Print the results of a parity study to the terminal."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -61,7 +61,7 @@ def print_models(models: Sequence[Parity]) -> None:
 
 
 def print_changes(changes: "Sequence[Meaning]") -> None:
-    """Print which releases changed what files mean."""
+    """Print the releases that changed the meaning of files, with the changes."""
     say("")
     alike: dict[tuple[str, str], list[str]] = {}
     for change in changes:

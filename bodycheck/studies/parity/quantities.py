@@ -35,7 +35,7 @@ MODEL = "model"
 #: The engine of a row about the file itself.
 FILE = "file"
 
-#: What each quantity is, for readers.
+#: The meaning of each quantity, for readers.
 MEANINGS: dict[Quantity, str] = {
     "total_mass": "mass of all bodies, kg",
     "mass": "mass of a body, kg",

@@ -16,7 +16,7 @@ Label = tuple[str, int]
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Terms at s states with n velocities; unknown terms are None or missing. The terms are those of `Terms`.
+    """Terms at s states with n velocities; unknown terms are None or missing. See `Terms`.
 
     poses are (s, 7), jacobians (s, 6, n), the mass matrix (s, n, n) and the others (s, n).
     """

@@ -1,4 +1,4 @@
-"""Compare the tree of an engine with that of the file: parents, types of joints with limits and mimics, order, gravity."""
+"""Compare the tree of an engine with the tree of the file: parents, types of joints with limits and mimics, order, gravity."""
 
 from collections.abc import Iterator
 

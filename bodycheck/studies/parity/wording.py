@@ -37,7 +37,7 @@ def name_of(quantity: Quantity | None) -> str:
 
 
 def engines_of(parity: Parity) -> dict[str, list[ParityRow]]:
-    """Return the rows of each engine, in the order of the study, without those about the file."""
+    """Return the rows of each engine, in the order of the study, without the rows about the file."""
     by_engine: dict[str, list[ParityRow]] = defaultdict(list)
     for row in parity.rows:
         if row.engine != FILE:

@@ -13,7 +13,7 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Fault:
-    """A part of a robot model that an engine has read differently from what the file says.
+    """A part of a robot model that an engine has read differently from the file.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """Masses, centres of mass, inertias and armatures that an engine does not report, found in its mass matrix and gravity forces.
 
 Only a few sets of faults are tried: armatures, one body, one body with armatures, and two bodies. A fault is named only if its
-numbers, put into the model of the file, leave nothing of the difference, and if it is of a kind that readers make. Faults
+numbers, put into the model of the file, explain all of the difference, and if it is of a kind that readers make. Faults
 without free numbers are tried first: a dropped inertia or a mistaken weld hardly explains everything by chance.
 """
 
@@ -194,7 +194,7 @@ def _is_known(bodies: dict[str, Inertial], changed: dict[str, Inertial], kinds: 
 
 
 def _of_body(comparison: Comparison, name: str, truth: Inertial, engine: Inertial) -> Iterator[Fault]:
-    """Yield the faults of a body whose numbers were found: of each number that differs, if its links are joined wrongly."""
+    """Yield the fault of a body whose numbers were found; if its links are joined wrongly, a fault for each wrong number."""
     joined, values = (
         parts(comparison.match.model, name, {link.name for link in comparison.match.bodies.links}),
         attributes(engine),
