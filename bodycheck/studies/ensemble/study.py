@@ -100,7 +100,7 @@ def run(
     BadFolder
         If the folder contains something else, or another process is writing to it.
     Failed
-        If a cluster does not carry out all chunks; what is done is kept.
+        If a cluster does not carry out all chunks; finished chunks are kept.
     """
     shares = planned(case, records, integrators, timesteps)
     head = headers.of(campaign.header(command, records, missing or {}), case, source, shares, limit, memory, SAMPLE)

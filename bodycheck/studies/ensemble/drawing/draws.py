@@ -4,7 +4,7 @@ Every map preserves the measure, so that evenly spread points give evenly spread
 the last bit, and not on the other members that are drawn with it. Functions that are not exact are evaluated in the widest type
 of NumPy, whose code is the same for all processors of a kind: results for doubles differ in the last digit between processors.
 
-The points are those of 16 independently scrambled Sobol sequences, which fill a unit cube more evenly than random numbers.
+The points come from 16 independently scrambled Sobol sequences, which fill a unit cube more evenly than random numbers.
 Member i of an ensemble has the point i div 16 of the sequence i mod 16, so that any number of members, or any single
 member, can be drawn. The spread of the 16 sequences shows the uncertainty of a mean over the members [Owen, Randomly permuted
 (t,m,s)-nets and (t,s)-sequences, 1995]. The points are those of `scipy.stats.qmc.Sobol` with the scrambling of Matousek and 52
@@ -96,7 +96,7 @@ def _between(low: Array, high: Array, u: Array) -> Array:
 
 
 def _log_between(low: Array, high: Array, u: Array) -> Array:
-    """Return the numbers (m, k) whose logarithms are at the fractions u (m, k) between those of limits (k,)."""
+    """Return the numbers (m, k) whose logarithms are at the fractions u (m, k) between the logarithms of limits (k,)."""
     ratio = np.log(high.astype(Wide)) - np.log(low.astype(Wide))
     return np.asarray(np.clip((low * np.exp(ratio * u)).astype(float), low, high))
 

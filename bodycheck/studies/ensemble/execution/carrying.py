@@ -61,7 +61,7 @@ class _Output:
     worst
         The worst member so far, with the distance from the ideal value, by the index of the method and the figure.
     always
-        Those of `kept` that are kept whether they are the worst or not.
+        The keys of trajectories in `kept` that are kept whether their members are the worst or not.
     failed, engine_seconds, truth_seconds
         As in `Receipt`.
     """

@@ -1,4 +1,4 @@
-"""Make the tables of an ensemble from the files of its chunks, in one folder or gathered from those of several jobs.
+"""Make the tables of an ensemble from the files of its chunks, in one folder or in the folders of several jobs.
 
 Rows are copied block by block in the order of the plan. The worst members are found on the way. Their truths are then compared
 with witnesses, and their trajectories are kept.
@@ -191,7 +191,7 @@ def _write_members(folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile
 def _write_truths(
     folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], shares: Sequence[Share], notable: Remarkable, jobs: int
 ) -> None:
-    """Write the truths, after those of the worst members have been compared with witnesses."""
+    """Compare the truths of the worst members with witnesses, and write all truths."""
     vouched = dict(_vouched(head, files, shares, notable, jobs))
 
     def tables() -> Iterator[Any]:
@@ -228,7 +228,7 @@ def _vouched(
 
 
 def _replaced(table: Any, vouched: Mapping[tuple[float, int], Mapping[str, Any]]) -> Any:
-    """Return a table of truths with the rows of those that were compared with witnesses later."""
+    """Return a table of truths, with the values that later comparisons with witnesses have changed."""
     first, last = pc.min_max(table["member"]).as_py().values()
     if not any(first <= member <= last for _, member in vouched):
         return table

@@ -137,7 +137,7 @@ def _files(folder: Path) -> dict[str, list[Path]]:
 
 
 def _parquet(folder: Path) -> Iterator[Path]:
-    """Yield the Parquet files in a folder at any depth. Raises `BadFolder` for one that is not a regular file."""
+    """Yield the Parquet files in a folder at any depth. Raises `BadFolder` if one is not a regular file."""
     for inside, _, names in os.walk(folder):
         for name in names:
             path = Path(inside, name)

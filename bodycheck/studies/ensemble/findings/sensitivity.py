@@ -63,7 +63,7 @@ class Dependence:
 
 
 def numbers(ensemble: Ensemble, most: int = MOST_MEMBERS, only: Collection[str] = ()) -> dict[str, Array]:
-    """Return the drawn numbers of the first members by name, and the lengths of drawn vectors, without those that are constant.
+    """Return the drawn numbers of the first members by name, and the lengths of drawn vectors, without constant ones.
 
     Parameters
     ----------

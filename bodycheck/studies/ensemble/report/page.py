@@ -57,7 +57,7 @@ READING = (
 
 
 class File(NamedTuple):
-    """A worst member: its number, the name of its case file (empty if there is none), and what fails."""
+    """A worst member: its number, the name of its case file (empty if there is none), and its failure."""
 
     member: int
     name: str

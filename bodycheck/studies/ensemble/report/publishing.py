@@ -74,7 +74,7 @@ def _run_worst(
     jobs: int,
     progress: Advance,
 ) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
-    """Write the worst members as case files, and return these and the animations. The parameters are those of `write`."""
+    """Write the worst members as case files, and return the files and the animations. The parameters are those of `write`."""
     compaction.remove(folder / worst.FOLDER, folder)  # the files of an earlier ensemble
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     written = worst.write(folder, case, ensemble, text_of, header["source"], progress)

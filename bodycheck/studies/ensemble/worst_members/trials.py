@@ -37,7 +37,7 @@ class Tried:
     floors
         The values below which the figures are only rounding, by name.
     version
-        The version of the engine; empty where its process died.
+        The version of the engine; empty if its process died.
     """
 
     status: str

@@ -25,7 +25,7 @@ from bodycheck.studies.ensemble.findings.ways import Way, chosen
 from bodycheck.studies.ensemble.worst_members.shrinking import BLOCK, Document, shrink
 from bodycheck.studies.ensemble.worst_members.trials import Trials, Tried, trials
 
-#: The folder for the case files, below that of the results.
+#: The folder for the case files, below the folder of the results.
 FOLDER = "worst"
 
 #: The most lines of a case file, unless its numbers need more.
@@ -176,7 +176,7 @@ def _tried(documents: Sequence[Document], way: Way, tried: Trials) -> list[Tried
 
 
 def _title(way: Way, tried: Tried) -> str:
-    """Return a text on what fails in a run, and by how much."""
+    """Return the title of a case file: the failure of a run, and its size."""
     by = f"{way.method.engine} {way.method.version} with {way.method.integrator} at {way.method.timestep:g} s"
     if way.limit is None:
         reason = "".join(sign if sign.isprintable() else " " for sign in tried.reason)[:REASON_LENGTH]
