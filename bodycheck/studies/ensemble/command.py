@@ -141,7 +141,7 @@ def _write_member(case: "Case", source: "Source", member: int, path: Path) -> in
 
 
 def _executor(dask: str | None, shard: str | None, jobs: int) -> "Executor":
-    """Return what carries out the chunks. Raises `BadInput` for a share that is none."""
+    """Return the executor of the chunks. Raises `BadInput` for an invalid share."""
     from bodycheck.running.members.executors.dask_cluster import Cluster
     from bodycheck.running.members.executors.own import Own, Shard
 

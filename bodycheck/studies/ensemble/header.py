@@ -1,6 +1,6 @@
 """The header of an ensemble, `header.json`: what was run, with which versions, and whether it is complete.
 
-It also decides whether work in a folder is the same: its identity is a digest of everything that determines the rows.
+It also shows whether a folder has results of the same work: its identity is a digest of everything that determines the rows.
 """
 
 import json
@@ -21,7 +21,7 @@ from bodycheck.results.header import Header
 from bodycheck.running.members import chunk_files, chunks, compaction
 from bodycheck.running.members.chunks import Share, Source
 
-#: The file, and the version of the format of the folder.
+#: The name of the file, and the version of the format of the folder.
 FILE, FORMAT = "header.json", 1
 
 #: The largest size of a header in bytes.
@@ -45,7 +45,7 @@ class StoredShare(TypedDict):
 
 
 class EnsembleHeader(Header):
-    """The header of an ensemble, beside what every set of results tells of its origin.
+    """The header of an ensemble, with the keys that the header of every set of results has.
 
     Attributes
     ----------
@@ -56,15 +56,15 @@ class EnsembleHeader(Header):
     members, drawn
         The number of members, and the names of the numbers in which they differ.
     source
-        Where these come from, in words.
+        The source of the drawn numbers, in words.
     shares
         The engines with their methods, in the order of the rows.
     block, sample
-        The number of members that are treated at once, and of every so manieth member the trajectory is kept.
+        The number of members that are treated at once, and the interval between members whose trajectories are kept.
     limit, memory
         The time limit (s) and the memory limit (bytes) of one call.
     today
-        The day as of which known discrepancies are tolerated or not.
+        The date that decides whether known discrepancies are still tolerated.
     revisions
         The revisions of the figures whose definition ever changed.
     complete
@@ -93,7 +93,7 @@ def of(
 ) -> EnsembleHeader:
     """Return the header of an ensemble that is not complete.
 
-    head: what every set of results tells of its origin. samples: the number of members whose trajectories are kept. The other
+    head: the header that every set of results has. samples: the number of members whose trajectories are kept. The other
     parameters are those of `study.run`.
     """
     block = chunks.block_size(case, [method.timestep for share in shares for method in share.methods])
@@ -120,21 +120,22 @@ def of(
 
 
 def _told(source: Source) -> str:
-    """Return what the members depend on: how they are drawn, or the digest of their table wherever it is."""
+    """Return a text of all that the members depend on: how they are drawn, or the digest of their table, whatever its path."""
     origin = source.origin
     return repr((source.size, tuple(source.names), getattr(origin, "digest", None) or repr(origin)))
 
 
 def in_words(source: Source) -> str:
-    """Return where the numbers of members come from."""
+    """Return the source of the numbers of members in words."""
     origin = source.origin
     return f"seed {origin.seed}" if isinstance(origin, Ensemble) else f"the table {getattr(origin, 'path', '')}"
 
 
 def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
-    """Write the header and the case of an ensemble into a folder, in place of other results of an ensemble, and return it.
+    """Write the header and the case of an ensemble into a folder, and return the header.
 
-    The header of the same work that was interrupted stays, and is returned. Raises `BadFolder` for a folder with other files.
+    If the same work was interrupted in the folder, its header is kept and returned. Other results of an ensemble are removed.
+    Raises `BadFolder` for a folder with other files.
     """
     names = set(reading.names_in(folder)) - {f"{FILE}.lock"}
     if names and FILE not in names:

@@ -12,7 +12,7 @@ from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, RELEVANT
 from bodycheck.studies.ensemble.report.reporting import Made
 from bodycheck.studies.ensemble.rows import DependenceRow, Row
 
-#: Most dependences that are printed, of failures and of the figure that methods are ranked by; sensitivity.csv has all.
+#: The most dependences that are printed, of failures and of the figure that methods are ranked by; sensitivity.csv has all.
 MOST_DEPENDENCES = 6
 
 
@@ -57,7 +57,7 @@ DEPENDENCES: tuple[Column[Any], ...] = (
 
 
 def print_made(ensemble: Made, json: bool, view: View, quiet: bool) -> None:
-    """Print what is known of an ensemble: its tables, or JSON, or only the methods that break expectations."""
+    """Print the results of an ensemble: its tables, or JSON, or only the methods that break expectations."""
     if json:
         print_json(ensemble.records())
     elif quiet:
@@ -68,7 +68,7 @@ def print_made(ensemble: Made, json: bool, view: View, quiet: bool) -> None:
 
 
 def print_ensemble(ensemble: Aggregates, dependences: Sequence[DependenceRow], sentences: Sequence[str], view: View) -> None:
-    """Print the methods with the figure that they are ranked by, the best first, then what it depends on, then sentences."""
+    """Print the methods with the figure that ranks them, the best first, then the strongest dependences, then sentences."""
     if ensemble.ranking:
         say(f"{ensemble.members} members, {ensemble.ranking}, the best method first")
     show(ROWS, [ensemble.row(index, ensemble.ranking) for index in ensemble.ranked], view)

@@ -1,8 +1,8 @@
 """Run an ensemble of a case: plan it, cut it into chunks, have them carried out, and compact their files.
 
-The folder of an ensemble has `header.json`, the case, the files of the chunks that are done, and in the end, in their place,
-the tables `runs/ENGINE/CASE/`, `members/CASE/`, `truths/CASE/` and `trajectories/ENGINE/CASE/`. Work that was interrupted,
-whatever ended it, is resumed from the files of the chunks.
+The folder of an ensemble has `header.json`, the case, and the files of the chunks that are done. In the end the tables
+`runs/ENGINE/CASE/`, `members/CASE/`, `truths/CASE/` and `trajectories/ENGINE/CASE/` replace the files of the chunks. Work that
+was interrupted, for whatever reason, is resumed from the files of the chunks.
 """
 
 import contextlib
@@ -34,13 +34,13 @@ from bodycheck.studies.ensemble.header import EnsembleHeader
 #: The number of members whose trajectories are kept as a sample.
 SAMPLE = 100
 
-#: Most blocks of members of an ensemble: those of the most members that a case file can ask for, if they are of usual length.
+#: The most blocks of members in an ensemble: those of the largest ensemble of a case file, if its cases are of usual length.
 MOST_BLOCKS = 1_000_000
 
-#: How long (s) the files that workers elsewhere have written may take to appear here, as those on a network do.
+#: The longest time (s) that files of workers on other machines may take to appear here, such as on a network.
 PATIENCE_S = 60.0
 
-#: Polling interval for them (s).
+#: The interval (s) at which these files are looked for.
 INTERVAL_S = 0.2
 
 
@@ -65,33 +65,33 @@ def run(
 ) -> Path:
     """Run all members of an ensemble with all methods, and return the folder of the results.
 
-    If the same ensemble was interrupted in the folder, it is resumed, and what is done is not repeated. An executor that
-    carries out a share of the chunks leaves the files of these, for `result_tables.gather`.
+    If the same ensemble was interrupted in the folder, it is resumed, and finished blocks are not repeated. If the executor
+    carries out only a share of the chunks, it leaves their files for `result_tables.gather`.
 
     Parameters
     ----------
     case
         The case from which the members are made.
     source
-        The numbers in which they differ.
+        The source of the numbers in which the members differ.
     records
         The records of the engines by the names by which they were asked for.
     integrators, timesteps
-        Spellings of methods and time steps (s); all, and 2 ms with those of the expectations of the case, if they are empty.
+        Spellings of methods, and time steps (s). If empty: all methods, and 2 ms with the time steps in the expectations.
     folder
         The folder for the results. Workers on other machines must see it at the same path.
     executor
-        What carries out the chunks.
+        The executor of the chunks.
     progress
         A function that is called after each chunk, with the number of runs.
     command, missing
         The words of the command, and the engines that cannot be used with the reasons, for the header.
     limit, memory
-        The time limit (s) and the memory limit (bytes) of one call of an engine or of the reference. A call is about a block of
-        members; one that exceeds a limit is repeated with parts of the block, until one member alone exceeds it.
+        The time limit (s) and the memory limit (bytes) of one call of an engine or of the reference. A call treats a block of
+        members. If it exceeds a limit, it is repeated with parts of the block, until one member alone exceeds the limit.
     blocks
-        The number of blocks in a chunk; by default so many that a chunk takes 10 to 60 s in most engines. The rows do not
-        depend on it.
+        The number of blocks in a chunk. By default, a chunk takes 10 to 60 s in most engines. The rows do not depend on this
+        number.
 
     Raises
     ------
@@ -100,11 +100,11 @@ def run(
     BadFolder
         If the folder contains something else, or another process is writing to it.
     Failed
-        If a cluster does not carry out all chunks; what is done is kept.
+        If a cluster does not carry out all chunks; finished chunks are kept.
     """
     shares = planned(case, records, integrators, timesteps)
     head = headers.of(campaign.header(command, records, missing or {}), case, source, shares, limit, memory, SAMPLE)
-    if source.size > MOST_BLOCKS * head["block"]:  # blocks are known one by one, before the first is run
+    if source.size > MOST_BLOCKS * head["block"]:  # all blocks are enumerated before the first is run
         raise BadInput(
             f"{case.name}: {source.size} members, of which {head['block']} are treated at once; allowed: at most "
             f"{MOST_BLOCKS * head['block']}. There can be more with fewer samples and steps"
@@ -120,7 +120,7 @@ def run(
 def _carry_out_what_is_left(
     folder: Path, head: EnsembleHeader, everything: Sequence[Chunk], executor: Executor, progress: Advance
 ) -> None:
-    """Carry out what is not done of the chunks of an ensemble, and compact all files if the executor has done all of them."""
+    """Carry out the unfinished parts of the chunks of an ensemble, and compact all files if the executor carries out all."""
     done = _done(folder, head)
     pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
     if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
@@ -145,7 +145,7 @@ def size(
 def planned(
     case: Case, records: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Share, ...]:
-    """Return the shares of the engines in an ensemble, in the order of the plan. Parameters and exceptions are as of `run`."""
+    """Return the shares of the engines in an ensemble, in the order of the plan. Parameters and exceptions: see `run`."""
     methods: dict[str, list[Any]] = {}
     for task in plan([case], records, integrators, timesteps):
         methods.setdefault(task.engine, []).append(task.method)
@@ -158,7 +158,7 @@ def planned(
 
 
 def work_of(head: EnsembleHeader, case: Case, source: Source) -> Work:
-    """Return what all chunks of an ensemble have in common."""
+    """Return the work of an ensemble, which all of its chunks share."""
     versions = {"bodycheck": head["bodycheck"], **head["packages"]}
     today = date.fromisoformat(head["today"])
     return Work(
@@ -169,7 +169,7 @@ def work_of(head: EnsembleHeader, case: Case, source: Source) -> Work:
 def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, least: int) -> list[Chunk]:
     """Return all chunks of an ensemble, engine by engine, numbered from 0.
 
-    blocks: as for `run`. least: the number of chunks of each engine that there should be at least, if there are enough blocks.
+    blocks: see `run`. least: the least number of chunks of each engine, if there are enough blocks.
     """
     all_chunks: list[Chunk] = []
     for share in shares:
@@ -180,7 +180,7 @@ def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, lea
 
 
 def executor_jobs(executor: Executor) -> int:
-    """Return how many processes may be used here after the chunks are carried out."""
+    """Return the number of processes that may be used on this machine after the chunks are carried out."""
     return int(getattr(executor, "jobs", 1))
 
 
@@ -210,7 +210,7 @@ def _done(folder: Path, head: EnsembleHeader) -> dict[str, set[int]]:
 
 
 def _await(folder: Path, head: EnsembleHeader, pieces: Sequence[Chunk | Receipt]) -> None:
-    """Wait until the files of chunks that were carried out are seen. Raises `Failed` if they do not appear."""
+    """Wait until the files of chunks that were carried out appear. Raises `Failed` if they do not appear."""
     wanted = {
         (engine_of(piece), first) for piece in pieces for first in range(piece.first, piece.first + piece.count, head["block"])
     }

@@ -20,7 +20,7 @@ from bodycheck.studies.parity.stacks import Stack, stacked, times, transposed, v
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The states of the n velocities that are compared, each (s, n). Efforts are those that act on these velocities."""
+    """The states, and the n compared velocities at them with their accelerations and the efforts on them, each (s, n)."""
 
     states: tuple[RobotState, ...]
     velocities: Array
@@ -28,7 +28,7 @@ class Motion:
     efforts: Array
 
     def at(self, states: Sequence[int]) -> "Motion":
-        """Return some of the states, by their indices."""
+        """Return the motion at some of the states, given by their indices."""
         indices = list(states)
         some = tuple(self.states[index] for index in indices)
         return Motion(some, self.velocities[indices], self.accelerations[indices], self.efforts[indices])
@@ -40,7 +40,7 @@ def truth_of(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -
 
 
 def motion(match: Match, states: Sequence[RobotState]) -> Motion:
-    """Return the states of the velocities that are compared. An engine has no efforts of a joint that it does not have."""
+    """Return the compared velocities at states, with accelerations and efforts. Joints that the engine lacks are left out."""
     labels = match.labels
     return Motion(
         tuple(states),
@@ -51,9 +51,9 @@ def motion(match: Match, states: Sequence[RobotState]) -> Motion:
 
 
 def reduced(truth: Stack, match: Match, motion_compared: Motion) -> Stack:
-    """Return terms for the velocities that are compared, from those for all velocities of the model of the file.
+    """Return the terms for the compared velocities, from the terms for all velocities of the file's model.
 
-    The accelerations follow from the other terms where joints that follow others have no velocity of their own.
+    If joints that follow others have no separate velocities, the accelerations are recomputed from the other terms.
     """
     expand = match.expansion
     if expand.shape[0] == expand.shape[1]:
@@ -66,7 +66,7 @@ def reduced(truth: Stack, match: Match, motion_compared: Motion) -> Stack:
 
 
 def accelerations(terms: Stack, efforts: Array) -> Array | None:
-    """Return the accelerations (s, n) under efforts (s, n) with the other terms; None if one is missing.
+    """Return the accelerations (s, n) that follow from efforts (s, n) and the other terms; None if a term is missing.
 
     They are NaN at states where the mass matrix cannot be inverted.
     """
@@ -97,7 +97,7 @@ def selected(engine: Stack, columns: Sequence[int]) -> Stack:
 
 
 def places(match: Match) -> dict[str, list[int]]:
-    """Return the indices of the velocities of each joint that has several."""
+    """Return the indices of the velocities of each joint that has several velocities, by the name of the joint."""
     by_joint: dict[str, list[int]] = {}
     for index, (name, _) in enumerate(match.labels):
         by_joint.setdefault(name, []).append(index)
@@ -105,9 +105,9 @@ def places(match: Match) -> dict[str, list[int]]:
 
 
 def convention_of(engine: Stack, truth: Stack, match: Match, probes: Motion) -> Convention:
-    """Return the conventions of an engine, which are decided once for a robot, at probe states that are not compared.
+    """Return the conventions of an engine, which are determined once for a robot, at probe states that are not compared.
 
-    So an engine that is wrong at a state by just such a conversion is not taken to have another convention there.
+    An error of an engine at a compared state is therefore never mistaken for a convention, even if it equals a conversion.
 
     engine: its terms at the probes, in its own conventions for the velocities that are compared, in the order of the file.
     truth: the truth for these velocities at the probes.
@@ -143,7 +143,7 @@ def aligned(engine: Stack, truth: Stack, match: Match, motion_compared: Motion, 
 class _Conversion:
     """The matrices (s, n, n) that convert velocities of the file to those of an engine.
 
-    drift (s, n): what the derivatives of the matrices add to accelerations.
+    drift (s, n): the derivatives of the matrices times the velocities, which are added to converted accelerations.
     """
 
     matrix: Array
@@ -151,7 +151,7 @@ class _Conversion:
 
 
 def _conversion(match: Match, motion_compared: Motion, convention: Convention) -> _Conversion | None:
-    """Return how velocities of the file become those of an engine; None if they are the same."""
+    """Return the conversion of velocities of the file to those of an engine; None if they are the same."""
     joints = {name: form for name, form in convention.joints.items() if form != conventions.Written()}
     if not joints:
         return None
@@ -189,7 +189,7 @@ def _turned(engine: Stack, match: Match, motion_compared: Motion, convention: Co
 
 
 def _matrices(match: Match, motion_compared: Motion, how: Mapping[str, conventions.Written]) -> tuple[Array, Array]:
-    """Return the matrices (s, n, n) that make velocities of an engine of those of the file, and their derivatives."""
+    """Return the matrices (s, n, n) that convert velocities of the file to those of an engine, and their derivatives."""
     count, n = motion_compared.velocities.shape
     matrix, change = np.tile(np.eye(n), (count, 1, 1)), np.zeros((count, n, n))
     for name, form in how.items():
@@ -199,9 +199,9 @@ def _matrices(match: Match, motion_compared: Motion, how: Mapping[str, conventio
 
 
 def _forward(engine: Stack, motion_compared: Motion, conversion: _Conversion) -> dict[Given, Array]:
-    """Return accelerations in the velocities of the file, by what the engine may have been given as efforts.
+    """Return an engine's accelerations, converted to the velocities of the file, for each form of its efforts.
 
-    These are the efforts converted to the velocities of the engine, or as they are in the state. Empty without accelerations.
+    The engine may take efforts converted to its own velocities, or as in the state. Empty if it has no accelerations.
     """
     if engine.forward_dynamics is None:
         return {}
@@ -214,10 +214,10 @@ def _forward(engine: Stack, motion_compared: Motion, conversion: _Conversion) ->
 
 
 def _inverse(engine: Stack, motion_compared: Motion, conversion: _Conversion) -> dict[Given, Array]:
-    """Return efforts in the velocities of the file, by what the engine may have been given as accelerations.
+    """Return an engine's efforts, converted to the velocities of the file, for each form of its accelerations.
 
-    These are the accelerations converted to the velocities of the engine, with or without the derivative of the conversion, or
-    as they are in the state. Empty without efforts.
+    The engine may take accelerations converted to its own velocities, with or without the derivative of the conversion, or as
+    in the state. Empty if it has no efforts.
     """
     if engine.inverse_dynamics is None:
         return {}
@@ -232,7 +232,7 @@ def _inverse(engine: Stack, motion_compared: Motion, conversion: _Conversion) ->
 
 
 def _nearest(readings: Mapping[Given, Array], truth: Array | None) -> Given:
-    """Return which reading at probe states is nearest to the truth; the first one if there is no truth or no reading."""
+    """Return the form whose reading at probe states is nearest to the truth; the first form if there is no truth."""
     if truth is None or not readings:
         return next(iter(readings), "converted")
     errors = {given: float(np.max(np.abs(reading - truth), initial=0.0)) for given, reading in readings.items()}

@@ -1,7 +1,7 @@
-"""Files of robots as tests of pytest: those that match a pattern of `bodycheck_models` in pytest's configuration.
+"""Files of robots as tests of pytest. The files match a pattern of `bodycheck_models` in pytest's configuration.
 
-A test of a file fails where an engine refuses it or differs. The engines are those of `--bodycheck-engine`, and otherwise all
-that are installed and read robot models; their processes live as long as the session.
+A test of a file fails if an engine refuses the file or differs from it. The engines are given by `--bodycheck-engine`; the
+default is all installed engines that read robot models. Their processes live as long as the session.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -59,7 +59,7 @@ class ModelItem(pytest.Item):
 
 
 class Different(Exception):
-    """Raised for a file that an engine refuses or takes otherwise."""
+    """Raised for a file that an engine refuses or reads differently."""
 
     def __init__(self, parity: "Parity") -> None:
         super().__init__(parity.name)

@@ -1,4 +1,4 @@
-"""Compare what an engine has read and computes with the model of the file: rows without causes."""
+"""Compare the reading and the terms of an engine with the model of the file, as rows without causes."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.sizes import Apart, Sizes, apart, sizes
 from bodycheck.studies.parity.stacks import Stack, stacked
 
-#: The change of a dry friction from state to state, as a part of its size, that is more than rounding.
+#: The part of the largest dry friction above which a change of its size from state to state is more than rounding.
 LEAST_CHANGE = 1e-3
 
 
@@ -38,7 +38,7 @@ class Asked:
     truth
         The terms of the model at the states and then at the probes, for all of its velocities.
     gravity_stated
-        Whether the file says what gravity is.
+        Whether the file states the gravity.
     """
 
     model: RobotModel
@@ -51,20 +51,20 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """An engine's reading beside the model of the file.
+    """The comparison of an engine's reading with the model of the file.
 
     Attributes
     ----------
     asked, reading, tolerance
-        What was asked, what the engine has read, and the largest relative difference that counts as agreement.
+        The questions, the engine's reading, and the largest relative difference that counts as agreement.
     match
         The pairing of the engine's joints and bodies with those of the file.
     motion
-        The states of the velocities that are compared.
+        The compared velocities at the states, with accelerations and efforts.
     truth, engine
         The terms for these velocities, in the conventions of the file.
     convention
-        The conventions that the engine itself has.
+        The conventions of the engine.
     sizes
         The sizes of terms.
     rows
@@ -84,9 +84,9 @@ class Comparison:
 
 
 def asked(model: RobotModel, states: Sequence[RobotState], gravity: Vector, gravity_stated: bool) -> Asked:
-    """Return what engines are asked about a model, with the truth, which is computed once for all engines.
+    """Return the questions to engines about a model, with the truth, which is computed once for all engines.
 
-    states: those that are compared, and then `PROBES` at which conventions are decided.
+    states: the compared states, followed by `PROBES` states at which conventions are decided.
     """
     compared, probes = tuple(states[:-PROBES]), tuple(states[-PROBES:])
     return Asked(model, compared, probes, gravity, truth_of(model, states, gravity), gravity_stated)
@@ -98,9 +98,9 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
     Parameters
     ----------
     given
-        What the engine was asked.
+        The questions to the engine.
     reading
-        What it has read.
+        The reading of the engine.
     tolerance
         The largest relative difference that counts as agreement.
     """
@@ -111,7 +111,7 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
     whole = truth_of(pairing.model, states, given.gravity) if pairing.lacking else given.truth
     truth = reduced(whole, pairing, moved)
     terms_read = Stack() if pairing.otherwise else selected(stacked(reading.terms), pairing.columns.tolist())
-    if pairing.extra:  # the base is free, so that it gives way
+    if pairing.extra:  # a free base accelerates too, which changes the accelerations
         terms_read = replace(terms_read, forward_dynamics=None)
     convention = convention_of(terms_read.at(probes), truth.at(probes), pairing, moved.at(probes))
     mass = float(np.sum([float(link.mass) for link in given.model.links]))
@@ -142,17 +142,17 @@ def at(comparison: Comparison, states: Sequence[int]) -> Comparison:
 
 
 def with_engine(comparison: Comparison, engine: Stack) -> Comparison:
-    """Return a comparison with other terms of the engine, whose rows are those of the new terms."""
+    """Return a comparison with other terms of the engine, and with the rows of these terms."""
     kept = tuple(row for row in comparison.rows if row.quantity not in TERMS)
     changed = replace(comparison, engine=engine)
     return replace(changed, rows=(*kept, *terms(changed)))
 
 
 def _with_constraints(comparison: Comparison) -> Comparison:
-    """Return a comparison in which the dry friction of the truth is that of the engine, where it is at most that of the file.
+    """Return a comparison whose truth has the engine's dry friction, up to that of the file, where it acts as a constraint.
 
-    MJCF calls dry friction a constraint, and URDF states the largest static friction alone: both leave it open what the force
-    is below that, and whether it opposes the velocity that a joint has or the one that it is about to have.
+    MJCF calls dry friction a constraint, and URDF states only the largest static friction. Both leave open how large the force
+    is below this limit, and whether it opposes the present velocity of a joint or the velocity that the joint is about to have.
     """
     passive, velocities = comparison.engine.passive_force, comparison.motion.velocities
     most = comparison.match.numbers("friction")
@@ -166,9 +166,9 @@ def _with_constraints(comparison: Comparison) -> Comparison:
 
 
 def _is_constraint(friction: Array, most: Array) -> Array:
-    """Return for each velocity (n,) whether a friction (s, n) has its full size at most states, or another one at each state.
+    """Return for each velocity (n,) whether a friction (s, n) varies in size, or has its full size at half of the states.
 
-    An engine that always has the same size below that of the file (n,), such as none, has another friction.
+    A friction of constant size below that of the file (n,), such as none at all, is a different friction, not a constraint.
     """
     size = np.abs(friction)
     full = np.mean(size > 0.99 * most, axis=0) >= 0.5
@@ -176,9 +176,9 @@ def _is_constraint(friction: Array, most: Array) -> Array:
 
 
 def _followers_have_no_efforts(probes: Comparison) -> bool:
-    """Return whether joints that follow others have no efforts in an engine, which is decided at states that are not compared.
+    """Return whether an engine applies no efforts to joints that follow others, decided at states that are not compared.
 
-    A joint that is held to another one by a constraint may have no efforts of its own.
+    An engine that makes a joint follow another one by a constraint may apply no efforts to it.
     """
     gap = apart("forward_dynamics", probes.engine, probes.truth, probes.sizes)
     if not np.any(_followers(probes)) or gap is None or gap.relative <= probes.tolerance:
@@ -213,7 +213,7 @@ def _rows(comparison: Comparison) -> Iterator[Compared]:
 
 
 def terms(comparison: Comparison) -> Iterator[Compared]:
-    """Yield a row for each quantity that is compared at states. Where the truth has none, there is no row."""
+    """Yield a row for each quantity that is compared at states, except quantities that the truth lacks."""
     for quantity in TERMS:
         gap = apart(quantity, comparison.engine, comparison.truth, comparison.sizes)
         if gap is not None:

@@ -1,7 +1,7 @@
 """The conventions in which an engine writes velocities of joints and Jacobians, determined by trying.
 
 An engine may write the velocity of a floating joint with the angular part first, along the axes of the joint's frame, of the
-child or of the parent, which is often the world, and of one of three points. None of this is a difference in mechanics. The
+child or of the parent, which is often the world, and for one of three points. None of this is a difference in mechanics. The
 Jacobians of the bodies decide, and where an engine has none, the block of the mass matrix that belongs to the joint.
 """
 
@@ -25,13 +25,13 @@ Point = Literal["origin", "center of mass", "origin of the joint"]
 Axes = Literal["world", "body"]
 BodyPoint = Literal["origin", "center of mass", "world"]
 
-#: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as that of the engine.
+#: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as the engine's.
 ALIKE = 1e-6
 
-#: Probe states, at which conventions are decided and nothing is compared.
+#: The number of probe states, at which conventions are decided and nothing is compared.
 PROBES = 3
 
-#: What an engine may have been given as efforts or accelerations: those of the state, which are in the velocities of the file,
+#: The form in which an engine takes efforts or accelerations: as in the state, where they belong to the velocities of the file,
 #: or converted to its own velocities.
 Given = Literal["as in the state", "converted", "converted without its derivative"]
 
@@ -45,7 +45,7 @@ class Written:
     linear, angular
         The axes of the components: those of the joint's frame in the parent, those of the child, or those of the parent.
     point
-        The point whose velocity it is.
+        The point whose linear velocity is written.
     angular_first
         Whether the angular part comes first.
     """
@@ -60,7 +60,7 @@ class Written:
 _LINEAR: tuple[Frame, ...] = ("joint", "child", "parent")
 _ANGULAR: tuple[Frame, ...] = ("child", "joint", "parent")
 
-#: What may be found for each type of joint with several velocities, the form of `RobotState` first.
+#: The forms that are tried for each type of joint with several velocities, the form of `RobotState` first.
 CANDIDATES: Mapping[str, tuple[Written, ...]] = {
     "floating": tuple(
         Written(linear, angular, point, first)
@@ -80,7 +80,7 @@ class JacobianFrame:
     axes
         The axes of the components.
     point
-        The point of the body whose velocity it is, or the point of the body that is at the world's origin.
+        The point of the body to which the linear velocity belongs; "world" is the point that coincides with the world's origin.
     angular_first
         Whether the rows of the angular velocity come first.
     """
@@ -147,9 +147,9 @@ def _words(form: Written) -> str:
 
 
 def written(model: RobotModel, name: str, states: Sequence[RobotState], how: Written) -> tuple[Array, Array]:
-    """Return the matrices (s, k, k) that make a joint's velocity in an engine of that of `RobotState`, and their derivatives.
+    """Return the matrices (s, k, k) that convert a joint's velocity from that of `RobotState` to `how`, and their derivatives.
 
-    model: the bodies of the engine, whose centres of mass count.
+    model: the model with the bodies of the engine, whose centres of mass may be the points of the velocities.
     """
     joint = next(one for one in model.joints if one.name == name)
     position = np.array([state.positions[name] for state in states])
@@ -165,9 +165,10 @@ def written(model: RobotModel, name: str, states: Sequence[RobotState], how: Wri
 
 
 def _turning(axes: Frame, socket: Array, turn: Array, spin: Array) -> tuple[Array, Array]:
-    """Return the matrices (s, 3, 3) from components along the child's axes to those along others, and their derivatives.
+    """Return the matrices (s, 3, 3) from components along the child's axes to components along `axes`, and their derivatives.
 
-    socket (3, 3) is the joint's frame in the parent's, turn (s, 3, 3) the child's in the joint's, and spin (s, 3) its rate.
+    socket (3, 3): the rotation of the joint's frame in the parent's. turn (s, 3, 3): the rotation of the child's frame in the
+    joint's. spin (s, 3): the angular velocity of the child along its own axes (rad/s).
     """
     match axes:
         case "child":
@@ -217,9 +218,9 @@ def _floating(position: Array, velocity: Array, centre: Array, socket: Array, ho
 
 
 def in_world(jacobian: Array, poses: Array, centre: Array, how: JacobianFrame) -> Array:
-    """Return the Jacobians (s, 6, n) of a body's origin along the world's axes, linear rows first, from those of an engine.
+    """Return the Jacobians (s, 6, n) of a body's origin along the world's axes, linear rows first, from an engine's Jacobians.
 
-    poses (s, 7) are those of the body, and centre (3,) is its centre of mass in its frame.
+    poses: the poses (s, 7) of the body. centre: its centre of mass (3,) in its frame.
     """
     linear, angular = (jacobian[:, 3:], jacobian[:, :3]) if how.angular_first else (jacobian[:, :3], jacobian[:, 3:])
     turn = matrices(poses[:, 3:])
@@ -242,11 +243,11 @@ def find(
     model
         The model of the file with the bodies of the engine.
     places
-        The indices of the velocities of each joint that has several, among those that are compared.
+        The indices of the velocities of each joint with several velocities, among the compared velocities.
     states
         The probe states.
     engine, truth
-        What the engine computes at them, in its own conventions and in the order of the file, and the truth.
+        The terms of the engine at these states, in its own conventions and in the order of the file, and the true terms.
     """
     centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
     bodies = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
@@ -272,13 +273,13 @@ def find(
 
 
 def _ways(model: RobotModel, name: str, states: Sequence[RobotState]) -> Mapping[Written, Array]:
-    """Return what is tried for a joint, that of `RobotState` first, each with its matrices (s, k, k): see `written`."""
+    """Return the forms that are tried for a joint, the default first, each with its matrices (s, k, k); see `written`."""
     joint = next(one for one in model.joints if one.name == name)
     return {how: written(model, name, states, how)[0] for how in CANDIDATES[joint.type]}
 
 
 def _rewritten(jacobian: Array, changes: Mapping[str, tuple[Sequence[int], Array]]) -> Array:
-    """Return matrices whose columns are for the velocities of the file, from those for the velocities of an engine."""
+    """Return matrices with columns for the velocities of the file, from matrices with columns for those of an engine."""
     rewritten = jacobian.copy()
     for places, matrix in changes.values():
         rewritten[:, :, places] = jacobian[:, :, places] @ matrix
@@ -286,9 +287,9 @@ def _rewritten(jacobian: Array, changes: Mapping[str, tuple[Sequence[int], Array
 
 
 def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence[int], Array]]) -> float:
-    """Return the error of mass matrices with given conventions of joints, 0 up to rounding.
+    """Return the error of mass matrices with given conventions of joints; 0 if it is rounding.
 
-    It decides where Jacobians do not: the velocity of a single body and its Jacobian may both be of any point.
+    It decides if the Jacobians do not: those of a single body fit at any point, if its velocity is that of the same point.
     """
     if engine.mass_matrix is None or truth.mass_matrix is None or not truth.mass_matrix.size:
         return 0.0
@@ -300,9 +301,9 @@ def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence
 def _by_jacobian(
     ways: Mapping[Written, Array], child: str, places: Sequence[int], jacobians: Mapping[str, Array], truth: Stack
 ) -> dict[Written, float]:
-    """Return the errors of the forms of a joint's velocity, by the columns of the Jacobian of the body that it moves.
+    """Return the errors of the forms of a joint's velocity, found from the Jacobian of the body that the joint moves.
 
-    Empty without this Jacobian.
+    Empty if this Jacobian is missing.
     """
     if child not in jacobians:
         return {}
@@ -311,7 +312,7 @@ def _by_jacobian(
 
 
 def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack, truth: Stack) -> dict[Written, float]:
-    """Return the errors of the forms of a joint's velocity, by its block of the mass matrix; empty without it."""
+    """Return the errors of the forms of a joint's velocity, found from its block of the mass matrix; empty without one."""
     if engine.mass_matrix is None or truth.mass_matrix is None:
         return {}
     block = np.ix_(range(len(truth.mass_matrix)), places, places)
@@ -320,10 +321,10 @@ def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack
 
 
 def _forms(misfits: Mapping[str, Mapping[Written, float]], types: Mapping[str, str]) -> dict[str, Written]:
-    """Return how the velocities of joints are written, from the errors of all forms of each joint.
+    """Return the form of the velocity of each joint, from the errors of all forms of each joint.
 
-    Joints of one type have one form, so that no joint that is wrong by a conversion gets a form for itself: the one that fits
-    most of them up to rounding, and of several such forms the first one with the least errors.
+    All joints of a type get the same form, so that a joint that is wrong by a conversion does not get a form of its own. It is
+    the form that fits most of the joints up to rounding; of several such forms, it is the first with the least sum of errors.
     """
     forms = dict.fromkeys(misfits, Written())
     for joint_type in {types[name] for name in misfits}:
@@ -338,6 +339,6 @@ def _forms(misfits: Mapping[str, Mapping[Written, float]], types: Mapping[str, s
 
 
 def _error(value: Array, expected: Array) -> float:
-    """Return the largest difference relative to the largest entry; infinite where it is not a number."""
+    """Return the largest difference, relative to the largest entry of `expected`; infinite if it is not finite."""
     error = np.max(np.abs(value - expected), initial=0.0) / max(np.max(np.abs(expected), initial=0.0), 1e-300)
     return float(error) if np.isfinite(error) else np.inf

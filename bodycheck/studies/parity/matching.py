@@ -23,24 +23,24 @@ class Match:
     Attributes
     ----------
     model
-        The model of the file, with those joints fixed that the engine does not have.
+        The model of the file, in which the joints that the engine does not have are fixed.
     bodies
-        The same model with the bodies that the engine keeps; others are joined to them.
+        The same model with only the bodies that the engine keeps; the other bodies are joined to them.
     joints
         The engine's joints by their names in the file.
     lacking
         The joints that move in the file and that the engine does not have.
     otherwise
-        Joints that have another number of velocities in the engine than in the file.
+        The joints with a different number of velocities in the engine and in the file.
     extra
         The engine's joints that the file does not have, such as the joint of a base that the engine leaves free.
     labels
-        The n velocities that are compared, in the order of the file. A joint that follows another, and has no velocity of
-        its own in the engine, has none here.
+        The n velocities that are compared, in the order of the file. They do not include the velocities of joints that follow
+        others without a separate velocity in the engine.
     columns
-        The indices (n,) of these velocities among those of the engine.
+        The indices (n,) of these velocities among the velocities of the engine.
     expansion
-        The matrix that makes all velocities of `model` of those that are compared.
+        The matrix (m, n) that gives all m velocities of `model` from the compared velocities.
     """
 
     model: RobotModel
@@ -55,7 +55,7 @@ class Match:
 
     @property
     def reduced(self) -> bool:
-        """True if joints that follow others have no velocities of their own in the engine."""
+        """True if joints that follow others have no separate velocities in the engine."""
         return bool(self.expansion.shape[0] != self.expansion.shape[1])
 
     def numbers(self, quantity: Quantity) -> Array:
@@ -72,7 +72,7 @@ def match(model: RobotModel, reading: RobotReading) -> Match:
     children = {joint.name: model.links[joint.child].name for joint in moving}
     known = {joint.name for joint in moving}
     joints = {name: joint for name in children if (joint := named.get(name)) is not None}
-    for name, child in children.items():  # an engine may give joints names of its own
+    for name, child in children.items():  # an engine may rename joints
         other = by_child.get(child)
         if name not in joints and other is not None and other.name not in known:
             joints[name] = other
@@ -101,7 +101,7 @@ def _fixed(joint: RobotJoint) -> RobotJoint:
 
 
 def _expansion(model: RobotModel, full: tuple[Label, ...], labels: tuple[Label, ...]) -> Array:
-    """Return the matrix that makes all velocities of those that are compared: what follows has a multiple of its leader."""
+    """Return the matrix (m, n) that gives all velocities from the compared ones; followers have multiples of their leaders'."""
     matrix = np.zeros((len(full), len(labels)))
     joints = {joint.name: joint for joint in model.joints}
     for row, (name, component) in enumerate(full):

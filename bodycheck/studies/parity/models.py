@@ -29,19 +29,19 @@ class Robot:
     Attributes
     ----------
     name
-        The name of its file without ending, or that of the case.
+        The name of its file without the ending, or the name of the case.
     path
         The path that the user gave.
     file
         The copy.
     model
-        What the file means; None if nothing can be made of it.
+        The model that the file describes; None if it describes none.
     faults
-        What the specification of the format refuses in it.
+        The faults for which the specification of the format refuses the file.
     stated_gravity
-        Whether the file says what gravity is.
+        Whether the file states the gravity.
     removed
-        What the copy does not have, in words.
+        The parts of the file that the copy lacks, in words.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Robot:
 
 
 def named(paths: Sequence[Path]) -> dict[str, Path]:
-    """Return the files by different names: the name without ending, with as much of the path as several of a name need.
+    """Return the files by distinct names: the name without the ending, or a relative path where several files have one name.
 
     Raises `BadInput` for a path that is no file.
     """
@@ -76,7 +76,7 @@ def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_:
     Parameters
     ----------
     name
-        Its name.
+        The name of the model.
     path
         The file: a URDF, an MJCF, or a case of format 2, which is written as a URDF or MJCF.
     packages
@@ -84,12 +84,12 @@ def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_:
     into
         The folder for the copy.
     compile_
-        What makes a model of an MJCF.
+        A function that returns the model of an MJCF.
 
     Raises
     ------
     BadInput
-        If it is no model.
+        If the file is no model.
     """
     if is_case_file(path):
         return _of_case(name, path, into)
@@ -116,7 +116,7 @@ def _of_case(name: str, path: Path, into: Path) -> Robot:
 
 
 def _text(model: RobotModel) -> tuple[str, Literal["urdf", "mjcf"]]:
-    """Return a model as a URDF, or as an MJCF where a URDF cannot say it: armature, springs and ball joints."""
+    """Return a model as a URDF, or as an MJCF if a URDF cannot express it: armature, springs and ball joints."""
     try:
         return urdf_text(model), "urdf"
     except BadInput:

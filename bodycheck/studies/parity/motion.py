@@ -1,7 +1,7 @@
 """The effect of an engine's differences on a motion: the free motions of its model and of the file's model.
 
-Both motions are of exact mechanics, so that nothing but the differences between the models tells them apart: the model of the
-engine is that of the file with the faults that were found. Joints that follow others move by themselves in both.
+Both motions follow exact mechanics, so that they differ only by the differences between the models: the model of the engine is
+the model of the file with the faults that were found. Joints that follow others move independently in both.
 """
 
 import math
@@ -20,21 +20,21 @@ from bodycheck.reference.trajectory import Array
 #: Tolerances of the integration, far below the differences that are shown.
 RELATIVE, ABSOLUTE = 1e-6, 1e-7
 
-#: Most evaluations of the accelerations. Dry friction in a joint that comes to rest takes ever shorter steps.
+#: Most evaluations of the accelerations. Dry friction in a joint that comes to rest requires ever shorter steps.
 MOST_EVALUATIONS = 4000
 
-#: Places of the quaternion among the positions of a joint.
+#: The index of the quaternion's first component among the positions of a joint, by the type of the joint.
 QUATERNIONS = {"spherical": 0, "floating": 3}
 
 
 @dataclass(frozen=True)
 class Drift:
-    """The distance of two motions at their end.
+    """The largest difference of two motions at their end.
 
     Attributes
     ----------
     joint
-        The joint that is farthest.
+        The joint with the largest difference.
     amount, unit
         Its difference: an angle in degrees, or a length in mm.
     """
@@ -49,14 +49,14 @@ class NoMotion(Exception):
 
 
 def sentence(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> str:
-    """Return what differences between two models with the same joints do to a motion, as a sentence without a full stop.
+    """Return the effect of differences between two models with the same joints on a motion, as a sentence without a full stop.
 
     Parameters
     ----------
     file, engine
         The models.
     state
-        Where both begin. There are no efforts.
+        The state in which both motions begin. No efforts act.
     gravity
         The gravitational acceleration (m/s^2).
     seconds
@@ -70,14 +70,14 @@ def sentence(file: RobotModel, engine: RobotModel, state: RobotState, gravity: V
 
 
 def drift(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> Drift:
-    """Return how far the motions of two models are apart; parameters are those of `sentence`. Raises `NoMotion`."""
+    """Return the largest difference of the motions of two models. The parameters are those of `sentence`. Raises `NoMotion`."""
     ends = [moved(model, state, gravity, seconds) for model in (file, engine)]
     drifts = [_apart(joint.name, joint.type, ends[0], ends[1]) for joint in file.joints if VELOCITIES[joint.type]]
     return max(drifts, key=lambda one: one.amount, default=Drift("", 0.0, "°"))
 
 
 def moved(model: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> dict[str, Array]:
-    """Return the positions of the joints of a model after some time of free motion. Raises `NoMotion`."""
+    """Return the positions of the joints of a model after free motion for a time (s). Raises `NoMotion`."""
     from scipy.integrate import DOP853
 
     names = list(dict.fromkeys(name for name, _ in velocity_labels(model)))
@@ -134,7 +134,7 @@ def _rate(kind: str, position: Array, velocity: Array) -> Array:
 
 
 def _apart(name: str, kind: str, one: Mapping[str, Array], other: Mapping[str, Array]) -> Drift:
-    """Return how far a joint is apart; of a joint that has both, the angle."""
+    """Return the difference of two positions of a joint; for a joint with angles and lengths, the angle alone."""
     gap = np.abs(one[name] - other[name])
     if kind == "prismatic":
         return Drift(name, float(gap[0]) * 1e3, "mm")

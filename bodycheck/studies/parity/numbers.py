@@ -1,4 +1,4 @@
-"""Compare what an engine tells of its bodies and joints with the numbers of the file."""
+"""Compare the numbers that an engine reports of its bodies and joints with the numbers of the file."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -13,11 +13,11 @@ from bodycheck.studies.parity.matching import Match
 from bodycheck.studies.parity.quantities import MODEL, Quantity, Status
 from bodycheck.studies.parity.rows import Compared
 
-#: The part of mass times squared distance from the link's origin that counts as size of an inertia: an engine may keep the
-#: tensor about the origin, of which rounding leaves as much.
+#: The part of the mass times its squared distance from the link's origin that is added to the size of an inertia: an engine may
+#: keep the tensor about the origin, with rounding errors of this size.
 OFFSET_PART = 1e-5
 
-#: A limit beyond which there is none.
+#: The size from which on a limit counts as no limit.
 NO_LIMIT = 1e9
 
 
@@ -33,14 +33,14 @@ def text(numbers: Sequence[float] | Array | Wide) -> str:
 
 
 def bodies(match: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
-    """Yield rows for the masses, centres of mass and inertias of the bodies that the engine tells of.
+    """Yield rows for the masses, centres of mass and inertias of the bodies that the engine reports.
 
-    length: the reach of the robot (m), to which centres of mass are relative.
+    length: the reach of the robot (m), to which differences of centres of mass are relative.
     """
     bodies_read = {body.name: body for body in reading.bodies}
     for link in match.bodies.links:
         body = bodies_read.get(link.name)
-        # The mass of a root that is welded to the world counts nowhere, and many engines have none, or one of their own.
+        # The mass of a root that is welded to the world has no effect, and many engines have no mass or another mass there.
         counts = link is not match.bodies.links[match.bodies.root] or (link.mass and _tells_mass(reading, link.name))
         if body is not None and counts:
             yield from _body(link, body, length, tolerance)
@@ -60,10 +60,10 @@ def _body(link: RobotLink, body: ReadBody, length: float, tolerance: float) -> I
 
 
 def total_mass(match: Match, reading: RobotReading, tolerance: float) -> Iterator[Compared]:
-    """Yield the row of the mass of all bodies.
+    """Yield the row of the total mass of all bodies.
 
-    A base that is welded to the world may be missing in it, which is no difference; if others are missing too, a second row is
-    about the mass of all bodies but the base. The mass that an engine gives to a base that has none in the file does not count.
+    An engine's total may lack a base that is welded to the world, which is no difference. If the rest differs too, a second
+    row compares the total without the base. A mass that an engine gives to a base without mass in the file does not count.
     """
     known = {link.name for link in match.bodies.links}
     links, root = match.bodies.links, match.bodies.links[match.bodies.root]
@@ -94,7 +94,7 @@ def _tells_mass(reading: RobotReading, name: str) -> bool:
 
 
 def joints(match: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
-    """Yield rows for the numbers of the joints that the engine tells of."""
+    """Yield rows for the numbers of the joints that the engine has."""
     file_joints = {joint.name: joint for joint in model.joints}
     for name, joint_read in match.joints.items():
         yield from _joint(file_joints[name], joint_read, tolerance)
@@ -110,7 +110,7 @@ def _joint(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> Iterat
         elif expected:
             yield Compared("not-modelled", quantity, joint.name, "", text([expected]))
     limit, read = (none_if_unlimited(value) for value in (joint.effort_limit, joint_read.effort_limit))
-    if limit is None and not read:  # an engine may have 0 where there is no limit
+    if limit is None and not read:  # an engine may report 0 for no limit
         return
     if limit is not None and joint_read.effort_limit is None:
         yield Compared("not-modelled", "effort_limit", joint.name, "", text([limit]))
@@ -122,12 +122,12 @@ def _joint(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> Iterat
 
 
 def none_if_unlimited(limit: float | None) -> float | None:
-    """Return a limit; None where it is so large that there is none."""
+    """Return a limit, or None if it is so large that it counts as no limit."""
     return None if limit is None or not abs(limit) < NO_LIMIT else limit
 
 
 def scalar(quantity: Quantity, subject: str, engine: float, truth: float, tolerance: float) -> Compared:
-    """Return the row of one number of both sides, relative to the larger."""
+    """Return the row that compares one number of both sides, with a difference relative to the larger number."""
     return vector(quantity, subject, [engine], [truth], max(abs(engine), abs(truth)), tolerance)
 
 
@@ -139,7 +139,7 @@ def vector(
     size: float,
     tolerance: float,
 ) -> Compared:
-    """Return the row of some numbers of both sides, relative to a size. Numbers that are none on both sides agree."""
+    """Return the row that compares numbers of both sides, with a difference relative to `size`. NaN on both sides agrees."""
     ours, theirs = np.asarray(truth, np.float64), np.asarray(engine, np.float64)
     same = (ours == theirs) | (np.isnan(ours) & np.isnan(theirs))
     gaps = np.where(same, 0.0, np.abs(np.where(same, 0.0, theirs) - np.where(same, 0.0, ours)))

@@ -1,4 +1,7 @@
-"""The report of a parity study: the verdict, a matrix of robots and quantities, and a part for each robot; and as JUnit XML."""
+"""The report of a parity study: the verdict, a matrix of robots and quantities, and a part for each robot.
+
+The results are also written as JUnit XML.
+"""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,7 +23,8 @@ from bodycheck.studies.parity.wording import brief, differs, engines_of, headlin
 #: The name of the part with all robots beside each other.
 MATRIX = "matrix"
 
-#: The statuses, those first that a cell has if any of its rows has them; those whose mark stands in it; and what stands there.
+#: The statuses in order of precedence, of which a cell shows the first that any of its rows has; the statuses that are shown by
+#: their marks; and the text for each status.
 WORST: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "agrees", "not-modelled")
 MARKED: tuple[Status, ...] = ("agrees", "not-modelled")
 SIGNS: dict[Status, str] = {status: ROBOTS[status].mark if status in MARKED else ROBOTS[status].title for status in WORST}
@@ -47,7 +51,7 @@ def present(header: Header, models: Sequence[Parity]) -> StudyReport:
     header
         Versions, machine and command.
     models
-        What was found of each model, in the order of the study.
+        The results of each model, in the order of the study.
     """
     return StudyReport(
         title="How engines read robot files",
@@ -61,7 +65,7 @@ def present(header: Header, models: Sequence[Parity]) -> StudyReport:
 
 
 def _anchors(models: Sequence[Parity]) -> list[str]:
-    """Return names of anchors, which look like those of the models and are different."""
+    """Return a distinct name of an anchor for each model, made from the name of the model."""
     names = [re.sub(r"[^A-Za-z0-9]+", "-", one.name).strip("-") for one in models]
     return [name if names.count(name) == 1 else f"{name}-{index + 1}" for index, name in enumerate(names)]
 
@@ -112,7 +116,7 @@ def _cell(rows: Sequence[ParityRow]) -> Entry:
 
 
 def _robot(anchor: str, one: Parity) -> Part:
-    """Return the part of a robot: what was found of each engine, and tables of what each side has."""
+    """Return the part of a robot: the results of each engine in sentences, and tables with the values of both sides."""
     texts = [f"Read from {one.path}."]
     texts += [f"The file: {fault}." for fault in of_file(one)]
     if one.removed:

@@ -1,4 +1,4 @@
-"""Print what a parity study found to the terminal."""
+"""Print the results of a parity study to the terminal."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -15,10 +15,10 @@ from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of
 if TYPE_CHECKING:
     from bodycheck.studies.parity.releases import Meaning
 
-#: Most bodies and joints that the line of a change names.
+#: The most bodies and joints that the line of a change names.
 MOST_SUBJECTS = 4
 
-#: Most faults of a file that are printed.
+#: The most faults of a file that are printed.
 MOST_FAULTS = 4
 
 #: The columns of the table of rows.
@@ -61,7 +61,7 @@ def print_models(models: Sequence[Parity]) -> None:
 
 
 def print_changes(changes: "Sequence[Meaning]") -> None:
-    """Print which releases changed what files mean."""
+    """Print the releases that changed the meaning of files, with the changes."""
     say("")
     alike: dict[tuple[str, str], list[str]] = {}
     for change in changes:

@@ -1,4 +1,4 @@
-"""The quantities that are compared, and the words for what comes of it."""
+"""The quantities that are compared, and the words for the results and causes."""
 
 from typing import Literal, get_args
 
@@ -10,10 +10,10 @@ Quantity = Literal[
     "inverse_dynamics",
 ]  # fmt: skip
 
-#: What comes of a comparison. "accepted-unphysical" is said where an engine has taken what no body can have.
+#: The result of a comparison. "accepted-unphysical" means that an engine has accepted values that no body can have.
 Status = Literal["agrees", "differs", "refused", "accepted-unphysical", "not-modelled"]
 
-#: Why something differs; empty where it does not. "base-welded" alone is no difference.
+#: The cause of a difference; empty if there is none. "base-welded" alone is no difference.
 Cause = Literal[
     "armature", "inertia-turned", "inertia-dropped", "inertia-fused", "inertia-balanced", "mass", "center-of-mass",
     "damping-ignored", "friction-ignored", "mimic-ignored", "frame", "coordinate-order", "representation", "base-welded",
@@ -23,7 +23,7 @@ Cause = Literal[
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 CAUSES: tuple[Cause, ...] = get_args(Cause)
 
-#: Forces and accelerations that are compared at states: vectors with one number a velocity.
+#: Forces and accelerations that are compared at states: vectors with one number per velocity.
 FORCES: tuple[Quantity, ...] = ("gravity_force", "coriolis_force", "passive_force", "forward_dynamics", "inverse_dynamics")
 
 #: Everything that is compared at states.
@@ -35,7 +35,7 @@ MODEL = "model"
 #: The engine of a row about the file itself.
 FILE = "file"
 
-#: What each quantity is, for readers.
+#: The meaning of each quantity, for readers.
 MEANINGS: dict[Quantity, str] = {
     "total_mass": "mass of all bodies, kg",
     "mass": "mass of a body, kg",

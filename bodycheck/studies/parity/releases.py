@@ -32,11 +32,11 @@ class Meaning:
     before, after
         The two releases.
     quantity, subject
-        What changed; no quantity where a release refuses or does not read the file.
+        The quantity and the subject that changed; no quantity if a release refuses or does not read the file.
     was, status
         The statuses in the two releases.
     cause
-        The cause in the release that is off.
+        The cause in the release that differs from the file.
     engine_value_was, engine_value, truth_value
         The values in the two releases and in the file.
     """
@@ -64,20 +64,20 @@ class Meaning:
 def measured(
     engine: str, versions: Sequence[str], paths: Sequence[Path], asks: Asking, jobs: int, bar: Bar
 ) -> tuple[list[Parity], dict[str, str]]:
-    """Return what releases of an engine, in environments of their own, make of files, and why others cannot be asked.
+    """Return the results of releases of an engine for files, and the reasons why other releases cannot be asked, by release.
 
     Parameters
     ----------
     engine, versions
-        The name of the engine and the releases, ascending. They are installed if they are not.
+        The name of the engine and the releases, ascending. Each has its own environment; missing ones are installed.
     paths
         The files.
     asks
-        What is asked of them.
+        The options of the comparison.
     jobs
         The number of processes.
     bar
-        Shows a progress bar.
+        A function that shows a progress bar.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def measured(
 
 
 def changes(models: Sequence[Parity]) -> tuple[Meaning, ...]:
-    """Return the changes from each release to the next, in which a quantity begins or ceases to be that of the file."""
+    """Return the changes of the status of quantities from each release to the next."""
     return tuple(change for one in models for change in _of_model(one))
 
 
@@ -118,6 +118,6 @@ def _of_model(parity: Parity) -> list[Meaning]:
 
 
 def _by_subject(rows: Sequence[ParityRow]) -> Mapping[tuple[Quantity | None, str], ParityRow]:
-    """Return the rows by what they are about; of several, one that differs."""
+    """Return the rows by quantity and subject; of several rows about the same, one that differs."""
     ordered = sorted(rows, key=lambda row: row.status == "differs")
     return {(row.quantity, row.subject): row for row in ordered}

@@ -7,14 +7,14 @@ from bodycheck.reference.trajectory import Array
 
 
 def crossing(vectors: Array) -> Array:
-    """Return the matrices (..., 3, 3) of the cross product by vectors (..., 3) from the left."""
+    """Return the matrices (..., 3, 3) that take the cross product with vectors (..., 3) from the left."""
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vectors.shape[:-1], 3, 3)
 
 
 def relative(parent: Array, child: Array) -> Array:
-    """Return the poses (..., 7) of frames in other frames, both given by their poses (..., 7) in the world."""
+    """Return the poses (..., 7) of child frames in parent frames, both given by their poses (..., 7) in the world."""
     back = conjugate(normalise(parent[..., 3:]))
     return np.concatenate([rotate(back, child[..., :3] - parent[..., :3]), multiply(back, normalise(child[..., 3:]))], axis=-1)
 

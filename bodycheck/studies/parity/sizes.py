@@ -1,9 +1,9 @@
-"""The differences of terms, relative to sizes by which rounding leaves 1e-12 and less.
+"""The differences of terms, relative to sizes of the terms. Differences by rounding are then 1e-12 or less.
 
 Lengths are relative to the reach of the robot. The mass matrix is relative to the roots D_i of its diagonal,
 |dM_ij| / (D_i D_j). Forces are divided by D_i, which makes them comparable between joints of all kinds, and are relative to the
-largest that there is at any state and joint. Accelerations are compared as the forces that their difference takes, because a
-mass matrix that is nearly singular makes large accelerations of rounding.
+largest force of their kind at any state and joint. A difference of accelerations is compared as the force that it requires,
+because a nearly singular mass matrix turns rounding errors into large accelerations.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,8 +17,8 @@ from bodycheck.studies.parity.quantities import FORCES, Quantity
 from bodycheck.studies.parity.rotations import gaps
 from bodycheck.studies.parity.stacks import Label, Stack, times
 
-#: Parts of what a force could be at most, and of the largest force of any kind, below which it is not taken for the size of
-#: forces of its kind.
+#: The size of forces of a kind is at least this part of the largest force that this kind could have, and of the largest force
+#: of any kind.
 LEAST_FORCE = 1e-3
 
 
@@ -47,13 +47,13 @@ class Sizes:
     columns: Array
 
     def at(self, states: Sequence[int]) -> "Sizes":
-        """Return the sizes at some of the states, by their indices. Sizes of all states stay what they are."""
+        """Return the sizes at some of the states, by their indices. Sizes for all states together stay unchanged."""
         return replace(self, roots=self.roots[list(states)])
 
 
 @dataclass(frozen=True)
 class Apart:
-    """The largest difference of a term: relative to its size, absolute, the numbers of both sides there, and at which state."""
+    """The largest difference of a term: relative to the term's size, absolute, with the numbers of both sides and the state."""
 
     relative: float
     difference: float
@@ -65,7 +65,7 @@ class Apart:
 def sizes(truth: Stack, labels: tuple[Label, ...], velocities: Array, total_mass: float, gravity: float) -> Sizes:
     """Return the sizes of the terms of a truth.
 
-    velocities: those of the states (s, n). total_mass: of all bodies (kg). gravity: the magnitude of its acceleration (m/s^2).
+    velocities: the velocities (s, n) at the states. total_mass: the mass of all bodies (kg). gravity: its magnitude (m/s^2).
     """
     places = [np.max(np.linalg.norm(term[:, :3], axis=1), initial=0.0) for term in truth.poses.values()]
     length = float(max(places, default=0.0)) or 1.0
@@ -87,8 +87,8 @@ def sizes(truth: Stack, labels: tuple[Label, ...], velocities: Array, total_mass
         term = getattr(truth, name)
         largest = 0.0 if term is None else float(np.nanmax(np.abs(term) / roots, initial=0.0))
         forces[name] = max(largest, LEAST_FORCE * could.get(name, 0.0))
-    # Accelerations and efforts are sums of the others, of which rounding leaves as much as of the largest. An engine may find
-    # the others as differences of such sums.
+    # Accelerations and efforts follow from sums of the other forces, with rounding errors of the size of the largest force. An
+    # engine may compute the other forces as differences of such sums.
     whole = max((value for value in forces.values() if np.isfinite(value)), default=0.0)
     forces |= {name: max(forces[name], LEAST_FORCE * whole) for name in FORCES}
     forces["inverse_dynamics"] = max(forces["inverse_dynamics"], forces["gravity_force"], forces["coriolis_force"])
@@ -105,7 +105,7 @@ def _roots(mass: Array | None, shape: tuple[int, ...]) -> Array:
 
 
 def apart(quantity: Quantity, engine: Stack, truth: Stack, scale: Sizes) -> Apart | None:
-    """Return how far an engine's term is from the truth at any state; None if either side does not have it."""
+    """Return the largest difference of an engine's term from the truth at any state; None if either side lacks the term."""
     match quantity:
         case "pose":
             return _poses(engine.poses, truth.poses, scale)
@@ -123,7 +123,7 @@ def _force(quantity: Quantity, engine: Array | None, truth: Array | None, scale:
     if engine is None or truth is None or not engine.size:
         return None
     roots, size = scale.roots, scale.forces[quantity]
-    if not size:  # the truth is nothing at all: relative to what the engine has
+    if not size:  # the truth is zero: relative to the engine's largest force
         size = float(np.nanmax(np.abs(engine) / roots, initial=0.0)) or 1.0
     error = _finite((engine - truth) / roots / size)
     state, column = np.unravel_index(np.argmax(error), error.shape)
@@ -187,5 +187,5 @@ def _told(error: Array, engine: Array, truth: Array, at: tuple[Any, ...], where:
 
 
 def _finite(error: Array) -> Array:
-    """Return absolute differences, infinite where they are not numbers."""
+    """Return absolute differences; infinite where they are NaN."""
     return np.where(np.isnan(error), np.inf, np.abs(error))

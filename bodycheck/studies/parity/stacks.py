@@ -10,13 +10,13 @@ from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.trajectory import Array
 
-#: A velocity: the name of its joint, and which of the joint's components it is.
+#: A velocity: the name of its joint, and the index of the velocity among the components of the joint.
 Label = tuple[str, int]
 
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Terms at s states with n velocities; what is not known is None or missing. The parts are those of `Terms`.
+    """Terms at s states with n velocities; unknown terms are None or missing. See `Terms`.
 
     poses are (s, 7), jacobians (s, 6, n), the mass matrix (s, n, n) and the others (s, n).
     """
@@ -38,7 +38,7 @@ class Stack:
 
 
 def stacked(terms: Sequence[Terms]) -> Stack:
-    """Return terms at states as one stack. A term that is missing at some state is NaN there, or None if missing at all."""
+    """Return terms at states as one stack. Missing terms are NaN; terms missing at all states are None."""
     if not terms:
         return Stack()
     vectors = {one.name: _vectors([getattr(state_terms, one.name) for state_terms in terms]) for one in fields(Stack)[2:]}
@@ -56,7 +56,7 @@ def stacked(terms: Sequence[Terms]) -> Stack:
 
 
 def values(states: Sequence[RobotState], labels: Sequence[Label], part: Callable[[RobotState], Values]) -> Array:
-    """Return the numbers (s, n) of a part of states, such as the velocities, in the order of labels; 0 where they have none."""
+    """Return a part of states, such as the velocities, as numbers (s, n) in the order of labels; 0 where a state has none."""
     rows = [[_value(part(state), label) for label in labels] for state in states]
     return np.array(rows, np.float64).reshape(len(states), len(labels))
 

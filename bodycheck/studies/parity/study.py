@@ -1,4 +1,4 @@
-"""Compare files of robots with what engines make of them."""
+"""Compare engines' readings of robot files with the files."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
 #: The tolerance of an engine that computes in single precision is at least this.
 SINGLE_PRECISION = 1e-4
 
-#: The gravitational acceleration at which a URDF is compared (m/s^2): that of a model that states none.
+#: The gravitational acceleration at which a URDF is compared (m/s^2), as a URDF states no gravity.
 GRAVITY = (0.0, 0.0, -9.81)
 
 
-#: The longest motion that is compared (s). Chains that fall are chaotic, so that longer ones say nothing more.
+#: The longest motion that is compared (s). Falling chains are chaotic, so that longer motions show nothing more.
 LONGEST_MOTION = 10.0
 
 
-#: The most numbers in the Jacobians of all links at all states, of which there are several copies of 8 or 16 bytes a number. A
-#: robot of 200 links on 200 joints has as many at a hundred states.
+#: The most numbers in the Jacobians of all links at all states. Several copies of them are in memory, with 8 or 16 bytes per
+#: number. A robot of 200 links and 200 joints has this many numbers at 100 states.
 LARGEST = 24_000_000
 
 
@@ -79,9 +79,9 @@ class Parity:
     rows
         The rows about the file, and then those of each engine.
     notes
-        What a user should know of each engine's reading, by the name of the engine.
+        Notes for users on each engine's reading, by the name of the engine.
     removed
-        What the copy that engines read does not have.
+        The parts of the file that the copy for engines lacks, in words.
     """
 
     name: str
@@ -93,7 +93,7 @@ class Parity:
 
 @contextmanager
 def asking(engines: Mapping[str, Engine], jobs: int) -> Iterator[tuple[Reader, Compile]]:
-    """Provide how engines read files, in processes that live as long as the context."""
+    """Provide functions by which engines read files and an MJCF is compiled, in processes that end with the context."""
     with robot_readings.reader(tuple(engines), jobs) as reader, robot_readings.compiler() as compile_:
         yield reader, compile_
 
@@ -106,7 +106,7 @@ def study(
     progress: "Advance",
     only_readers: bool = False,
 ) -> Iterator[Parity]:
-    """Yield what was found of each model, in the order of the files.
+    """Yield the results of each model, in the order of the files.
 
     Parameters
     ----------
@@ -115,13 +115,13 @@ def study(
     paths
         The files.
     asks
-        What is asked of them.
+        The options of the comparison.
     jobs
         The number of engines that read at the same time.
     progress
         A function that is called with a text after each model.
     only_readers
-        Whether engines that read no robot models of any format have no rows.
+        Whether to leave out engines that read no robot models of any format.
 
     Raises
     ------
@@ -141,7 +141,10 @@ def study(
 
 
 def one(engines: Mapping[str, Engine], path: Path, asks: Asking, into: Path, how: tuple[Reader, Compile]) -> Parity:
-    """Return what was found of one model, whose copy is made in an empty folder. how: what `asking` provides."""
+    """Return the results of one model.
+
+    into: an empty folder for the copy of its file. how: the functions that `asking` provides. Raises as `study` does.
+    """
     ((name, path),) = named([path]).items()
     return _of_robot(engines, robot(name, path, asks.packages, into, how[1]), asks, how[0], only_readers=True)
 
@@ -170,9 +173,9 @@ def _of_robot(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, re
 
 
 def fitting(model: RobotModel, states: int) -> int:
-    """Return how many of some states a model is compared at.
+    """Return the number of states at which a model is compared, at most `states`.
 
-    There are fewer where Jacobians, also those at the probes, would take too much memory.
+    It is smaller if the Jacobians, including those at the probe states, would take too much memory.
     """
     velocities = sum(VELOCITIES[joint.type] for joint in model.joints)
     return max(1, min(states, LARGEST // max(1, 6 * velocities * len(model.links)) - PROBES))
@@ -183,7 +186,7 @@ def of_answer(
 ) -> tuple[tuple[Compared, ...], tuple[str, ...]]:
     """Return the rows of an engine's answer about a model, and notes for users.
 
-    given: what it was asked; None for a file of which no model can be made, about which engines are asked all the same.
+    given: the questions to the engine; None for a file that describes no model, which engines are asked to read all the same.
     """
     if isinstance(answer, FormatMissing):
         return (Compared("not-modelled", None, MODEL, answer.reason),), ()
@@ -202,7 +205,7 @@ def of_answer(
 
 
 def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
-    """Yield the rows about the file itself: what its specification refuses, and what no body can have."""
+    """Yield the rows about the file itself: the faults that its specification refuses, and values that no body can have."""
     for fault in robot_read.faults:
         yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
     named_faults = {(fault.quantity, fault.subject) for fault in robot_read.faults}
@@ -212,7 +215,7 @@ def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[C
 
 
 def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
-    """Yield the rows of an engine, those about what cannot be as accepted where the engine has it as the file does."""
+    """Yield the rows of an engine, with the status "accepted-unphysical" for impossible values of the file that it accepts."""
     if not isinstance(answer, RobotReading) or robot_read.model is None:
         yield from rows
         return

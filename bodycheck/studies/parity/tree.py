@@ -1,4 +1,4 @@
-"""Compare the tree of an engine with that of the file: parents, types of joints with limits and mimics, order, gravity."""
+"""Compare the tree of an engine with the tree of the file: parents, types of joints with limits and mimics, order, gravity."""
 
 from collections.abc import Iterator
 
@@ -17,10 +17,10 @@ SYNONYMS = {"continuous": "revolute", "ball": "spherical", "free": "floating", "
 
 
 def parents(match: Match, reading: RobotReading) -> Iterator[Compared]:
-    """Yield a row for each body that the engine keeps: what it hangs on.
+    """Yield a row with the parent of each body that the engine keeps.
 
-    The root and the world are the same. Links without mass between several joints of one body, which an engine may not have,
-    are passed over.
+    The root and the world count as the same parent. Links without mass between several joints of one body, which an engine may
+    not have, are skipped.
     """
     model = match.bodies
     root, names = model.links[model.root].name, {link.name for link in model.links}
@@ -36,7 +36,7 @@ def parents(match: Match, reading: RobotReading) -> Iterator[Compared]:
 
 
 def joint_types(match: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
-    """Yield a row for each joint that moves: its type, limits, and what it mimics."""
+    """Yield a row for each joint that moves: its type, its limits, and the joint that it mimics."""
     for joint in model.joints:
         if joint.type == "fixed":
             continue
@@ -59,7 +59,7 @@ def joint_types(match: Match, model: RobotModel, tolerance: float) -> Iterator[C
 
 
 def same_type(joint: RobotJoint, joint_read: ReadJoint) -> bool:
-    """Return whether a joint has the same type on both sides, by whatever word of the engine."""
+    """Return whether a joint has the same type on both sides, whatever the engine calls it."""
     return SYNONYMS.get(joint_read.type, joint_read.type) == joint.type
 
 
@@ -72,7 +72,7 @@ def same_mimic(expected: Mimic | None, engine: Mimic | None) -> bool:
 
 
 def same_limits(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> bool:
-    """Return whether a joint has the same limits on both sides. An engine that tells none is not judged."""
+    """Return whether a joint has the same limits on both sides; True if the engine reports no limits."""
     if joint.type not in ("revolute", "prismatic") or (joint_read.lower is None and joint_read.upper is None):
         return True
     pairs = [(joint.lower, joint_read.lower), (joint.upper, joint_read.upper)]
@@ -85,9 +85,9 @@ def same_limits(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> b
 
 
 def order(match: Match, model: RobotModel, reading: RobotReading) -> Iterator[Compared]:
-    """Yield the rows of the number of velocities, and of the order of joints.
+    """Yield the row of the order of joints and the row of the number of velocities.
 
-    A file of a robot does not say in which order its joints come, so that every order agrees. The row is for users who pass
+    A robot file does not define an order of joints, so that every order agrees. The row of the order is for users who pass
     vectors from one engine to another.
     """
     names = {id(joint): name for name, joint in match.joints.items()}
@@ -103,7 +103,7 @@ def order(match: Match, model: RobotModel, reading: RobotReading) -> Iterator[Co
 
 
 def gravity(model: RobotModel, reading: RobotReading, stated: bool, tolerance: float) -> Iterator[Compared]:
-    """Yield the row of the gravity that the engine uses by itself. stated: whether the file says what it is."""
+    """Yield the row of the engine's own default gravity, if it reports one. stated: whether the file states its gravity."""
     if reading.gravity is None:
         return
     if not stated:

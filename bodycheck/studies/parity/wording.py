@@ -8,7 +8,7 @@ from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
 
-#: What is said of each cause, with the subjects after it.
+#: The words for each cause, which the subjects follow.
 SAYS: dict[Cause, str] = {
     "armature": "armature differs",
     "inertia-turned": "inertia about other axes",
@@ -46,7 +46,7 @@ DOES: dict[Cause, str] = {
     "unexplained": "differs for an unknown reason",
 }
 
-#: Most subjects that a sentence names.
+#: The most subjects that a sentence names.
 MOST = 4
 
 
@@ -56,7 +56,7 @@ def name_of(quantity: Quantity | None) -> str:
 
 
 def engines_of(parity: Parity) -> dict[str, list[ParityRow]]:
-    """Return the rows of each engine, in the order of the study, without those about the file."""
+    """Return the rows of each engine, in the order of the study, without the rows about the file."""
     by_engine: dict[str, list[ParityRow]] = defaultdict(list)
     for row in parity.rows:
         if row.engine != FILE:

@@ -1,4 +1,5 @@
 """The source of members.
 
-`draws` maps points of sequences to distributions, `tables` reads what users give, and `members` makes scenes and cases of both.
+`draws` maps points of sequences to distributions, `tables` reads the tables of users, and `members` makes scenes and cases of
+both.
 """

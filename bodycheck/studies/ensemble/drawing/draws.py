@@ -1,14 +1,14 @@
 """Draw the members of an ensemble: points of Sobol sequences, mapped to the distributions of its keys.
 
 Every map preserves the measure, so that evenly spread points give evenly spread values. A value depends on its member alone, to
-the last bit, and not on which others are drawn with it. Functions that are not exact are evaluated in the widest type of NumPy,
-whose code is the same for all processors of a kind: those for doubles differ in the last digit from one to the next.
+the last bit, and not on the other members that are drawn with it. Functions that are not exact are evaluated in the widest type
+of NumPy, whose code is the same for all processors of a kind: results for doubles differ in the last digit between processors.
 
-The points are those of 16 independently scrambled Sobol sequences, which fill a unit cube more evenly than random numbers.
-Member i of an ensemble has the point i div 16 of the sequence i mod 16, so that any number of members may be drawn, any member
-alone, and the spread of the 16 sequences says how certain a mean over the members is [Owen, Randomly permuted (t,m,s)-nets and
-(t,s)-sequences, 1995]. The points are those of `scipy.stats.qmc.Sobol` with the scrambling of Matousek, 52 bits each, moved by
-half of their distance: no coordinate is 0 or 1.
+The points come from 16 independently scrambled Sobol sequences, which fill a unit cube more evenly than random numbers.
+Member i of an ensemble has the point i div 16 of the sequence i mod 16, so that any number of members, or any single
+member, can be drawn. The spread of the 16 sequences shows the uncertainty of a mean over the members [Owen, Randomly permuted
+(t,m,s)-nets and (t,s)-sequences, 1995]. The points are those of `scipy.stats.qmc.Sobol` with the scrambling of Matousek and 52
+bits each, moved by half of their spacing, so that no coordinate is 0 or 1.
 """
 
 from functools import lru_cache
@@ -24,7 +24,7 @@ from bodycheck.reference.trajectory import Array
 #: The number of sequences.
 SEQUENCES = 16
 
-#: Bits of a coordinate. With one bit more for half of the distance, every coordinate is a double.
+#: The bits of a coordinate. With one more bit for half of the spacing, every coordinate is exactly a double.
 BITS = 52
 CELL, HALF_CELL = 2.0**-BITS, 2.0 ** -(BITS + 1)
 
@@ -60,7 +60,7 @@ def values(ensemble: Ensemble, first: int, count: int) -> dict[str, Array]:
 
 
 def dimensions(distribution: Distribution, components: int) -> int:
-    """Return how many uniform numbers a draw of a vector with this many components takes."""
+    """Return the number of uniform numbers from which a vector with this number of components is drawn."""
     match distribution:
         case OnSphere():
             return 2
@@ -73,7 +73,7 @@ def dimensions(distribution: Distribution, components: int) -> int:
 
 
 def _mapped(distribution: Distribution, uniforms: Array) -> Array:
-    """Return values (m, k) of a distribution for uniform numbers (m, d) between 0 and 1, which they never reach."""
+    """Return values (m, k) of a distribution for uniform numbers (m, d) strictly between 0 and 1."""
     match distribution:
         case Uniform(low, high):
             return _between(np.array(low), np.array(high), uniforms)
@@ -96,7 +96,7 @@ def _between(low: Array, high: Array, u: Array) -> Array:
 
 
 def _log_between(low: Array, high: Array, u: Array) -> Array:
-    """Return the numbers (m, k) whose logarithms are at the fractions u (m, k) between those of limits (k,)."""
+    """Return the numbers (m, k) whose logarithms are at the fractions u (m, k) between the logarithms of limits (k,)."""
     ratio = np.log(high.astype(Wide)) - np.log(low.astype(Wide))
     return np.asarray(np.clip((low * np.exp(ratio * u)).astype(float), low, high))
 
@@ -125,19 +125,19 @@ def points(seed: int, dimensions: int, first: int, count: int) -> Array:
     """Return the points (count, dimensions) of consecutive members, with coordinates between 0 and 1.
 
     Point n of a sequence is the exclusive or of its first point and the direction numbers whose bits are 1 in the Gray code of
-    n [Antonov and Saleev, 1979], so that points far along a sequence take no longer. SciPy's own `fast_forward` fails for
-    more than 32 bits (1.17).
+    n [Antonov and Saleev, 1979], so that points far along a sequence take no longer. `fast_forward` of SciPy 1.17 fails for
+    more than 32 bits.
 
     Parameters
     ----------
     seed
         The seed of the ensemble.
     dimensions
-        The number of coordinates; the points are others for another number.
+        The number of coordinates. All points depend on it.
     first
         The number of the first member, from 0.
     count
-        How many members.
+        The number of members.
     """
     member = np.arange(first, first + count, dtype=np.uint64)
     sequence, index = member % np.uint64(SEQUENCES), member // np.uint64(SEQUENCES)
@@ -156,7 +156,7 @@ def _sequences(seed: int, dimensions: int) -> tuple[Cells, Cells]:
 
     The scrambling of a sequence depends on the seed and the number of the sequence.
     """
-    from scipy.stats import qmc  # takes a second and tens of megabytes, of which processes that draw nothing have no use
+    from scipy.stats import qmc  # a second and tens of megabytes, which processes that draw nothing save
 
     starts, directions = [], []
     for number in range(SEQUENCES):

@@ -1,4 +1,4 @@
-"""The members of an ensemble: where their numbers come from, and the scenes, cases and files that are made of them."""
+"""The members of an ensemble: the source of their numbers, and the scenes, cases and files that are made of them."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from bodycheck.reference.scenes import Scenes, variable, vary
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.drawing import draws, tables
 
-#: The keys that many scenes may differ in as arrays, and the names of these.
+#: The keys whose values may be arrays for many scenes, with the names of these arrays.
 QUICK = {
     "body.mass": "mass",
     "body.semi_axes": "semi_axes",
@@ -35,10 +35,10 @@ QUICK = {
     "scene.gravity": "gravity",
 }
 
-#: Members whose numbers are checked at once.
+#: The number of members whose numbers are checked at once.
 PORTION = 100_000
 
-#: Members that are checked before any is run, which takes some seconds. Others are checked when they are made.
+#: The number of members that are checked before any is run, which takes some seconds. Others are checked when they are made.
 CHECKED = 1_000_000
 
 
@@ -51,7 +51,7 @@ class Source:
     size
         The number of members.
     origin
-        What they are drawn with, or the table.
+        The table [ensemble] of the case by which they are drawn, or the table of the user.
     names
         The paths of all single numbers that differ, such as "initial.velocity.0", in the order of `values`.
     vectors
@@ -66,7 +66,7 @@ class Source:
     def values(self, first: int, count: int) -> dict[str, Array]:
         """Return the numbers of consecutive members as arrays (count,) and vectors as arrays (count, k), by key paths.
 
-        Raises `BadInput` if a table cannot be read, and `ValueError` for members that there are not.
+        Raises `BadInput` if a table cannot be read, and `ValueError` for members that do not exist.
         """
         if not 0 <= first <= first + count <= self.size:
             raise ValueError(f"read {count} members from member {first}; allowed: members 0 to {self.size - 1}")
@@ -76,7 +76,7 @@ class Source:
 
 
 def _grouped(read: Mapping[str, Array], vectors: Sequence[str]) -> dict[str, Array]:
-    """Return columns with those that are all components of a vector put together."""
+    """Return columns by name, with the components of each of the vectors put together as an array (m, k)."""
     grouped = dict[str, Array]()
     for name, column in read.items():
         whole = name.rpartition(".")[0]
@@ -102,7 +102,7 @@ def drawn(case: Case, members: int | None = None) -> Source:
     case
         The case.
     members
-        How many, instead of the number in the file.
+        The number of members; None for the number in the file.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def tabled(case: Case, path: Path, members: int | None = None) -> Source:
     path
         The file.
     members
-        How many of the rows, from the first; all of them if it is None.
+        The number of rows to use, from the first; None for all rows.
 
     Raises
     ------
@@ -145,10 +145,10 @@ def tabled(case: Case, path: Path, members: int | None = None) -> Source:
 
 
 def check(case: Case, source: Source) -> None:
-    """Raise `BadInput` if a member is no valid case, naming it and the key, as far as single numbers and moments can tell.
+    """Raise `BadInput` if single numbers or moments make a member an invalid case. The text names the member and the key.
 
-    What only the whole body tells, such as particles that lie on a line, is found when a member is made, and so is what is
-    wrong with members after the first `CHECKED`.
+    Faults that only the whole body shows, such as particles that lie on a line, and faults of members after the first `CHECKED`
+    are found when a member is made.
     """
     document, size = tomllib.loads(case.text), min(source.size, CHECKED)
     for first in range(0, size, PORTION):
@@ -157,7 +157,7 @@ def check(case: Case, source: Source) -> None:
 
 
 def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | list[Case]:
-    """Return members as scenes that differ in numbers only, or where that is not possible as cases of their own.
+    """Return members as scenes that differ in numbers only or, if that is not possible, as separate cases.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | 
     values
         The numbers of consecutive members by key paths, as `Source.values` returns them.
     first
-        The number of the first of them, for the names of cases and for messages.
+        The number of the first member, for the names of cases and for messages.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def text(case: Case, source: Source, member: int) -> str:
 
 
 def _member(case: Case, document: dict[str, Any], whole: Mapping[str, Array], index: int, member: int) -> Case:
-    """Return one member as a case of its own."""
+    """Return one member as a separate case."""
     content = written(member_document(document, whole, index, member))
     try:
         return parse_stored(content, case.name)
@@ -210,13 +210,13 @@ def _wholes(case: Case, document: dict[str, Any], values: Mapping[str, Array]) -
 
 
 def _check_outside(case: Case, document: dict[str, Any], whole: Mapping[str, Array], first: int) -> None:
-    """Make the members that may be no valid cases, which says what is wrong with them."""
+    """Make the members that may be invalid cases, which raises `BadInput` with their faults."""
     for index in np.flatnonzero(outside(whole, document)).tolist():
         _member(case, document, whole, index, first + index)
 
 
 def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the columns of a table, components of a vector together, and the vectors of which it has all components.
+    """Return the columns of a table, with components of a vector together, and the vectors of which it has all components.
 
     Raises `BadInput` for a column that is no number of the case, and for two that are about the same quantity.
     """

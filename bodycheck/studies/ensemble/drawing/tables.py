@@ -1,7 +1,7 @@
-"""Members from a table that the user gives: Parquet or CSV, a row a member, a column a key path.
+"""Members from a table of the user: Parquet or CSV, with a row for each member and a column for each key path.
 
-The file may come from a stranger: it is a regular file, what is read of it at once is limited, and whatever is wrong with it
-is one clear message. It is read again by every process that needs members of it, and has to be the same file then.
+The file may come from a stranger: it must be a regular file, the amount that is read at once is limited, and any fault of it
+gives one clear message. Every process that needs members reads the file again, and refuses it if it has changed.
 """
 
 import hashlib
@@ -25,23 +25,23 @@ from bodycheck.errors import BadInput
 from bodycheck.files import reading
 from bodycheck.reference.trajectory import Array
 
-#: Columns of stored members that say which member a row is.
+#: The columns of stored members that identify the member of a row.
 LABELS = ("case", "member")
 
-#: The most bytes of a CSV file, which is held as a whole, and of a Parquet file.
+#: The most bytes of a CSV file, which is held in memory as a whole, and of a Parquet file.
 MAX_CSV_BYTES, MAX_PARQUET_BYTES = 1 << 28, 1 << 36
 
 #: The most columns, the most bytes of the description of a Parquet file, and the most rows of one of its groups, which are read
 #: at once.
 MAX_COLUMNS, MAX_DESCRIPTION, MAX_ROWS = 500, 1 << 24, 1 << 24
 
-#: The line of a CSV file that has the names of its columns, with empty ones before it.
+#: The line of a CSV file that has the names of its columns, with empty lines before it.
 FIRST_LINE = re.compile(rb"[\r\n]*([^\r\n]*)")
 
 #: The ends of the names of Parquet files. Any other file is CSV.
 PARQUET = (".parquet", ".pq")
 
-#: Held while a file is read: threads share open files.
+#: The lock that is held while a file is read, because threads share open files.
 READING = threading.Lock()
 
 
@@ -58,7 +58,7 @@ class Table:
     rows
         The number of members.
     columns
-        The key paths that are columns of it.
+        The key paths that are its columns.
     """
 
     path: str
@@ -93,7 +93,7 @@ def opened(path: Path) -> Table:
 def values(table: Table, first: int, count: int) -> dict[str, Array]:
     """Return the columns (count,) of consecutive rows of a table, from the row `first`, by their names.
 
-    Raises `BadInput` for what is no finite number, and if the file has changed since it was opened.
+    Raises `BadInput` for a value that is no finite number, and if the file has changed since it was opened.
     """
     path = Path(table.path)
     with _faults_of(path):
@@ -109,7 +109,7 @@ def values(table: Table, first: int, count: int) -> dict[str, Array]:
 
 @contextmanager
 def _faults_of(path: Path) -> Iterator[None]:
-    """Turn what may go wrong with a stranger's file into one message."""
+    """Raise `BadInput` with one message for any fault of a stranger's file within the context."""
     try:
         yield
     except reading.Refused as error:
@@ -142,12 +142,12 @@ class _Stored:
     rows: int
     csv: pa.Table | None
     parquet: pq.ParquetFile | None
-    #: The number of the first row of each group of rows of a Parquet file, and that of all rows.
+    #: The index of the first row of each row group of a Parquet file, and then the number of all rows.
     starts: tuple[int, ...] = ()
 
     @staticmethod
     def of(path: Path) -> "_Stored":
-        """Return the file at a path, opened once by a process as long as it does not change."""
+        """Return the file at a path, which a process opens only once unless the file changes."""
         reading.check_regular(path)
         state = os.stat(path)
         return _stored(path, state.st_size, state.st_mtime_ns, state.st_ino)
@@ -168,7 +168,7 @@ class _Stored:
 
 @lru_cache(maxsize=2)
 def _stored(path: Path, size: int, _changed: int, _identity: int) -> _Stored:
-    """Return the file at a path of this size; the other two tell files apart that have the same."""
+    """Return the file at a path of this size. The other parameters are keys of the cache, which distinguish changed files."""
     parquet = path.name.endswith(PARQUET)
     limit = MAX_PARQUET_BYTES if parquet else MAX_CSV_BYTES
     if size > limit:

@@ -1,6 +1,6 @@
 """The calls in a worker process of the reference about a block of members: draw it, compute its truths, and judge runs.
 
-Each answer follows from the question alone. What was drawn and the truths of the last block are kept, because several questions
+Each answer follows from the question alone. The members and the truths of the last block are kept, because several questions
 are about the same block.
 """
 
@@ -38,7 +38,7 @@ MOST_FAILURES = 20
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Asks for the members of a block."""
+    """The question for the members of a block."""
 
     work: Work
     block: range
@@ -69,7 +69,7 @@ class Refused:
 
 @dataclass(frozen=True, eq=False)
 class TruthTable:
-    """Asks for what is stored of the truths of a block at the instants of a time step (s): columns (m,) by name."""
+    """The question for the stored columns (m,) of the truths of a block, at the instants of a time step (s)."""
 
     work: Work
     block: range
@@ -78,7 +78,7 @@ class TruthTable:
 
 @dataclass(frozen=True, eq=False)
 class Judging:
-    """Asks for the rows of the runs of a block with one method."""
+    """The question for the rows of the runs of a block with one method."""
 
     work: Work
     block: range
@@ -98,11 +98,11 @@ class Judged:
     worst
         The distance from the ideal value and the member of the worst run, by the name of the figure.
     trajectories
-        The trajectories of the first failures, of the worst members and of those of the sample, by member.
+        The trajectories of the first failures, of the worst members and of the members of the sample, by member.
     sampled
-        The members among these that are kept whatever the other blocks have: failures, and those of the sample.
+        The members whose trajectories are kept whatever other blocks have: the first failures, and the members of the sample.
     seconds
-        How long the truths of the block took (s), if they were computed for this answer.
+        The time (s) in which the truths of the block were computed; 0 if they were kept from an earlier answer.
     """
 
     columns: dict[str, Any]
@@ -140,7 +140,7 @@ def steps_of(text: str, timestep: float) -> Any:
 
 
 class _Last:
-    """The last value that was computed, and what it is of."""
+    """The last value that was computed, and its key."""
 
     def __init__(self) -> None:
         self.key: object = None
@@ -172,12 +172,12 @@ def _columns(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _truths(work: Work, block: range, timestep: float) -> tuple[Flights | tuple[Truth | NoTruth, ...], float]:
-    """Return the truths of a block, which rely on a-priori bounds alone, and how long they took (s): 0 if they were there."""
+    """Return the truths of a block, with a-priori bounds alone, and the time (s) of their computation; 0 if they were kept."""
     if _last_truths.key == (key := (work.identity, block, timestep)):
         return _last_truths.value, 0.0
     start = time.perf_counter()
     scenes = _drawn(work, block).members
-    _last_truths.key = None  # what is computed next takes the place of what is there
+    _last_truths.key = None  # the next value replaces the kept one
     if isinstance(scenes, Scenes):
         _last_truths.value = flights(scenes, truths.times(case_of(work.case), timestep))
     else:
@@ -211,7 +211,7 @@ def _judged(work: Work, block: range, flown: Flown) -> Judged:
 
 
 def _copied(motion: Trajectory) -> Trajectory:
-    """Return a trajectory of its own, and not a part of the arrays of a block, which would be sent as a whole."""
+    """Return a copy of a trajectory, because a view of the arrays of a block would be sent with the whole arrays."""
     return Trajectory(*(np.array(getattr(motion, name)) for name in motion.__dataclass_fields__))
 
 
@@ -249,5 +249,5 @@ def worst_member(distances: Array, members: Any) -> tuple[float, int] | None:
     return float(distances[index]), int(members[index])
 
 
-#: What worker processes of the reference do.
+#: The role of worker processes of the reference.
 JUDGE = Role(answer, truths.prepare)

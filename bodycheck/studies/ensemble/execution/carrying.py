@@ -1,8 +1,8 @@
 """Carry out a chunk of an ensemble: worker processes fly its members and judge their runs, and its files are written.
 
-An engine and the reference never share a process. A block whose call fails, because a process dies or does not come to its
-end, is flown again in halves, until the members that are the cause are alone. The judgement is always about a whole block, so
-that no row depends on what was halved.
+An engine and the reference never share a process. A block whose call fails, because a process dies or exceeds its time, is
+flown again in halves, until the members that cause this are alone. The judgement is always about a whole block, so that no row
+depends on how a block was halved.
 """
 
 import time
@@ -50,7 +50,7 @@ from bodycheck.studies.ensemble.execution.calls import (
 
 @dataclass
 class _Output:
-    """The files written for a chunk, and the contents of its receipt.
+    """The tables to write for a chunk, and the contents of its receipt.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class _Output:
     worst
         The worst member so far, with the distance from the ideal value, by the index of the method and the figure.
     always
-        Those of `kept` that are kept whether they are the worst or not.
+        The keys of trajectories in `kept` that are kept whether their members are the worst or not.
     failed, engine_seconds, truth_seconds
         As in `Receipt`.
     """
@@ -75,7 +75,7 @@ class _Output:
     truth_seconds: float = 0.0
 
     def keep(self, index: int, rows: Judged) -> None:
-        """Keep the trajectories of a block with a method, given by its index, and forget those that are the worst no more."""
+        """Keep the trajectories of a block with a method, given by its index, and drop those that are no longer the worst."""
         self.kept |= {(index, member): motion for member, motion in rows.trajectories.items()}
         self.always |= {(index, member) for member in rows.sampled}
         for name, extreme in rows.worst.items():
@@ -86,7 +86,7 @@ class _Output:
 
 
 def carry_out(chunk: Chunk, workers: ChunkWorkers, folder: Path) -> Receipt:
-    """Carry out a chunk, and write its files into the folder of the ensemble, in place of those of an earlier attempt.
+    """Carry out a chunk, and write its files into the folder of the ensemble, in place of files of an earlier attempt.
 
     Raises
     ------
@@ -95,9 +95,9 @@ def carry_out(chunk: Chunk, workers: ChunkWorkers, folder: Path) -> Receipt:
     NotWritten
         If a file cannot be written.
     Failed
-        If the reference fails or does not come to its end.
+        If the reference fails or does not finish.
     Cancelled
-        If nobody waits for it any more.
+        If nobody waits for the result any more.
     """
     start = time.perf_counter()
     _check_versions(chunk)
@@ -106,7 +106,7 @@ def carry_out(chunk: Chunk, workers: ChunkWorkers, folder: Path) -> Receipt:
         _add_block(output, chunk, workers, block)
     output.tables[TRAJECTORIES] = [_trajectories(chunk, output)]
     workers.check()
-    for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
+    for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done once its file of runs exists
         if output.tables[kind]:
             chunk_files.write(folder, chunk, kind, output.tables[kind])
     return Receipt(
@@ -134,7 +134,7 @@ def _check_versions(chunk: Chunk) -> None:
 
 
 def _add_block(output: _Output, chunk: Chunk, workers: ChunkWorkers, block: range) -> None:
-    """Fly and judge a block with all methods, and add what is written of it."""
+    """Fly and judge a block with all methods, and add its tables and trajectories to the output."""
     work, share = chunk.work, chunk.share
     drawn: Drawn = _ask(chunk, workers, Drawing(work, block))
     judged: list[Judged] = []
@@ -161,7 +161,7 @@ def _add_block(output: _Output, chunk: Chunk, workers: ChunkWorkers, block: rang
 
 
 def _ask(chunk: Chunk, workers: ChunkWorkers, question: Drawing | TruthTable | Judging) -> Any:
-    """Ask the worker process of the reference. Raises `BadInput` for a member that is no case, and `Failed`."""
+    """Ask the worker process of the reference. Raises `BadInput` for a member that is no valid case, and `Failed`."""
     work = chunk.work
     answer = workers.call(JUDGE, None, work.limit, work.memory, question)
     if isinstance(answer, Refused):
@@ -173,7 +173,7 @@ def _ask(chunk: Chunk, workers: ChunkWorkers, question: Drawing | TruthTable | J
 
 
 def _flown(chunk: Chunk, workers: ChunkWorkers, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
-    """Return what became of the runs of a block; those that end their process or do not end are isolated by halves."""
+    """Return the outcomes of the runs of a block. Runs that end their process or do not finish are isolated by halving."""
     work, share = chunk.work, chunk.share
     name = case_of(work.case).name
     names = tuple(f"{name}-{member}" for member in block)
@@ -209,9 +209,9 @@ def _table(
     columns
         The columns (m,) by name, for each of the rows of a member.
     each_row
-        What each of these rows has in all members.
+        The values that each of these rows has for all members.
     constant
-        What all rows have.
+        The values that all rows have.
     schema
         The columns of the table.
     """

@@ -1,7 +1,7 @@
-"""Make the tables of an ensemble from the files of its chunks, in one folder or gathered from those of several jobs.
+"""Make the tables of an ensemble from the files of its chunks, in one folder or in the folders of several jobs.
 
-Rows are copied block by block in the order of the plan. On the way it is found which members are the worst; their truths are
-then compared with witnesses, and their trajectories are kept.
+Rows are copied block by block in the order of the plan. The worst members are found on the way. Their truths are then compared
+with witnesses, and their trajectories are kept.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -43,7 +43,7 @@ from bodycheck.studies.ensemble.header import EnsembleHeader
 #: Most failed runs of a method whose trajectories are kept.
 MOST_FAILURES = 100
 
-#: Comparisons with witnesses for which another process is started: its start takes as long as these.
+#: The number of comparisons with witnesses for each process, whose start takes as long as these.
 VOUCHED_EACH = 16
 
 Where = Mapping[int, tuple[ChunkFile, int]]
@@ -75,13 +75,13 @@ class Remarkable:
 
 
 def runs_of(files: Sequence[ChunkFile], head: EnsembleHeader, engine: str, kind: str = RUNS) -> Where:
-    """Return where the blocks of an engine are, by their first members."""
+    """Return the file and the row group of each block of an engine, by its first member."""
     engine_files = [file for file in files if file.kind == kind and file.engine == chunk_files.folder_of(engine)]
     return chunk_files.blocks(engine_files, head["members"], head["block"])
 
 
 def done(files: Sequence[ChunkFile], head: EnsembleHeader, share: Share) -> set[int]:
-    """Return the first members of the blocks of an engine of which all files are there."""
+    """Return the first members of the blocks of an engine for which all files exist."""
     kinds = [RUNS, TRAJECTORIES, *([MEMBERS, TRUTHS] if share.truths_of else [])]
     return set.intersection(*(set(runs_of(files, head, share.engine, kind)) for kind in kinds))
 
@@ -138,7 +138,7 @@ def _refuse_missing(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Se
 
 
 def _measured(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence[Share]) -> Any:
-    """Return the columns of runs without figures that no run has."""
+    """Return the schema of runs, without the figures that no run has."""
     present = set(ALWAYS_TABLED)
     for share in shares:
         for path in dict.fromkeys(file.path for file, _ in runs_of(files, head, share.engine).values()):
@@ -150,7 +150,7 @@ def _measured(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence
 
 
 def _has_values(column: Any, rows: int) -> bool:
-    """Return whether a column of a group of rows may have a value, as its description says if it says anything."""
+    """Return whether a column of a row group may have values, by its statistics; True if it has none."""
     return column.statistics is None or column.statistics.null_count != rows
 
 
@@ -176,7 +176,7 @@ def _watched(where: Where, block: int, share: Share, notable: Remarkable) -> Ite
 def _note(
     worst: dict[tuple[str, int, str], tuple[float, int]], key: tuple[str, int, str], values: Any, members: NDArray[np.int64]
 ) -> None:
-    """Note the worst of some members, if it is worse than what is noted; NaN is no value."""
+    """Note the worst of some members, if it is worse than the member noted so far; NaN is no value."""
     extreme = worst_member(values, members)
     if extreme is not None and (key not in worst or extreme[0] > worst[key][0]):
         worst[key] = extreme
@@ -191,7 +191,7 @@ def _write_members(folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile
 def _write_truths(
     folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], shares: Sequence[Share], notable: Remarkable, jobs: int
 ) -> None:
-    """Write the truths, after those of the worst members have been compared with witnesses."""
+    """Compare the truths of the worst members with witnesses, and write all truths."""
     vouched = dict(_vouched(head, files, shares, notable, jobs))
 
     def tables() -> Iterator[Any]:
@@ -228,7 +228,7 @@ def _vouched(
 
 
 def _replaced(table: Any, vouched: Mapping[tuple[float, int], Mapping[str, Any]]) -> Any:
-    """Return a table of truths with the rows of those that were compared with witnesses later."""
+    """Return a table of truths, with the values that later comparisons with witnesses have changed."""
     first, last = pc.min_max(table["member"]).as_py().values()
     if not any(first <= member <= last for _, member in vouched):
         return table
@@ -294,7 +294,7 @@ def gather(folders: Sequence[Path], out: Path, jobs: int = 1) -> Path:
     Raises
     ------
     BadFolder
-        If a folder has no chunks of an ensemble or those of another one, members are missing, or a file is damaged.
+        If a folder has no chunks of an ensemble, or chunks of another one, members are missing, or a file is damaged.
     BadInput
         If no folder is given.
     """
@@ -313,7 +313,7 @@ def gather(folders: Sequence[Path], out: Path, jobs: int = 1) -> Path:
 
 
 def _refuse_other(first: Path, head: EnsembleHeader, folder: Path, other: EnsembleHeader) -> None:
-    """Raise `BadFolder`, saying what is different, if two folders are not of the same ensemble."""
+    """Raise `BadFolder`, with the difference, if two folders are not of the same ensemble."""
     if other["identity"] == head["identity"]:
         return
     try:

@@ -1,4 +1,4 @@
-"""The truths of members: what is stored of them, and their comparison with witnesses.
+"""The truths of members: their stored columns, and their comparison with witnesses.
 
 The truth of every member has its a-priori bounds. Witnesses, which cost far more, are computed for every thousandth member and
 for the worst ones.
@@ -26,16 +26,16 @@ from bodycheck.running.members.chunk_files import BOUND_COLUMNS
 from bodycheck.running.members.chunk_workers import Role
 from bodycheck.studies.ensemble.drawing import members
 
-#: Of every so manieth member the truth is compared with witnesses.
+#: The interval between members whose truths are compared with witnesses.
 VOUCHED = 1000
 
-#: A body that tumbles for a moment, with which everything is imported.
+#: A tumbling body, whose truth is computed so that all libraries are imported.
 TUMBLING = Scene(Body(1.0, (1.0, 2.0, 2.5)), State(angular_velocity=(0.1, 1.0, 0.1)))
 
 
 @dataclass(frozen=True)
 class Vouching:
-    """Asks for the truth of a member, compared with witnesses.
+    """The question for the truth of a member, compared with witnesses.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Vouching:
     drawn
         The drawn numbers of the member, by the names of their columns.
     member, timestep
-        The member, and the time step (s) whose instants count.
+        The member, and the time step (s) that gives the instants.
     """
 
     case: str
@@ -59,7 +59,7 @@ def times(case: Case, timestep: float) -> Array:
 
 
 def of_case(case: Case, timestep: float) -> Truth | NoTruth:
-    """Return the truth of a case for runs with a time step (s), with its a-priori bounds, or why there is none."""
+    """Return the truth of a case for runs with a time step (s), with its a-priori bounds, or the reason why there is none."""
     try:
         return truth(case.scene, times(case, timestep), vouched=False)
     except (NotModelled, OutOfReach) as error:
@@ -69,7 +69,7 @@ def of_case(case: Case, timestep: float) -> Truth | NoTruth:
 def columns(
     case: Case, drawn: Mapping[str, Array], block: range, timestep: float, block_truths: Flights | tuple[Truth | NoTruth, ...]
 ) -> dict[str, Any]:
-    """Return what is stored of the truths of a block, as columns (m,) by name.
+    """Return the stored columns (m,) of the truths of a block, by name.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def columns(
     block, timestep
         The members, and the time step (s).
     block_truths
-        Their truths.
+        The truths of the members.
     """
     by_name = _of_flights(block_truths) if isinstance(block_truths, Flights) else _of_cases(block_truths)
     by_name |= {"witnessed": np.zeros(len(block), dtype=bool), "witness_difference": np.full(len(block), np.nan)}
@@ -127,8 +127,8 @@ def _of_cases(block_truths: tuple[Truth | NoTruth, ...]) -> dict[str, Any]:
 def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: float) -> dict[str, Any]:
     """Return the columns that a comparison of a member's truth with witnesses changes; none if there is no truth.
 
-    The motion that is compared is the one that runs of the ensemble are compared with. The witnesses start from the member as
-    the file of its own has it.
+    The compared motion is the motion with which runs of the ensemble are compared. The witnesses start from the member as its
+    case file would state it.
     """
     columns = {name: np.array([value]) for name, value in drawn.items()}
     scenes = members.scenes(case, members.of_columns(case, columns), member)
@@ -170,5 +170,5 @@ def _first(several: Flights) -> tuple[Trajectory, Bounds]:
     return Trajectory(whole.t, *states), Bounds(*(getattr(several.bounds, name)[0] for name in NAMES))
 
 
-#: What worker processes do that compare truths with witnesses.
+#: The role of worker processes that compare truths with witnesses.
 VOUCHER = Role(vouch, prepare)

@@ -16,10 +16,10 @@ from bodycheck.studies.ensemble.findings.intervals import Share, quantile_interv
 from bodycheck.studies.ensemble.findings.stored import OK, UNSUPPORTED, EngineMethod, Ensemble, Flags
 from bodycheck.studies.ensemble.rows import QUANTILES, Row
 
-#: The figures that methods are ranked by: the first of them in which any run has more than the truth's own error.
+#: The figures that may rank methods. The first of them in which a run has more than the truth's own error is used.
 RANKING = ("attitude_error", "position_error", "stop_position_error", "energy_drift", "energy_error")
 
-#: Bins of a histogram, and points of a tail, at most.
+#: The most bins of a histogram, and the most points of a tail.
 BINS, POINTS = 48, 60
 
 #: The probabilities of the quantiles that have a confidence interval.
@@ -40,9 +40,9 @@ class Way:
     count
         The number of members.
     first
-        The first of them.
+        The first of these members.
     reason
-        Why that one failed.
+        The reason why the first member failed.
     """
 
     name: str
@@ -62,11 +62,11 @@ class Method:
     members
         The number of members that were run, without those that the engine does not support.
     unsupported
-        Why the engine does not support other members; empty if it supports all.
+        The reason why the engine does not support other members; empty if it supports all.
     failed
         The share of the members that failed. None if no member was run.
     ways
-        How they failed, the most frequent way first.
+        The ways in which members failed, the most frequent way first.
     wall_time
         The sum of the measured times of all runs (s).
     """
@@ -102,8 +102,8 @@ class Distribution:
     histogram
         The number of members in each bin of `Figure.edges` (b,).
     tail
-        Values (k,) in ascending order, and the share of the members that were run whose figure is at least as large, or that
-        have none (k,).
+        Values (k,) in ascending order, and for each value the share (k,) of the members that were run whose figure is at least
+        as large, or that failed without a figure.
     """
 
     method: int
@@ -131,8 +131,8 @@ class Figure:
     distributions
         The distributions by the indices of the methods.
     best
-        By the indices of the methods, the share of the members in which the method has the smallest value of all methods; equal
-        ones share it. Empty if there is one method.
+        By the indices of the methods, the share of the members in which the method has the smallest value of all methods.
+        Methods with equal values share a member. Empty if there is one method.
     truth
         The median and the largest bound of the truth's own error in the figure; None where it is not known.
     """
@@ -189,7 +189,7 @@ class Aggregates:
         return rows
 
     def row(self, index: int, name: str) -> Row:
-        """Return the row of a method that was run and a figure; that of the failures alone if it has no such figure."""
+        """Return the row of a method that was run and a figure; without the numbers of a figure if the method lacks it."""
         method, figure = self.methods[index], self.figures.get(name)
         assert method.failed is not None  # it has members
         shares = (method.failed.value, method.failed.low, method.failed.high)
@@ -255,7 +255,7 @@ def _method(ensemble: Ensemble, index: int, wall_time: float) -> Method:
 
 
 def _ways(ensemble: Ensemble, index: int) -> dict[str, Flags]:
-    """Return whether each member (n,) failed with a method in some way, by its name; `UNSUPPORTED` is one of them."""
+    """Return flags (n,) of the members that failed with a method in each way, by the name of the way, or are `UNSUPPORTED`."""
     by_status = {status: ensemble.status[index] == code for code, status in enumerate(ensemble.statuses)}
     ok = by_status.pop(OK, np.zeros(len(ensemble.members), np.bool_))
     return {**by_status, BROKEN: ok & ensemble.broken[index]}
@@ -307,9 +307,10 @@ def _distribution(ensemble: Ensemble, index: int, name: str, column: Array, edge
 
 
 def _tail(values: Array, members: int, without: int) -> tuple[Array, Array]:
-    """Return values in ascending order, and the share of the members with one that is at least as large, or without one.
+    """Return values in ascending order, and the share of the members with a value at least as large, or without a value.
 
-    The points are close together in the tail: of the largest values every one, and then ever fewer.
+    The points are closest together in the tail: each of the largest values is a point, and ever fewer of the other values.
+    members: the number of all members. without: the number of members without a value.
     """
     ordered = np.sort(values)[::-1]
     spread = np.concatenate([np.geomspace(1, len(ordered), POINTS), np.linspace(1, len(ordered), POINTS // 4)])

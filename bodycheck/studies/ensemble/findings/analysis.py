@@ -11,7 +11,7 @@ from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, Dependence,
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.rows import DependenceRow
 
-#: Most methods of which maps are drawn.
+#: The most methods of which maps are drawn.
 MOST_MAPS = 6
 
 
@@ -24,7 +24,7 @@ class Analysis:
     aggregates
         Counts and distributions.
     dependences
-        How figures depend on the drawn numbers.
+        The dependences of figures on the drawn numbers.
     maps
         Maps of failures and of the figure that methods are ranked by.
     """
@@ -53,7 +53,7 @@ class Analysis:
 
 
 def analyse(ensemble: Ensemble) -> Analysis:
-    """Return what the runs of an ensemble say. One column of them is in memory at a time."""
+    """Return the analysis of an ensemble's runs. One column of the runs is in memory at a time."""
     aggregates = aggregate(ensemble)
     drawn = tuple(name for name in PLOTTED if name in aggregates.figures and aggregates.figures[name].edges.size)
     figure_dependences = tuple(dependences(ensemble, numbers(ensemble), drawn))

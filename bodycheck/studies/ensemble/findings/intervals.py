@@ -1,7 +1,7 @@
 """Confidence intervals from the spread of the sequences that members are drawn from.
 
 Member i belongs to sequence i mod 16. The sequences are scrambled independently of each other, so that the 16 shares of members
-with some property are independent estimates of its probability, whatever the points of one sequence have to do with each other.
+with some property are independent estimates of its probability, however the points of one sequence depend on each other.
 The interval is the one of Student's t distribution with 15 degrees of freedom. Owen, "Practical Quasi-Monte Carlo Integration"
 (2023), chapter 17, describes such replications.
 """
@@ -21,7 +21,7 @@ from bodycheck.studies.ensemble.drawing.draws import SEQUENCES
 #: The probability with which an interval contains the true value.
 CONFIDENCE = 0.95
 
-#: Where none of N independent members has a property, its probability is at most this divided by N, with a confidence of 95 %:
+#: If none of N independent members has a property, its probability is at most this divided by N, with a confidence of 95 %:
 #: the "rule of three", as (1 - 3/N)^N is nearly 0.05.
 RULE_OF_THREE = 3.0
 
@@ -64,7 +64,7 @@ def share(having: NDArray[np.bool_], sequence: NDArray[Any]) -> Share:
 def quantile_interval(values: Array, sequence: NDArray[Any], probability: float) -> tuple[float, float]:
     """Return the confidence interval of a quantile of values.
 
-    It is the interval of the probability of a value that does not exceed the quantile, read from the distribution of the
+    The interval of the share of values that do not exceed the quantile is converted to values with the distribution of the
     values: R. S. Woodruff, "Confidence intervals for medians and other position measures", J. Am. Stat. Assoc. 47 (1952).
 
     Parameters
@@ -74,7 +74,7 @@ def quantile_interval(values: Array, sequence: NDArray[Any], probability: float)
     sequence
         The sequence that each value belongs to (n,), from 0 to 15.
     probability
-        The probability of the quantile. An end of the interval that would lie beyond all values is the last of them.
+        The probability of the quantile. An end of the interval that would lie beyond all values is the extreme value.
     """
     below = share(values <= quantile(values, probability), sequence)
     low = max(0.0, probability - (below.value - below.low))
@@ -84,14 +84,14 @@ def quantile_interval(values: Array, sequence: NDArray[Any], probability: float)
 
 
 def quantile(values: Array, probability: float) -> float:
-    """Return one of `quantiles`."""
+    """Return the quantile of values (n,) for one probability; see `quantiles`."""
     return float(quantiles(values, [probability])[0])
 
 
 def quantiles(values: Array, probabilities: Sequence[float]) -> Array:
-    """Return quantiles (k,) of values (n,), interpolated between neighbours as NumPy and pandas do unless asked otherwise.
+    """Return quantiles (k,) of values (n,), interpolated between neighbours as NumPy and pandas do by default.
 
-    Beside infinite values, which cannot be interpolated, a quantile is the larger neighbour.
+    Next to infinite values, which cannot be interpolated, a quantile is the larger neighbour.
     """
     with np.errstate(invalid="ignore"):
         interpolated = np.quantile(values, probabilities)

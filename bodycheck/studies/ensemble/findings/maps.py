@@ -10,7 +10,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, logarithms, numbers
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 
-#: Cells of a map along each axis, at most, and members per cell that they should have on average.
+#: The most cells of a map along each axis, and the fewest members that a cell should have on average.
 MOST_CELLS, MEMBERS_OF_CELL = 24, 8
 
 #: A number whose values are all positive, and whose largest is this many times its smallest, has a logarithmic axis.

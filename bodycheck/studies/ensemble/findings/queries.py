@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: The tables that a question may name, each of which is the folder of this name with its Parquet files.
 VIEWS = ("runs", "members", "truths")
 
-#: Most memory that a question may take. It is not spilled to the disk beyond that.
+#: The most memory that a question may take. Nothing is spilled to the disk.
 MEMORY_LIMIT = "2GB"
 
 #: Rows that are fetched at once.
@@ -49,7 +49,7 @@ class Answer:
     columns
         The names of the columns, all different.
     rows
-        The rows, which are computed as they are read: numbers, texts, truth values, None, and what else DuckDB hands to Python.
+        The rows, which are computed as they are read: numbers, texts, truth values, None, and other types that DuckDB returns.
     """
 
     columns: tuple[str, ...]
@@ -72,8 +72,8 @@ def answer(folder: Path, question: str) -> Iterator[Answer]:
     BadFolder
         If the folder has no results of an ensemble, they are damaged, or something in it is a symbolic link.
     BadInput
-        If DuckDB is not installed, the question is not a SELECT statement, or it cannot be answered. A fault that shows
-        while rows are read is raised then.
+        If DuckDB is not installed, the question is not a SELECT statement, or it cannot be answered. An error that occurs
+        while rows are read is raised at that time.
     """
     with connected(folder) as connection:
         with _told():
@@ -108,7 +108,7 @@ def sql(folder: Path, question: str) -> str:
 
     Raises `BadFolder` as `answer` does.
     """
-    root = "".join(f"[{sign}]" if sign in "*?[" else sign for sign in str(folder.resolve()))  # signs of patterns of files
+    root = "".join(f"[{sign}]" if sign in "*?[" else sign for sign in str(folder.resolve()))  # quotes wildcards
     views = [_view(name, _quoted(f"{root}/{name}/**/*.parquet")) for name in _files(folder)]
     return "".join(f"{statement};\n" for statement in (*views, question.strip().rstrip(";")))
 
@@ -137,7 +137,7 @@ def _files(folder: Path) -> dict[str, list[Path]]:
 
 
 def _parquet(folder: Path) -> Iterator[Path]:
-    """Yield the Parquet files in a folder at any depth. Raises `BadFolder` for one that is not a regular file."""
+    """Yield the Parquet files in a folder at any depth. Raises `BadFolder` if one is not a regular file."""
     for inside, _, names in os.walk(folder):
         for name in names:
             path = Path(inside, name)
@@ -187,7 +187,7 @@ def _rows(cursor: "duckdb.DuckDBPyConnection") -> Iterator[tuple[Any, ...]]:
 
 
 def _different(names: list[str]) -> tuple[str, ...]:
-    """Return names of columns, of which those that stand before have a number behind them: a, a_2."""
+    """Return distinct names of columns: a name that occurred before gets a number, as in a, a_2."""
     different: dict[str, None] = {}
     for name in names:
         number, numbered = 1, name
@@ -199,5 +199,5 @@ def _different(names: list[str]) -> tuple[str, ...]:
 
 
 def _printable(text: object) -> str:
-    """Return a text in which signs that a terminal might act on are escaped, lines apart."""
+    """Return a text in which all characters that a terminal might act on, except line breaks, are escaped."""
     return "".join(sign if sign.isprintable() or sign == "\n" else ascii(sign)[1:-1] for sign in str(text))

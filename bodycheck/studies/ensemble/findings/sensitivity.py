@@ -3,8 +3,8 @@
 Spearman's rank correlation says whether a figure rises or falls with a number. The first-order share of the variance says how
 much of the variance of the logarithm of a figure the number explains by itself, in whatever way the figure depends on it.
 Members are divided into bins of the number, and the variance of the means of the bins is compared with the variance of all.
-This is the first-order index of Sobol, estimated by the correlation ratio. What bins of so few members explain by chance is
-subtracted (the epsilon squared of Kelley, "An unbiased correlation ratio measure", Proc. Natl. Acad. Sci. 21 (1935)).
+This is the first-order index of Sobol, estimated by the correlation ratio. The share that bins of few members explain by chance
+is subtracted (the epsilon squared of Kelley, "An unbiased correlation ratio measure", Proc. Natl. Acad. Sci. 21 (1935)).
 """
 
 import math
@@ -18,16 +18,16 @@ from scipy.stats import rankdata
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 
-#: Members that are looked at. More would change no digit that is shown; the first members are spread as evenly as all.
+#: The number of members that are examined. More would change no digit that is shown; the first are spread as evenly as all.
 MOST_MEMBERS = 1 << 17
 
-#: Members of a bin, at least, and bins, at most.
+#: The fewest members of a bin, and the most bins.
 LEAST_OF_BIN, MOST_BINS = 25, 32
 
-#: Fewest failed members, and as many that have not failed, whose dependence on a number is looked at.
+#: The fewest failed members, and the fewest members that have not failed, with which the dependence on a number is computed.
 LEAST_FAILED = 5
 
-#: The name under which the failures of a method are looked at like a figure: 1 for a member that failed and 0 for others.
+#: The name under which the failures of a method are treated like a figure: 1 for a member that failed and 0 for others.
 FAILURE = "failure"
 
 #: The smallest share of the variance that is more than chance.
@@ -63,7 +63,7 @@ class Dependence:
 
 
 def numbers(ensemble: Ensemble, most: int = MOST_MEMBERS, only: Collection[str] = ()) -> dict[str, Array]:
-    """Return the drawn numbers of the first members by name, and the lengths of drawn vectors, without those that are constant.
+    """Return the drawn numbers of the first members by name, and the lengths of drawn vectors, without constant ones.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def numbers(ensemble: Ensemble, most: int = MOST_MEMBERS, only: Collection[str] 
 
 
 def dependences(ensemble: Ensemble, drawn: Mapping[str, Array], figures: tuple[str, ...]) -> list[Dependence]:
-    """Return how figures of all methods depend on numbers; `FAILURE` is looked at besides, where enough members failed.
+    """Return the dependences of figures of all methods on numbers, and those of `FAILURE` if enough members failed.
 
     Parameters
     ----------
@@ -123,9 +123,9 @@ def dependences(ensemble: Ensemble, drawn: Mapping[str, Array], figures: tuple[s
 
 
 def logarithms(values: Array) -> Array:
-    """Return the logarithms of figures (m, n), of which none is negative; NaN where there is none or it is infinite.
+    """Return the decimal logarithms of figures (m, n) that are not negative; NaN where a figure is missing or infinite.
 
-    A zero counts as the smallest value of its row that is positive.
+    A zero counts as the smallest positive value of its row.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         logs = np.log10(values)
@@ -137,7 +137,7 @@ def logarithms(values: Array) -> Array:
 def strongest(all_dependences: Sequence[Dependence], most: int = 2) -> list[str]:
     """Return the names of the numbers with the largest share of the variance, summed over methods and figures.
 
-    Of the length of a vector and its components, which say much of each other, there are not both.
+    A component of a vector and the length of the vector, which are closely related, are not returned together.
     """
     shares: dict[str, float] = {}
     for one in all_dependences:

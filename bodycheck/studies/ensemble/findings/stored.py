@@ -1,8 +1,8 @@
 """Read the runs and the members of an ensemble from its folder, one column at a time.
 
 The files are `runs/ENGINE/CASE/*.parquet`, with one row for each member and method, and `members/CASE/*.parquet`, with the
-numbers that were drawn. What is kept of every run is its place in the table of methods and members (6 bytes) and how it ended;
-a column of numbers takes 8 bytes a run while it is used.
+numbers that were drawn. Each run takes memory for its place in the table of methods and members (6 bytes) and for its outcome;
+a column of numbers takes 8 bytes per run while it is used.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ from bodycheck.studies.ensemble.drawing.draws import SEQUENCES
 #: Folders of an ensemble: of runs by engine and case, and of members by case.
 RUNS, MEMBERS = "runs", "members"
 
-#: The columns of runs that say which method a row is of.
+#: The columns of runs that identify the method of a row.
 METHOD = ("engine", "version", "integrator", "timestep")
 
 #: The statuses of runs that completed, and of runs that the engine cannot make.
@@ -34,7 +34,7 @@ OK, UNSUPPORTED = "ok", "unsupported"
 #: Rows that are read at once.
 BATCH = 1 << 16
 
-#: Most methods, and most places in the table of methods and members for each run; where all are there, one is enough.
+#: The most methods, and the most places per run in the table of methods and members; a complete table has one place per run.
 MOST_METHODS, MOST_PLACES = 10_000, 16
 
 Codes = NDArray[np.int16]
@@ -71,7 +71,7 @@ class Ensemble:
     statuses
         The names of the statuses that occur.
     status
-        The status of each run (m, n), by its place among the names; -1 where there is no run.
+        The status of each run (m, n), as an index of `statuses`; -1 where there is no run.
     broken
         Whether each run (m, n) has not passed: it ended badly, or breaks an expectation of the case.
     figures
@@ -79,7 +79,9 @@ class Ensemble:
     drawn
         The names of the drawn numbers, as their columns are called.
     parts
-        The files of runs, each with the method and the place of the member of each row.
+        The files of runs, each with the indices of the method and of the member of each row.
+    member_files
+        The files of members.
     """
 
     case: str
@@ -129,7 +131,7 @@ class Ensemble:
         return values
 
     def reasons(self, method: int, places: Sequence[int]) -> dict[int, str]:
-        """Return the reasons of some runs of a method, given by the places of their members; a run without one is left out."""
+        """Return the reasons of some runs of a method, by the places of their members. Missing runs are left out."""
         by_member: dict[int, str] = {}
         for path, codes, where in self.parts:
             wanted = np.flatnonzero((codes == method) & np.isin(where, places))
@@ -197,13 +199,13 @@ def read(folder: Path, case: str, engines: Sequence[str] = ()) -> Ensemble:
 
 
 def _order(known: Mapping[EngineMethod, int], engines: Sequence[str]) -> tuple[EngineMethod, ...]:
-    """Return methods in the order of engines; those of one engine stay in the order in which they were met."""
+    """Return methods in the order of the engines. Methods of one engine keep the order in which they were found."""
     ranks = {name: index for index, name in enumerate(engines)}
     return tuple(sorted(known, key=lambda method: (ranks.get(method.engine, len(ranks)), method.engine, known[method])))
 
 
 def _table(path: Path, members: NDArray[np.int64], known: dict[EngineMethod, int]) -> tuple[Codes, Places]:
-    """Return the method and the place of the member of each row of a file of runs; methods that are new become known."""
+    """Return the method and the place of the member of each row of a file of runs, and add new methods to `known`."""
     codes, places = [], []
     for batch in _batches(path, ("member", *METHOD)):
         places.append(_places(batch.column(0), members, path))
@@ -212,7 +214,7 @@ def _table(path: Path, members: NDArray[np.int64], known: dict[EngineMethod, int
 
 
 def _codes(path: Path, batch: Any, known: dict[EngineMethod, int]) -> Codes:
-    """Return the index of the method of each row among those that are known. Raises `BadFolder` for too many."""
+    """Return the index of the method of each row, and add new methods to `known`. Raises `BadFolder` for too many."""
     columns = [_encoded(batch.column(1 + index)) for index in range(len(METHOD))]
     rows = np.zeros(len(batch), np.int64)
     for indices, values in columns:
@@ -229,7 +231,7 @@ def _codes(path: Path, batch: Any, known: dict[EngineMethod, int]) -> Codes:
 
 
 def _encoded(column: Any) -> tuple[NDArray[np.int64], list[Any]]:
-    """Return a column as its different values, and the place of the value of each row among them."""
+    """Return the index of the value of each row among the distinct values of a column, and the distinct values."""
     encoded = column if pa.types.is_dictionary(column.type) else column.dictionary_encode(null_encoding="encode")
     return encoded.indices.to_numpy(zero_copy_only=False).astype(np.int64), encoded.dictionary.to_pylist()
 
@@ -265,7 +267,7 @@ def _numbers(files: Sequence[Path], others: Collection[str]) -> tuple[str, ...]:
 
 
 def _batches(path: Path, names: Sequence[str]) -> Iterator[Any]:
-    """Yield the rows of a file in parts, with some columns in this order. A column that the file lacks is empty."""
+    """Yield the rows of a file in parts, with some columns in this order. A column that the file lacks has only nulls."""
     try:
         with pq.ParquetFile(path) as file:
             schema = file.schema_arrow
@@ -287,7 +289,7 @@ def _reading(path: Path) -> Any:
 
 
 def _places(column: Any, members: NDArray[np.int64], path: Path) -> Places:
-    """Return the place of each member among all members. Raises `BadFolder` for a member that there is not."""
+    """Return the place of each member among all members. Raises `BadFolder` for an unknown member."""
     numbers = _ints(column)
     places = np.searchsorted(members, numbers).clip(max=len(members) - 1)
     if not np.array_equal(members[places], numbers):

@@ -18,13 +18,13 @@ from bodycheck.results.outcome import Unsupported
 from bodycheck.studies.ensemble.findings.intervals import quantile
 from bodycheck.studies.ensemble.findings.stored import EngineMethod, Ensemble
 
-#: A value that is so many times the quantile stands out; what stands out must stay above half of its value.
+#: A value that is more than this many times the quantile stands out. It must then stay above half of itself.
 OUTSTANDING = 10.0
 
 #: The quantile above which the largest value of a figure must stay.
 HIGH = 0.99
 
-#: Numbers of digits of limits, of which the first is taken that leaves a limit below the value.
+#: The numbers of digits to which a limit is rounded. The first one that leaves the limit below the value is taken.
 DIGITS = (2, 3, 4, 6)
 
 #: Most worst members that are written, the worst ways of failing first.
@@ -52,7 +52,7 @@ class Way:
     explanation
         A sentence on where the limit comes from.
     severity
-        What ways are sorted by, the worst first.
+        The key by which ways are sorted, the worst first.
     """
 
     member: int
@@ -85,10 +85,10 @@ class Way:
 
 
 def chosen(case: Case, ensemble: Ensemble) -> list[tuple[Way, tuple[Way, ...]]]:
-    """Return the worst members: each with its worst way of failing and with the others in which it is the worst.
+    """Return the worst members, each by its worst way of failing and the other ways in which it is the worst.
 
-    Of each method these are the first member with each status that was not expected, the member that breaks each expectation
-    the most, and the one with the largest value of each figure. At most `MOST_FILES` are returned.
+    For each method, these are the first member with each status that was not expected, the member that breaks each expectation
+    the most, and the member with the largest value of each figure. At most `MOST_FILES` members are returned.
     """
     by_member: dict[int, list[Way]] = {}
     for way in sorted(ways(case, ensemble), key=lambda one: one.severity):
@@ -112,7 +112,7 @@ def ways(case: Case, ensemble: Ensemble) -> Iterator[Way]:
 
 
 def _concerning(case: Case, by: EngineMethod) -> list[Expectation]:
-    """Return what a case expects of a method, without what is known to fail."""
+    """Return the expectations of a case about a method, without those that are known to fail."""
     method = Method.parse(by.integrator, by.timestep)
     return [one for one in case.expectations if one.concerns(by.engine, method) and not one.known]
 
@@ -158,7 +158,7 @@ def _largest(ensemble: Ensemble, by: EngineMethod, values: Array, name: str) -> 
 
 
 def _below(bound: float, value: float) -> float | None:
-    """Return a bound rounded up to as few digits as leave it below a value; None if it is not below it, or no valid limit."""
+    """Return a bound rounded up to as few digits as leave it below `value`; None if it is not below, or is no valid limit."""
     bound = max(bound, 1 / MAX_NUMBER)
     if not bound < value or bound > MAX_NUMBER:
         return None

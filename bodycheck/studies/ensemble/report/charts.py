@@ -27,7 +27,7 @@ FAINT = 0.18
 def histogram(figure: Figure, lines: Sequence[Line]) -> Spec:
     """Return the chart of the histograms of a figure of all methods over a log scale: the share of the members in each bin.
 
-    lines: by the indices of the methods.
+    lines: the lines of the methods, by their indices.
     """
     quantity = QUANTITIES[figure.name]
     centres = rounded(np.sqrt(figure.edges[:-1] * figure.edges[1:]))
@@ -52,7 +52,7 @@ def histogram(figure: Figure, lines: Sequence[Line]) -> Spec:
 def tail(figure: Figure, lines: Sequence[Line]) -> Spec:
     """Return the chart of the share of members with a larger value, or without any, on log scales.
 
-    lines: by the indices of the methods.
+    lines: the lines of the methods, by their indices.
     """
     quantity = QUANTITIES[figure.name]
     rows = []

@@ -60,7 +60,7 @@ READING = (
 
 
 class File(NamedTuple):
-    """A worst member: its number, the name of its case file (empty if there is none), and what fails."""
+    """A worst member: its number, the name of its case file (empty if there is none), and its failure."""
 
     member: int
     name: str
@@ -78,7 +78,7 @@ class Material:
     kind
         The kind of the scene: turning, translation, drag or contact.
     analysis
-        What the runs say.
+        The analysis of the runs.
     files
         The case files of the worst members.
     animations
@@ -174,7 +174,7 @@ def _failed(method: Method) -> float:
 
 
 def _ranking(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
-    """Return a sentence on the best and the worst method; none for a single one."""
+    """Return a sentence on the best and the worst method; none for a single method."""
     figure, ranked = ensemble.figures.get(ensemble.ranking), ensemble.ranked
     if figure is None or len(ranked) < 2:
         return []

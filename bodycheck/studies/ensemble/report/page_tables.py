@@ -11,12 +11,12 @@ from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, RELEVANT, D
 #: Most rows of the table of dependences; sensitivity.csv has all.
 MOST_DEPENDENCES = 60
 
-#: The columns that say which method a row is of.
+#: The columns that identify the method of a row.
 KEYS = ("Engine", "Integrator", "Time step")
 
 
 def percent(share: float, digits: int = 2) -> str:
-    """Return a share as a percentage with so many significant digits."""
+    """Return a share as a percentage with this number of significant digits."""
     return f"{number(100 * share, digits)} %"
 
 
@@ -154,7 +154,7 @@ def worst_table(ensemble: Aggregates, lines: Sequence[Line]) -> Table:
 
 
 def file_table(files: Sequence[tuple[int, str, str]]) -> Table:
-    """Return the table of case files of worst members: the number of the member, the name of the file, and what fails."""
+    """Return the table of case files of worst members: the number of the member, the name of the file, and the failure."""
     rows = tuple((Entry(name or "–"), Entry(str(member), member), Entry(title)) for member, name, title in files)
     return Table(
         columns=("Case file", "Member", "Reason"),

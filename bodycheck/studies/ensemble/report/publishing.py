@@ -37,11 +37,11 @@ def write(
     Parameters
     ----------
     results
-        What `reporting.read` returned.
+        The result of `reporting.read`.
     folder
         The folder of the runs.
     case, header
-        The case, and the header of the results, which says where the members are from.
+        The case, and the header of the results, which names the source of the members.
     text_of
         Function from the number of a member to its case file. If it is None, nothing is run: there are no files of worst
         members, and no animations.
@@ -50,7 +50,7 @@ def write(
     progress
         A function that is called after each worst member.
     formats
-        Formats in which every plot is also written as a file of its own.
+        Formats in which every plot is also written as a separate file.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def _run_worst(
     jobs: int,
     progress: Advance,
 ) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
-    """Write the worst members as case files, and return these and the animations. The parameters are those of `write`."""
+    """Write the worst members as case files, and return the files and the animations. The parameters are those of `write`."""
     compaction.remove(folder / worst.FOLDER, folder)  # the files of an earlier ensemble
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     written = worst.write(folder, case, ensemble, text_of, header["source"], progress)

@@ -1,7 +1,6 @@
-"""The findings of an ensemble and the material of its report, from its files. Nothing is run.
+"""The findings of an ensemble and the material of its report, read from its files. Nothing is run.
 
-What a report shows of runs that were made for it, the files and animations of worst members, is stored so that the report can
-be made again.
+The case files and animations of worst members, which required further runs, are stored so that the report can be made again.
 """
 
 import json
@@ -26,7 +25,7 @@ from bodycheck.studies.ensemble.findings.ways import chosen
 from bodycheck.studies.ensemble.header import EnsembleHeader
 from bodycheck.studies.ensemble.report import page
 
-#: The file, inside the folder of an ensemble, with what its report shows of runs that were made for it.
+#: The file, inside the folder of an ensemble, with the case files and animations of worst members that its report shows.
 SHOWN = Path("worst", "report.json")
 
 #: The largest size of the file in bytes: some animations of 200 kB each.
@@ -40,7 +39,7 @@ class Made:
     Attributes
     ----------
     analysis
-        What its runs say.
+        The analysis of its runs.
     sentences
         The findings in sentences.
     broken
@@ -63,7 +62,7 @@ class Made:
 
 
 def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
-    """Return what is known of an ensemble.
+    """Return the analysis of an ensemble and its findings.
 
     Parameters
     ----------
@@ -72,7 +71,7 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
     case
         The case.
     header
-        The header of the results, whose order of engines is that of the methods.
+        The header of the results, which gives the order of the engines.
 
     Raises
     ------
@@ -82,7 +81,7 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     analysis = analyse(ensemble)
     findings = page.findings(material(case, header, analysis))
-    # Where a finding of the page leads to a part of it, a sentence on the terminal ends.
+    # A sentence on the terminal ends where the finding of the page refers to a part of the page.
     subjects = ((one.subject, one.before.removesuffix(" See ") if one.where else one.text) for one in findings)
     sentences = tuple(f"{subject}: {text}" for subject, text in subjects)
     return Made(analysis, sentences, broken(ensemble, case), len(chosen(case, ensemble)))
@@ -91,7 +90,7 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
 def broken(ensemble: Ensemble, case: Case) -> tuple[str, ...]:
     """Return a sentence for each method with which members break expectations of the case.
 
-    Where no expectation concerns a method, its failures are results.
+    A method that no expectation concerns has no sentence: its failures are results.
     """
     sentences = []
     for index, by in enumerate(ensemble.methods):
@@ -114,7 +113,7 @@ def material(
     files: tuple[page.File, ...] = (),
     animations: tuple[Animation, ...] = (),
 ) -> page.Material:
-    """Return what a report is made of. The case files of worst members and the animations are those that the report shows."""
+    """Return the material of a report. files, animations: the case files of worst members and the animations that it shows."""
     return page.Material(header, needs(case.scene).kind, analysis, files, animations)
 
 
@@ -125,7 +124,7 @@ def keep_shown(folder: Path, files: Sequence[page.File], animations: Sequence[An
 
 
 def shown(folder: Path) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
-    """Return what `keep_shown` wrote; nothing if there is no file. Raises `BadFolder` if it is damaged."""
+    """Return the files and animations that `keep_shown` wrote; none without a file. Raises `BadFolder` if it is damaged."""
     path = folder / SHOWN
     if not path.exists():
         return (), ()

@@ -1,1 +1,1 @@
-"""The worst members: `worst` writes them as case files, after `shrinking` by `trials`; `playing` animates them."""
+"""The worst members: `worst` writes them as case files, simplified by `shrinking` with `trials`; `playing` animates them."""

@@ -25,8 +25,8 @@ MOST_CHARACTERS = 200_000
 def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
     """Return the members that are shown, each with the indices of the methods that are run with it.
 
-    They are the members with the largest value of the figure that methods are ranked by, those of the worst methods first. The
-    methods are the one that it is the worst member of, and the best others with the same time step.
+    Each of them has the largest value, with some method, of the figure that ranks methods. The members of the worst methods
+    come first. A member is run with this method, and with the best other methods with the same time step.
     """
     figure = ensemble.figures.get(ensemble.ranking)
     if figure is None:

@@ -1,8 +1,9 @@
-"""Make a case simpler while it still fails in the same way: shorter, with fewer numbers that are not zero, and rounder ones.
+"""Make a case simpler while it still fails in the same way: shorter, with fewer nonzero numbers, and with rounder numbers.
 
-The search is delta debugging over the keys of the case file: candidates with a part left out are tried, those that still fail
-are taken, and this is repeated until none does. A. Zeller and R. Hildebrandt, "Simplifying and isolating failure-inducing
-input", IEEE Transactions on Software Engineering 28 (2002). It is deterministic, and the number of trials is bounded.
+The search is delta debugging over the keys of the case file: it tries candidates with a part left out, takes candidates that
+still fail, and repeats this until no candidate fails. A. Zeller and R. Hildebrandt, "Simplifying and isolating failure-inducing
+input", IEEE Transactions on Software Engineering 28 (2002). The search is deterministic, with a bounded number of
+trials.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -28,10 +29,10 @@ Fails = Callable[[Sequence[Document]], Sequence[bool]]
 #: Most trials for one case.
 MOST_TRIALS = 300
 
-#: Candidates that are tried at once where one of them suffices, unless a trial that fails is costly.
+#: The number of candidates that are tried at once to find one that fails, unless failing trials are costly.
 BLOCK = 8
 
-#: Numbers of samples that are tried, and of significant digits.
+#: The numbers of samples, and the numbers of significant digits, that are tried.
 SAMPLES = (2, 3, 6, 11, 21, 51, 101, 201, 501, 1001)
 DIGITS = (1, 2, 3, 4, 6)
 
@@ -67,7 +68,7 @@ class Search:
     known: dict[str, bool] = field(default_factory=dict)
 
     def tried(self, candidates: Sequence[Document]) -> list[bool]:
-        """Return which of some candidates fail in the same way; candidates for which no trial is left count as not failing."""
+        """Return for each candidate whether it fails in the same way; False for candidates for which no trial is left."""
         new = {key: one for one in candidates if (key := repr(one)) not in self.known}
         new = dict(islice(new.items(), self.left))
         self.left -= len(new)
@@ -76,7 +77,7 @@ class Search:
         return [self.known.get(repr(one), False) for one in candidates]
 
     def take(self, candidates: Sequence[Document]) -> bool:
-        """Take the first of some candidates, the simplest first, that fails in the same way; return whether there is one."""
+        """Take the first candidate that fails in the same way, and return whether there is one. The simplest comes first."""
         others = [one for one in candidates if one != self.document]
         for first in range(0, len(others), self.block):
             block = others[first : first + self.block]
@@ -101,7 +102,7 @@ def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_T
     most
         The largest number of trials.
     block
-        The number of candidates that are tried at once. With 1, hardly any trial fails that is not taken.
+        The number of candidates that are tried at once. With 1, hardly any candidate fails without being taken.
     """
     search = Search(_tidy(deepcopy(document)), fails, most, block)
     if search.document != document and not search.tried([search.document])[0]:
@@ -131,12 +132,12 @@ def _leave_out(search: Search, parts: Sequence[Path]) -> None:
     if not parts or search.take([_without(search.document, parts)]) or len(parts) == 1:
         return
     middle = len(parts) // 2
-    _leave_out(search, parts[middle:])  # the end first, so that the places of the others remain
+    _leave_out(search, parts[middle:])  # the end first, so that the indices of the others stay valid
     _leave_out(search, parts[:middle])
 
 
 def _name_angles(search: Search) -> None:
-    """Take an attitude of round Euler angles instead of a quaternion, whose components cannot be rounded one by one."""
+    """Replace a quaternion, whose components cannot be rounded one by one, by round Euler angles, if the failure remains."""
     quaternion = search.document.get("initial", {}).get("quaternion")
     if quaternion is None:
         return
@@ -147,7 +148,7 @@ def _name_angles(search: Search) -> None:
 
 
 def _round(search: Search) -> None:
-    """Round all numbers at once, and then each as far as it goes."""
+    """Round all numbers at once, and then each number as far as the failure remains."""
     numbers = dict(_numbers(search.document))
     together = [{path: _rounded(value, digits) for path, value in numbers.items()} for digits in DIGITS]
     search.take([_tidy(_with(search.document, changes)) for changes in together])
@@ -158,7 +159,7 @@ def _round(search: Search) -> None:
 
 
 def _parts(document: Document) -> Iterator[Path]:
-    """Yield the paths of what may be left out of a document: keys, components of vectors, and parts of a composed body."""
+    """Yield the paths of all that may be left out of a document: keys, components of vectors, and parts of a composed body."""
     for table in ("scene", "initial"):
         for key, value in document.get(table, {}).items():
             yield table, key

@@ -1,7 +1,7 @@
 """Try cases: run them with one method of an engine, and compare the runs with the truth, in worker processes.
 
-The engine and the truths have processes of their own. Cases are tried in blocks; where a block ends its process, it is divided
-until the case that did it is alone. A block that takes too long is not divided, so that a case that hangs costs the limit once.
+The engine and the truths have separate processes. Cases are tried in blocks. If a block ends its process, it is divided until
+the case that causes this is alone. A block that takes too long is not divided, so that a case that hangs costs the limit once.
 """
 
 import contextlib
@@ -31,13 +31,13 @@ class Tried:
     Attributes
     ----------
     status, reason
-        How its run ended, and why.
+        The status of its run, and the reason for it.
     figures
         The figures of the run by name; none unless the status is ok.
     floors
-        The values below which they are nothing but rounding.
+        The values below which the figures are only rounding, by name.
     version
-        The version of the engine; empty where its process died.
+        The version of the engine; empty if its process died.
     """
 
     status: str
@@ -69,7 +69,7 @@ Trials = Callable[[str, Method, Sequence[Case]], list[Tried]]
 
 @contextlib.contextmanager
 def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
-    """Provide a function that tries cases, whose processes are kept until the context ends. limit: of a block, in s."""
+    """Provide a function that tries cases, whose processes are kept until the context ends. limit: the time (s) for a block."""
     with pool.Workers(_carry_out, 1, limit, group=_group, home=engines.home, kept=True) as workers:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
@@ -85,7 +85,7 @@ def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
 
 
 def _asked(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], items: Sequence[Any]) -> list[Any]:
-    """Return the answers about some items, which are asked together, and by halves if the process dies."""
+    """Return the answers about some items, which are asked for together, and in halves if the process dies."""
 
     def attempt(first: int, last: int) -> Any:
         answer = ask(question(items[first:last]))

@@ -1,4 +1,4 @@
-"""Write the worst members of an ensemble as case files that run as they are and fail, after they were made simpler."""
+"""Write the worst members of an ensemble, made simpler, as case files that fail when they are run."""
 
 import tomllib
 from collections.abc import Callable, Sequence
@@ -25,13 +25,13 @@ from bodycheck.studies.ensemble.findings.ways import Way, chosen
 from bodycheck.studies.ensemble.worst_members.shrinking import BLOCK, Document, shrink
 from bodycheck.studies.ensemble.worst_members.trials import Trials, Tried, trials
 
-#: The folder for the case files, below that of the results.
+#: The folder for the case files, below the folder of the results.
 FOLDER = "worst"
 
-#: Lines that a case file has at most, unless its numbers take more.
+#: The most lines of a case file, unless its numbers need more.
 MOST_LINES = 30
 
-#: Characters in a line of a comment, and of the reason for a status.
+#: The most characters in a line of a comment, and in the reason for a status.
 COMMENT_WIDTH, REASON_LENGTH = 110, 200
 
 #: Most further ways of failing that a file names.
@@ -49,7 +49,7 @@ class Worst:
     path
         The case file that was written; None if the member does not fail when it is run alone.
     title
-        What fails, and by how much.
+        The failure and its size, in words.
     """
 
     way: Way
@@ -62,9 +62,9 @@ def write(
 ) -> list[Worst]:
     """Write the worst members of an ensemble into the folder `worst` of its results, and return them, the worst first.
 
-    Each is made simpler while it fails in the same way: with the same status, by breaking the same limit of an expectation,
-    or, where it breaks none, by a value of the figure above that of 99 % of the members. A value that is more than 10 times as
-    large stays above half of itself. Figures that are nothing but rounding are left out.
+    Each member is made simpler while it fails in the same way: with the same status, by breaking the same limit of an
+    expectation, or, if it breaks none, by a value of the figure above the 99 % quantile of the members. A value that is more
+    than 10 times the quantile must stay above half of itself. Figures whose values are only rounding are left out.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def write(
     text_of
         Function from the number of a member to its case file.
     origin
-        Where the members are from, in words, such as "seed 1".
+        The source of the members, in words, such as "seed 1".
     progress
-        Called for each member that was treated.
+        A function that is called after each member.
     """
     written = []
     with trials() as tried:
@@ -89,7 +89,7 @@ def write(
 
 
 def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: str, origin: str, tried: Trials) -> Worst | None:
-    """Write one member; None if its figure is nothing but rounding."""
+    """Write one member and return it; return None if its figure is only rounding."""
     drawn = _document(tomllib.loads(text), case, way, origin)
     (alone,) = _tried([drawn], way, tried)
     if alone is not None and way.value is not None and _rounding(way, way.value, alone):
@@ -120,7 +120,7 @@ def _simplest(drawn: Document, way: Way, tried: Trials) -> Document:
         over = over or any(one is not None and one.status == TimedOut.status for one in outcomes)
         return [one is not None and _fails(way, one) for one in outcomes]
 
-    # A run that ends its process costs a new one, so that no more of them are made than are needed.
+    # A run that ends its process costs a new process, so that only the runs that are needed are made.
     return shrink(drawn, fails, way.method.timestep, block=1 if way.status == Crashed.status else BLOCK)
 
 
@@ -131,12 +131,12 @@ def _fails(way: Way, tried: Tried) -> bool:
 
 
 def _rounding(way: Way, value: float, tried: Tried) -> bool:
-    """Return whether the largest value of a figure is nothing but rounding, of which the case expects nothing."""
+    """Return whether the largest value of a figure, of which the case expects nothing, is only rounding."""
     return way.is_largest and way.limit is not None and value < tried.floors.get(way.limit.name, 0.0)
 
 
 def _document(drawn: Document, case: str, way: Way, origin: str) -> Document:
-    """Return the case file of a member with what it fails as its only expectation."""
+    """Return the case file of a member, with the expectation that it breaks as its only expectation."""
     number = f"-{way.member}"
     expect: dict[str, Any] = {
         "engine": way.method.engine,
@@ -162,7 +162,7 @@ def _document(drawn: Document, case: str, way: Way, origin: str) -> Document:
 
 
 def _tried(documents: Sequence[Document], way: Way, tried: Trials) -> list[Tried | None]:
-    """Return what came of documents with the method of a way of failing; None for one that is no valid case."""
+    """Return the outcomes of documents with the method of `way`; None for a document that is no valid case."""
     method = Method.parse(way.method.integrator, way.method.timestep)
     cases: dict[int, Case] = {}
     for index, document in enumerate(documents):
@@ -176,7 +176,7 @@ def _tried(documents: Sequence[Document], way: Way, tried: Trials) -> list[Tried
 
 
 def _title(way: Way, tried: Tried) -> str:
-    """Return what fails in a run, and by how much."""
+    """Return the title of a case file: the failure of a run, and its size."""
     by = f"{way.method.engine} {way.method.version} with {way.method.integrator} at {way.method.timestep:g} s"
     if way.limit is None:
         reason = "".join(sign if sign.isprintable() else " " for sign in tried.reason)[:REASON_LENGTH]
@@ -186,7 +186,7 @@ def _title(way: Way, tried: Tried) -> str:
 
 
 def _comments(case: str, way: Way, others: Sequence[Way], origin: str, simplified: bool) -> list[str]:
-    """Return the comments at the beginning of a file: where the case is from, and what else is the worst in it."""
+    """Return the comments at the beginning of a file: the source of the case, and other ways in which it is the worst."""
     how = "made simpler while it fails in the same way" if simplified else "as it was drawn"
     first = f"Member {way.member} of the ensemble {case} ({origin}), {how}."
     if way.limit is not None and way.value is not None:

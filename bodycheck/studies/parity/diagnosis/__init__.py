@@ -1,7 +1,8 @@
-"""The causes of differences, each of which is recomputed: put into the model of the file, it makes what the engine has.
+"""The causes of differences. Each cause is recomputed: the model of the file, with the cause put in, has the engine's numbers.
 
-- `explaining`: which causes explain which rows. The order of an engine's velocities comes first.
-- `fault`: a suspected fault, and the model that the file would be with it.
-- `bodies` and `inertias`, `joints`, `frames`: faults by the numbers and poses that an engine tells.
-- `passive`, `hidden`: faults by what it computes: passive forces, and masses, inertias and armatures that it does not tell.
+- `explaining`: the assignment of causes to rows. The order of an engine's velocities is examined first.
+- `fault`: a suspected fault, and the model of the file with faults put into it.
+- `bodies` and `inertias`, `joints`, `frames`: faults found from the numbers and poses that an engine reports.
+- `passive`, `hidden`: faults found from the terms that an engine computes: passive forces, and masses, inertias and armatures
+  that it does not report.
 """

@@ -1,4 +1,4 @@
-"""Causes of differences in masses, centres of mass and inertias that an engine tells of."""
+"""The causes of differences in the masses, centres of mass and inertias that an engine reports."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -29,7 +29,7 @@ from bodycheck.studies.parity.numbers import tensor
 from bodycheck.studies.parity.quantities import Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
 
-#: Difference of traces, relative to the tensors, that is rounding. It is small because a trace is one number alone.
+#: The difference of traces, relative to the tensors, up to which it is rounding. It is small as a trace is a single number.
 TRACE = 1e-11
 
 #: The quantities of a body, which are attributes of links.
@@ -62,7 +62,7 @@ def of_body(
     body
         The body as the engine has it.
     wrong
-        Its quantities that differ.
+        The quantities of the body that differ.
     kept
         The names of the bodies that the engine keeps.
     near
@@ -84,7 +84,10 @@ def of_body(
 
 
 def parts(model: RobotModel, body: str, kept: set[str]) -> tuple[Part, ...]:
-    """Return the links of the file that belong to a body of the engine, itself first."""
+    """Return the links of the file that form a body of the engine, the link with the name of the body first.
+
+    kept: the names of the bodies that the engine keeps.
+    """
     names = [link.name for link in model.links]
     joined: list[Part] = []
     waiting: list[tuple[int, tuple[tuple[np.ndarray, np.ndarray], ...]]] = [(names.index(body), ())]
@@ -99,7 +102,7 @@ def parts(model: RobotModel, body: str, kept: set[str]) -> tuple[Part, ...]:
 
 
 def _cause(quantity: Quantity, engine: Inertial, truth: Inertial, wrong: list[Quantity], near: float) -> Cause:
-    if engine.mass and not truth.mass:  # what the file gives no mass has one in the engine, such as that of its shape
+    if engine.mass and not truth.mass:  # the engine adds a mass, such as that of the shape
         return "mass"
     nothing = not engine.mass and not np.any(engine.tensor)
     if nothing and truth.mass and np.any(truth.tensor):
@@ -112,7 +115,7 @@ def _cause(quantity: Quantity, engine: Inertial, truth: Inertial, wrong: list[Qu
 
 
 def inertia_cause(engine: Inertial, truth: Inertial, mass_differs: bool, centre_differs: bool, near: float = SAME) -> Cause:
-    """Return why the inertia of a body differs, where the body consists of one link or its links are joined rightly.
+    """Return the cause of a difference in the inertia of a body that is one link or whose links are joined correctly.
 
     near: the relative difference up to which numbers are the same.
     """
@@ -138,9 +141,10 @@ def inertia_cause(engine: Inertial, truth: Inertial, mass_differs: bool, centre_
 
 
 def _is_joined_wrongly(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], body: ReadBody, near: float) -> bool:
-    """Return whether a body has the numbers of its links joined with a usual mistake; what the engine does not tell fits.
+    """Return whether a body has the numbers that follow from joining its links with a usual mistake.
 
-    The tensors of the links may be turned besides, which leaves the trace of their sum as it is.
+    Numbers that the engine does not report count as fitting. The tensors of the links may also be rotated, which leaves the
+    trace of their sum unchanged.
     """
     reach = max(
         float(np.linalg.norm(part.inertial.centre)) + sum(float(np.linalg.norm(at)) for _, at in part.welds) for part in joined
@@ -161,10 +165,10 @@ def _is_joined_wrongly(engine: Inertial, truth: Inertial, joined: tuple[Part, ..
 
 
 def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], reach: float, near: float) -> bool:
-    """Return whether a body is that of its links with one of them at another place, and tensors or the place turned.
+    """Return whether a body consists of its links with one link at a wrong place, and with tensors or this place rotated.
 
-    The place follows from the centre of mass of the body, and the trace of its tensor says whether it is that. A link that is
-    elsewhere for another reason, with its tensor as it is, has another centre of mass.
+    The wrong place follows from the centre of mass of the body, and the trace of the body's tensor confirms it. If a link is
+    misplaced in any other way and its tensor is unchanged, the result is False: its centre of mass differs.
     """
     if same(engine.centre, truth.centre, reach, near) or abs(engine.mass - truth.mass) > near * truth.mass:
         return False
@@ -181,9 +185,9 @@ def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, 
 
 
 def _is_turned_place(part: Part, centre: Array, limit: float) -> bool:
-    """Return whether the place of a link, or that of its weld alone, is turned about the origin of its body.
+    """Return whether the centre of mass of a link, or the origin of its weld, is rotated about the origin of its body.
 
-    centre: where its centre of mass is (3,).
+    centre: the centre of mass (3,) of the link in the engine, in the frame of the body. limit: the rounding (m).
     """
     right, (_, weld) = placed(part).centre, frame(part.welds)
     turned = ((right, centre), (weld, centre - right + weld))
@@ -191,9 +195,9 @@ def _is_turned_place(part: Part, centre: Array, limit: float) -> bool:
 
 
 def _is_filled(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near: float) -> bool:
-    """Return whether an engine has given mass to links that have none in the file, such as that of their shapes.
+    """Return whether an engine has given mass to links that have none in the file, such as the mass of their shapes.
 
-    What it has more is then a body by itself.
+    The excess of mass and inertia is then that of a possible body.
     """
     mass = engine.mass - truth.mass
     if mass <= near * engine.mass or all(part.inertial.mass for part in joined):
@@ -205,9 +209,9 @@ def _is_filled(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near
 
 
 def _turned_part(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near: float) -> str | None:
-    """Return the link whose own tensor, turned, makes the body that of the engine; None if there is none.
+    """Return the name of the link whose tensor, rotated, explains the inertia of the engine's body; None if there is none.
 
-    It is the body itself where several links are turned: that leaves the trace of the sum of their tensors as it is.
+    If several links are rotated, which leaves the trace of the sum of their tensors unchanged, it is the name of the body.
     """
     if not same(engine.centre, truth.centre, max(1.0, size_of(truth.centre)), near):
         return None
@@ -231,7 +235,7 @@ def inertial(link: RobotLink) -> Inertial:
 
 
 def _read(body: ReadBody, link: RobotLink) -> Inertial:
-    """Return the numbers of an engine; those of the file where the engine tells none."""
+    """Return the numbers of an engine, with the file's numbers where the engine reports none."""
     truth = inertial(link)
     return Inertial(
         truth.mass if body.mass is None else body.mass,
@@ -241,6 +245,6 @@ def _read(body: ReadBody, link: RobotLink) -> Inertial:
 
 
 def attributes(body: Inertial) -> dict[str, Any]:
-    """Return the attributes of a link, which have the names of the quantities."""
+    """Return the numbers of a body as attributes of a link, by the names of the quantities."""
     centre, tensor_ = (np.asarray(part, np.longdouble) for part in (body.centre, body.tensor))
     return {"mass": body.mass, "center_of_mass": centre, "inertia": tensor_}

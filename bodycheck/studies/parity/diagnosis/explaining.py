@@ -1,8 +1,9 @@
 """Give each difference its cause.
 
-First come the faults in the numbers that an engine tells. The model of the file with these faults in it has terms of its own:
-where they are those of the engine, the faults explain the difference of a term, and its row has the cause that makes the
-largest part of it. What is left is looked for in what the engine computes. What then is left is unexplained.
+First come the faults in the numbers that an engine reports. They are put into the model of the file. Where a term of this
+model is that of the engine, the faults explain the difference of the term, and its row gets the cause that makes the largest
+part of the difference. The causes of other differences are looked for in the terms that the engine computes. Differences
+without a cause are unexplained.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,13 +22,13 @@ from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.sizes import Apart, apart
 from bodycheck.studies.parity.stacks import Stack
 
-#: States at which faults are recomputed.
+#: The number of states at which faults are recomputed.
 STATES = 8
 
 #: The part of a difference that recomputed faults may leave.
 LEFT = 1e-7
 
-#: Difference of entries of mass matrices, relative to the roots of their diagonal, below which they are the same.
+#: The difference of entries of mass matrices, relative to the roots of the diagonal, below which the entries are the same.
 SAME = 1e-7
 
 
@@ -45,7 +46,7 @@ class _Case:
         return model_terms(model, self.few.match, self.few.motion, self.few.asked.gravity)
 
     def gap(self, quantity: Quantity, terms: Stack) -> Apart | None:
-        """Return how far the engine is from terms, at the few states."""
+        """Return the largest difference of the engine from `terms` at the few states; None if either lacks the quantity."""
         return apart(quantity, self.few.engine, terms, self.few.sizes)
 
 
@@ -56,9 +57,9 @@ class Diagnosis:
     Attributes
     ----------
     rows
-        The rows with their causes, and rows that name the culprits where no other row does.
+        The rows with their causes, and further rows for faults of bodies and joints that no other row names.
     model
-        The model of the file with the faults that were found in it, with the bodies of the engine; None if there are none.
+        The model of the file with the engine's bodies and with the faults that were found; None if no fault changes it.
     """
 
     rows: tuple[Compared, ...]
@@ -86,7 +87,7 @@ def diagnosed(comparison: Comparison) -> Diagnosis:
 
 
 def _places(comparison: Comparison) -> list[int]:
-    """Return the indices of a few states: those with the largest difference of each quantity, and the first ones."""
+    """Return the indices of a few states: those with the largest difference of each quantity, and then the first states."""
     gaps = [apart(quantity, comparison.engine, comparison.truth, comparison.sizes) for quantity in TERMS]
     worst = dict.fromkeys(gap.state for gap in gaps if gap is not None and gap.relative > comparison.tolerance)
     return list(dict.fromkeys([*worst, *range(len(comparison.motion.states))]))[: max(STATES, len(worst))]
@@ -115,9 +116,10 @@ def _explained(case: _Case, different: Sequence[Quantity], is_reordered: bool) -
 
 
 def _used(case: _Case, different: Sequence[Quantity]) -> tuple[_Case, Stack]:
-    """Return a case with those of its faults that the engine's terms have, and the terms of the file with them.
+    """Return the case unchanged, and the terms of the file's model with those of its faults that the engine's terms show.
 
-    An engine may tell a number that it does not use; the faults of a cause are left out where the terms fit better without.
+    An engine may report a number that it does not use. If the terms with all faults do not fit, and the terms without the
+    faults of one cause do, the latter are returned.
     """
     terms = case.terms(case.faults)
     if all(_made(case, quantity, terms) for quantity in different if quantity != "forward_dynamics"):
@@ -131,7 +133,7 @@ def _used(case: _Case, different: Sequence[Quantity]) -> tuple[_Case, Stack]:
 
 
 def _made(case: _Case, quantity: Quantity, terms: Stack) -> bool:
-    """Return whether terms are those of the engine, up to what rounding leaves of the difference from the file."""
+    """Return whether a quantity of `terms` is that of the engine, up to the tolerance or a small part of the difference."""
     now, before = case.gap(quantity, terms), case.gap(quantity, case.few.truth)
     if now is None or before is None:
         return False
@@ -139,7 +141,10 @@ def _made(case: _Case, quantity: Quantity, terms: Stack) -> bool:
 
 
 def _alone(case: _Case) -> dict[Cause, Stack]:
-    """Return the terms of the file's model with the faults of each cause alone."""
+    """Return for each cause the terms of the file's model with the faults of this cause alone.
+
+    If there is only one cause, its terms are not needed and are empty.
+    """
     causes = dict.fromkeys(fault.cause for fault in case.faults if fault.link or fault.joint)
     if len(causes) == 1:
         return dict.fromkeys(causes, Stack())
@@ -147,14 +152,14 @@ def _alone(case: _Case) -> dict[Cause, Stack]:
 
 
 def _largest(case: _Case, quantity: Quantity, alone: Mapping[Cause, Stack]) -> Cause:
-    """Return the cause that makes the largest difference of a quantity from the file by itself."""
+    """Return the cause whose faults alone make the largest difference of a quantity from the file."""
     gaps = {cause: apart(quantity, terms, case.few.truth, case.few.sizes) for cause, terms in alone.items()}
     sizes: dict[Cause, float] = {cause: 0.0 if gap is None else gap.relative for cause, gap in gaps.items()}
     return max(sizes, key=lambda cause: sizes[cause], default="unexplained")
 
 
 def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
-    """Return a case with those passive forces in which an engine differs from the file, and the cause for a quantity."""
+    """Return the case with the faults that were found in passive forces, and the cause of the difference in a quantity."""
     step = passive.implicit_step(case.whole) if quantity == "forward_dynamics" else None
     if step is not None:
         return replace(case, faults=(*case.faults, *passive.implicit(case.whole, step))), "representation"
@@ -176,10 +181,10 @@ def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
 
 
 def _with_cause(row: Compared, faults: Sequence[Fault], term_causes: Mapping[Quantity, Cause]) -> Compared:
-    """Return a row that differs with its cause, and any other row as it is.
+    """Return a row that differs with its cause, and any other row unchanged.
 
-    A row about a term of the whole model has the cause of that term. Any other row has the cause of the fault with its quantity
-    and its subject, of several faults that of the last. Where neither exists, the cause is that of `_of_rest`.
+    A row about a term of the whole model has the cause of that term. Any other row has the cause of the last fault with the
+    same quantity and subject. If neither exists, `_of_rest` determines the cause.
     """
     if row.status != "differs" or row.cause:
         return row
@@ -193,7 +198,7 @@ def _with_cause(row: Compared, faults: Sequence[Fault], term_causes: Mapping[Qua
 
 
 def _rows_of_faults(faults: Sequence[Fault], rows: Sequence[Compared]) -> Iterable[Compared]:
-    """Return the rows of faults with a quantity and a subject that no row says to differ; of equal ones, the first."""
+    """Return the rows of faults whose quantity and subject no differing row has; of rows with the same cause, the first."""
     named = {(row.quantity, row.subject) for row in rows if row.status == "differs"}
     further: dict[tuple[Quantity | None, str, Cause], Compared] = {}
     for fault in faults:
@@ -204,7 +209,7 @@ def _rows_of_faults(faults: Sequence[Fault], rows: Sequence[Compared]) -> Iterab
 
 
 def _of_rest(row: Compared, faults: Sequence[Fault]) -> Cause:
-    """Return the cause of a row that no fault is about: the total mass follows from the masses of bodies."""
+    """Return the cause of a row without a fault. The total mass has the cause of the first body whose mass is at fault."""
     if row.quantity == "total_mass":
         masses = [fault.cause for fault in faults if fault.quantity == "mass"]
         return masses[0] if masses else "unexplained"
@@ -214,10 +219,9 @@ def _of_rest(row: Compared, faults: Sequence[Fault]) -> Cause:
 
 
 def reordered(comparison: Comparison) -> Comparison | None:
-    """Return a comparison with the velocities in the order that they really have, and with a row that says so.
+    """Return the comparison with the velocities in the order that the engine really uses, and with a row that states it.
 
-    None if the order is right, or if no other order makes the mass matrix that of the file, or its diagonal where other
-    numbers of it differ too.
+    Return None if the mass matrix agrees already, or if no other order makes it agree or at least halves its difference.
     """
     mass, truth = comparison.engine.mass_matrix, comparison.truth.mass_matrix
     gap = apart("mass_matrix", comparison.engine, comparison.truth, comparison.sizes)
@@ -241,10 +245,11 @@ def reordered(comparison: Comparison) -> Comparison | None:
 
 
 def _order(engine: Array, truth: Array, alike: float) -> list[int] | None:
-    """Return the index in the engine of each velocity of the file, by the diagonals (s, n) of the mass matrices.
+    """Return the engine's index of each velocity of the file, found from the diagonals (s, n) of the mass matrices.
 
-    Velocities that fit no diagonal of the file, because other numbers differ too, keep their order among the indices that are
-    left. None if fewer than two velocities are elsewhere than in the file.
+    A velocity whose diagonal entry fits none of the engine's, because other numbers differ too, keeps its index or, if another
+    velocity has that, takes the first free index. Return None if fewer than two of the fitting velocities change their index.
+    alike: the relative difference up to which entries fit.
     """
     n = truth.shape[1]
     size = np.max(np.abs(truth), axis=0)

@@ -1,4 +1,4 @@
-"""Suspected faults of a reader, and the model that a file would be if it had them."""
+"""Suspected faults in an engine's reading of a file, and the model of the file with such faults."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -13,16 +13,16 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Fault:
-    """A part of a robot model that an engine has read differently from what the file says.
+    """A part of a robot model that an engine has read differently from the file.
 
     Attributes
     ----------
     cause, quantity, subject
         The cause, the quantity, and the name of the body or joint.
     link, joint
-        The attributes of the link or joint of that name, as the engine has them; empty where the subject is the other.
+        The attributes of the link, or of the joint, named `subject`, as the engine has them; empty if none change.
     row
-        A row that names the subject, where no number that the engine tells does so.
+        A row that names the subject, for a fault that no number reported by the engine shows.
     """
 
     cause: Cause
@@ -34,7 +34,7 @@ class Fault:
 
 
 def changed(model: RobotModel, faults: Iterable[Fault]) -> RobotModel:
-    """Return a model with faults put into it. Those of links and joints that the model does not have are left out."""
+    """Return a model with faults put into it. Faults of links and joints that the model lacks are left out."""
     links, joints = {link.name for link in model.links}, {joint.name for joint in model.joints}
     for fault in faults:
         if fault.link and fault.subject in links:

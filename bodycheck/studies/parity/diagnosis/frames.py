@@ -1,4 +1,4 @@
-"""Frames of an engine that are elsewhere than in the file, found by the poses of the bodies at the states."""
+"""Frames that an engine places differently from the file, found from the poses of the bodies at the states."""
 
 from collections.abc import Iterator
 
@@ -15,12 +15,12 @@ from bodycheck.studies.parity.rotations import composed, gaps, inverse, relative
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.stacks import values
 
-#: Difference of poses, relative to the reach of the robot or in rad, below which they are the same.
+#: The difference of poses, relative to the reach of the robot or in rad, below which the poses are the same.
 SAME = 1e-7
 
 
 def faults(comparison: Comparison) -> Iterator[Fault]:
-    """Yield a fault for each joint whose frame, or whose motion about its axis, is another one in the engine."""
+    """Yield a fault for each joint whose frame or axis in the engine is not that of the file."""
     row = next((row for row in comparison.rows if row.quantity == "pose"), None)
     if row is None or row.status != "differs":
         return
@@ -33,7 +33,7 @@ def faults(comparison: Comparison) -> Iterator[Fault]:
 
 
 def _of_joint(comparison: Comparison, joint: RobotJoint, parent: str, child: str) -> Iterator[Fault]:
-    """Yield the fault of a joint between two bodies of the engine."""
+    """Yield the fault of a joint between two bodies of the engine, if its frame or axis differs."""
     truth = relative(comparison.truth.poses[parent], comparison.truth.poses[child])
     engine = relative(comparison.engine.poses.get(parent, comparison.truth.poses[parent]), comparison.engine.poses[child])
     if _alike(comparison, engine, truth):
@@ -60,7 +60,7 @@ def _of_joint(comparison: Comparison, joint: RobotJoint, parent: str, child: str
 
 
 def _of_welded(comparison: Comparison) -> Iterator[Fault]:
-    """Yield the faults of links that are fixed to a body of the engine, whose poses the engine tells."""
+    """Yield the faults of links that are fixed to a body of the engine and whose poses the engine still reports."""
     model, kept = comparison.match.model, {link.name for link in comparison.match.bodies.links}
     for joint in model.joints:
         parent, child = model.links[joint.parent].name, model.links[joint.child].name
@@ -78,7 +78,7 @@ def _of_welded(comparison: Comparison) -> Iterator[Fault]:
 
 
 def _axis(comparison: Comparison, joint: RobotJoint, engine: Array) -> Array | None:
-    """Return the axis about or along which a joint moves in the engine; None if it cannot be told from its poses."""
+    """Return the axis about or along which a joint moves in the engine; None if the poses do not determine it."""
     if joint.type not in ("revolute", "prismatic"):
         return None
     positions = values(comparison.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
@@ -94,7 +94,7 @@ def _axis(comparison: Comparison, joint: RobotJoint, engine: Array) -> Array | N
 
 
 def _motion(comparison: Comparison, joint: RobotJoint, axis: Array) -> Array:
-    """Return the poses (s, 7) of the child of a joint in its frame, for another axis."""
+    """Return the poses (s, 7) of the child of a joint in the joint's frame if the joint has the given axis (3,)."""
     positions = values(comparison.motion.states, [(joint.name, 0)], lambda state: state.positions)[:, 0]
     poses = np.zeros((len(positions), 7))
     if joint.type == "prismatic":
@@ -105,7 +105,7 @@ def _motion(comparison: Comparison, joint: RobotJoint, axis: Array) -> Array:
 
 
 def _weld(comparison: Comparison, joint: RobotJoint, engine: Array) -> str:
-    """Return the name of the joint whose frame makes the difference: a weld before a joint, or the joint itself."""
+    """Return the name of the joint whose frame causes the difference: a weld on the path to `joint`, or `joint` itself."""
     model = comparison.match.model
     path = _path(model, comparison.match.bodies, joint)
     for lost in path:

@@ -1,8 +1,8 @@
-"""Masses, centres of mass, inertias and armatures that an engine does not tell, found in its mass matrix and gravity forces.
+"""Masses, centres of mass, inertias and armatures that an engine does not report, found in its mass matrix and gravity forces.
 
-Few faults are looked for: armatures, one body, a body with armatures, and two bodies. A fault is named only if its numbers, put
-into the model of the file, leave nothing of the difference, and if they are of a kind that readers make. What has no free
-number comes first: that a dropped inertia or a mistaken weld explains everything by chance is not to be expected.
+Only a few sets of faults are tried: armatures, one body, one body with armatures, and two bodies. A fault is named only if its
+numbers, put into the model of the file, explain all of the difference, and if it is of a kind that readers make. Faults
+without free numbers are tried first: a dropped inertia or a mistaken weld hardly explains everything by chance.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -24,19 +24,19 @@ from bodycheck.studies.parity.quantities import Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.stacks import Stack
 
-#: The part of a difference that is rounding.
+#: The part of a difference that counts as rounding.
 LEFT = 1e-7
 
-#: Most free numbers that the changes of bodies have together.
+#: The largest count of free numbers in the changes of all bodies together.
 MOST = 12
 
-#: Steps of Newton's method for a centre of mass, on which inertias depend by squares.
+#: The most steps of Newton's method, which is needed because inertias are quadratic in the centre of mass.
 STEPS = 12
 
 
 @dataclass(frozen=True, eq=False)
 class _Kind:
-    """A kind of change of a body: the body with some numbers, of which there are `count`, and zeros for no change."""
+    """A kind of change to a body: `body` returns the changed body for `count` free numbers. Zeros change nothing."""
 
     count: int
     body: Callable[[Inertial, Array], Inertial]
@@ -46,7 +46,7 @@ def _with_tensor(body: Inertial, numbers: Array) -> Inertial:
     return Inertial(body.mass, body.centre, body.tensor + tensor(numbers))
 
 
-#: The kinds of changes, those with fewest numbers first.
+#: The kinds of changes, with the fewest free numbers first.
 KINDS = (
     _Kind(0, lambda body, numbers: Inertial(body.mass, body.centre, np.zeros((3, 3)))),
     _Kind(0, lambda body, numbers: Inertial(body.mass, body.centre, np.diag(np.diag(body.tensor)))),
@@ -58,7 +58,7 @@ KINDS = (
 
 
 def faults(comparison: Comparison, terms: Stack, model: RobotModel) -> Iterator[Fault]:
-    """Yield the faults that make the mass matrix and gravity forces of an engine from those of a model.
+    """Yield the faults that explain how the mass matrix and gravity forces of an engine differ from those of a model.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def faults(comparison: Comparison, terms: Stack, model: RobotModel) -> Iterator[
 
 @dataclass(frozen=True)
 class _Set:
-    """The numbers that may differ: those of bodies, with a limit of how many in all, and armatures."""
+    """The numbers that may differ: at most `numbers` numbers of the bodies in all, and the armatures if `armatures` is true."""
 
     bodies: tuple[str, ...]
     armatures: bool
@@ -100,7 +100,7 @@ class _Set:
 
 
 def _sets(bodies: Sequence[str], armatures: bool) -> Iterator[_Set]:
-    """Yield what may differ, the simplest first."""
+    """Yield the sets of numbers that may differ, the simplest set first."""
     single, pairs = [(name,) for name in bodies], list(combinations(bodies, 2))
     yield from (_Set(names, False, 0) for names in single)
     if armatures:
@@ -120,7 +120,7 @@ def _solve(
     known: dict[str, tuple[_Kind, ...]],
     chosen: _Set,
 ) -> tuple[dict[str, Inertial], Array] | None:
-    """Return the changed bodies and armatures that explain all differences; None if no changes of a known kind do."""
+    """Return the changed bodies and the additions to armatures that explain all differences, if they are of a known kind."""
     least = LEFT * float(np.max(np.abs(linear.left)))
     armatures = linear.armatures[:, free]
     everything = np.concatenate([armatures, *(linear.bodies[name] for name in bodies)], axis=1)
@@ -139,7 +139,7 @@ def _solve(
 
 
 def _welds(comparison: Comparison, name: str) -> Iterator[_Kind]:
-    """Yield the changes of a body whose links are joined with a usual mistake."""
+    """Yield the changes of a body by which its links are joined with a usual mistake."""
     joined = parts(comparison.match.model, name, {link.name for link in comparison.match.bodies.links})
     if len(joined) > 1:
         for wrong in joined_wrongly(joined):
@@ -147,7 +147,7 @@ def _welds(comparison: Comparison, name: str) -> Iterator[_Kind]:
 
 
 def _are_possible(comparison: Comparison, free: list[int], more: Array) -> bool:
-    """Return whether no armature is negative, beyond rounding."""
+    """Return whether no armature is negative, beyond rounding, after `more` is added to it."""
     least = -LEFT * float(np.max(np.abs(more), initial=0.0))
     return bool(np.all(comparison.match.numbers("armature")[free] + more >= least))
 
@@ -155,7 +155,7 @@ def _are_possible(comparison: Comparison, free: list[int], more: Array) -> bool:
 def _newton(
     linear: Regression, bodies: dict[str, Inertial], kinds: Sequence[_Kind], armatures: Array, least: float
 ) -> tuple[dict[str, Inertial], Array] | None:
-    """Return the bodies with numbers of certain kinds, and the armatures, that explain everything; None if there are none."""
+    """Return the bodies, changed by given kinds, and the additions to armatures that explain everything; None if none do."""
     sizes = [kind.count for kind in kinds]
     numbers = np.zeros(sum(sizes) + armatures.shape[1])
 
@@ -194,7 +194,7 @@ def _is_known(bodies: dict[str, Inertial], changed: dict[str, Inertial], kinds: 
 
 
 def _of_body(comparison: Comparison, name: str, truth: Inertial, engine: Inertial) -> Iterator[Fault]:
-    """Yield the faults of a body whose numbers were found: of one whose links are joined wrongly, of each that differs."""
+    """Yield the fault of a body whose numbers were found; if its links are joined wrongly, a fault for each wrong number."""
     joined, values = (
         parts(comparison.match.model, name, {link.name for link in comparison.match.bodies.links}),
         attributes(engine),
@@ -221,7 +221,7 @@ def _of_body(comparison: Comparison, name: str, truth: Inertial, engine: Inertia
 
 
 def _changed(truth: Inertial, engine: Inertial) -> tuple[Quantity, Cause]:
-    """Return which number of a body of one link is another one, and why."""
+    """Return the quantity of a body that differs, and the cause."""
     if engine.mass != truth.mass:
         return "mass", "mass"
     if np.any(engine.centre != truth.centre):

@@ -1,4 +1,4 @@
-"""Why a body of an engine has another mass, centre of mass or inertia than the links of the file that it is made of."""
+"""The mistakes by which the mass, centre of mass or inertia of an engine's body differs from that of its links in the file."""
 
 import math
 from collections.abc import Iterator
@@ -8,8 +8,8 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 
-#: Difference, relative to the size, up to which recomputed numbers are those of an engine in double precision; the part of the
-#: difference to be explained that may be left where that is small; and the rounding of doubles.
+#: `SAME` is the difference, relative to the size, up to which recomputed numbers are those of an engine in double precision,
+#: `PART` the part of a small difference to be explained that may remain, and `ROUNDING` the relative rounding of doubles.
 SAME, PART, ROUNDING = 1e-7, 1e-2, 1e-14
 
 
@@ -23,7 +23,7 @@ class Inertial:
 
 
 def same(one: Array, other: Array, size: float, near: float = SAME) -> bool:
-    """Return whether two arrays are the same up to rounding, which is `near` of a size."""
+    """Return whether two arrays are the same up to rounding, which is `near` times `size`."""
     return within(one, other, near * size)
 
 
@@ -33,25 +33,28 @@ def within(one: Array, other: Array, limit: float) -> bool:
 
 
 def _limit(engine: Array, truth: Array, near: float) -> float:
-    """Return the difference of tensors that is rounding: a part `near` of their size, and of the difference to be explained."""
+    """Return the difference of tensors that counts as rounding: `near` times their size, but no more than a part of the change.
+
+    It is at least the rounding of doubles.
+    """
     change = float(np.max(np.abs(engine - truth)))
     return max(min(near * size_of(engine, truth), PART * change), ROUNDING * size_of(engine, truth))
 
 
 def size_of(*tensors: Array) -> float:
-    """Return the largest entry of tensors."""
+    """Return the largest absolute entry of all tensors."""
     return float(max((np.max(np.abs(tensor)) for tensor in tensors), default=0.0))
 
 
 def is_dropped(engine: Array, truth: Array, near: float = SAME) -> bool:
-    """Return whether an inertia is nothing, or has lost its products."""
+    """Return whether the engine's inertia is zero, or has lost the products of inertia of the truth."""
     limit, diagonal = _limit(engine, truth, near), np.diag(np.diag(truth))
     lost = np.any(np.abs(truth - diagonal) > limit) and within(engine, diagonal, limit)
     return bool(lost or (size_of(truth) > 0 and within(engine, np.zeros((3, 3)), limit)))
 
 
 def is_turned(engine: Array, truth: Array, near: float = SAME) -> bool:
-    """Return whether an inertia has the same principal moments along other axes; negative ones may have become zero."""
+    """Return whether an inertia has the principal moments of the truth along other axes. Negative ones may have become zero."""
     if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
         return False
     moments = [np.asarray(np.linalg.eigvalsh(tensor), float) for tensor in (engine, truth)]
@@ -61,10 +64,10 @@ def is_turned(engine: Array, truth: Array, near: float = SAME) -> bool:
 
 
 def is_balanced(engine: Array, truth: Array, near: float = SAME) -> bool:
-    """Return whether an inertia was made one that a body can have, or larger than some least moment.
+    """Return whether an engine has replaced an inertia by one that a body can have, or has raised its moments.
 
-    An engine may replace an inertia that cannot be, such as by the mean of its moments or that of a ball, raise the moments of
-    any to some least one, or add one number to all of them.
+    An engine may replace an inertia that no body can have, such as by the mean of its moments or by the inertia of a ball,
+    raise the moments of any inertia to some least value, or add the same number to all of its moments.
     """
     if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
         return False
@@ -94,9 +97,9 @@ def steiner(mass: float, centre: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A link that an engine has joined to a body: its inertial in its own frame, and its frame in that of the body.
+    """A link that an engine has joined to a body: its inertial in its own frame, and the way to this frame.
 
-    welds: the rotations (3, 3) and places (3,) of the welds from the body to the link, each in the frame before it.
+    welds: the rotations (3, 3) and positions (3,) of the welds from the body to the link, each in the frame before it.
     """
 
     name: str
@@ -113,7 +116,7 @@ def frame(welds: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
 
 
 def joined(placed: list[Inertial]) -> Inertial:
-    """Return several inertials in one frame as one."""
+    """Return the inertial of several inertials together, all in the same frame."""
     mass = math.fsum(inertial.mass for inertial in placed)
     if not mass:
         return Inertial(0.0, np.zeros(3), np.sum([inertial.tensor for inertial in placed], axis=0))
@@ -129,7 +132,7 @@ def placed(part: Part) -> Inertial:
 
 
 def joined_wrongly(parts: tuple[Part, ...]) -> Iterator[Inertial]:
-    """Yield what a body would be if its parts were joined with a usual mistake in one of them, or in all that have a weld."""
+    """Yield the inertials of a body whose parts are joined with a usual mistake in one or all welded parts, or in the sum."""
     right = [placed(part) for part in parts]
     welded = [index for index, part in enumerate(parts) if part.welds]
     for ways in zip(*(_mistaken(parts[index]) for index in welded), strict=False):
@@ -144,7 +147,7 @@ def joined_wrongly(parts: tuple[Part, ...]) -> Iterator[Inertial]:
 
 
 def _mistaken(part: Part) -> Iterator[Inertial | None]:
-    """Yield the inertial of a part in the frame of its body with each mistake; None where it is left out."""
+    """Yield the inertial of a part in the frame of its body with each usual mistake; None if the part is left out."""
     inertial, right = part.inertial, placed(part)
     turn, origin = frame(part.welds)
     yield None
@@ -163,7 +166,7 @@ def _mistaken(part: Part) -> Iterator[Inertial | None]:
 
 
 def _without_shift(right: list[Inertial]) -> Iterator[Inertial]:
-    """Yield bodies whose tensors were added as they are, or whose centre of mass or mass is that of the first part alone."""
+    """Yield inertials with tensors added without a shift, or with the centre of mass or the tensor of the first part alone."""
     whole, first = joined(right), right[0]
     added = np.sum([inertial.tensor for inertial in right], axis=0)
     yield Inertial(whole.mass, whole.centre, added)

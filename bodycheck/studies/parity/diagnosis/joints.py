@@ -1,4 +1,4 @@
-"""Causes of differences in what an engine tells of its joints."""
+"""The causes of differences in the numbers and types of joints that an engine reports."""
 
 import math
 from collections.abc import Iterator
@@ -15,10 +15,10 @@ from bodycheck.studies.parity.quantities import Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.tree import same_mimic, same_type
 
-#: What one number is of another where radians were taken for degrees, or the reverse.
+#: The ratios of two numbers if radians were taken for degrees, or the reverse.
 DEGREES = (180 / math.pi, math.pi / 180)
 
-#: The causes of a number that is ignored. A joint without its spring is another joint.
+#: The cause for each number of a joint that an engine ignores. A joint without its spring is another joint.
 IGNORED: dict[Quantity, Cause] = {
     "damping": "damping-ignored",
     "friction": "friction-ignored",
@@ -27,7 +27,7 @@ IGNORED: dict[Quantity, Cause] = {
 
 
 def faults(comparison: Comparison) -> Iterator[Fault]:
-    """Yield a fault for each number or word of a joint that differs from the file."""
+    """Yield a fault for each number and each type of a joint that differs from the file."""
     model = comparison.asked.model
     joints = {joint.name: joint for joint in model.joints}
     for row in comparison.rows:
@@ -48,7 +48,7 @@ def _number(row: Compared, joint: RobotJoint, joint_read: ReadJoint) -> Fault | 
             value, expected = float(getattr(joint_read, quantity)), float(getattr(joint, quantity))
             return Fault(number_cause(quantity, value, expected), quantity, joint.name, joint={quantity: value})
         case "axis":
-            assert joint_read.axis is not None  # there is no row without it
+            assert joint_read.axis is not None  # an engine without an axis has no row
             axis = np.array(joint_read.axis)
             return Fault(_axis_cause(axis, joint), "axis", joint.name, joint={"axis": np.asarray(axis, np.longdouble)})
         case "effort_limit":

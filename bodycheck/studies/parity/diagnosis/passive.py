@@ -1,4 +1,4 @@
-"""Springs, damping and friction that an engine has in what it computes, and not only in what it tells of its joints."""
+"""Springs, damping and friction in the forces that an engine computes, which may not be those that it reports of its joints."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from bodycheck.studies.parity.quantities import Quantity
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.stacks import Stack, times, values
 
-#: Difference, relative to the largest of the forces that add to it, below which a force is explained by numbers of a joint.
+#: The rest of a force, relative to the largest of the forces in its sum, below which numbers of a joint explain the force.
 SAME = 1e-7
 
 #: The numbers of a joint that make passive forces.
@@ -24,7 +24,7 @@ NUMBERS: tuple[Quantity, ...] = ("damping", "friction", "stiffness")
 
 @dataclass(frozen=True)
 class _Made:
-    """The damping, friction and stiffness by which a joint makes a force."""
+    """The damping, friction and stiffness that make the passive force of a joint."""
 
     damping: float
     friction: float
@@ -32,9 +32,10 @@ class _Made:
 
 
 def faults(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
-    """Yield a fault for each number of a joint that is not in an engine's passive forces or forward dynamics as in the file.
+    """Yield a fault for each damping, friction or stiffness that an engine's forces show to differ from the file.
 
-    Nothing is yielded if a force is none that any damping, friction and stiffness of the joints make.
+    Yield nothing if some force follows from no damping, friction and stiffness of its joint. quantity: the term whose forces
+    are examined, "passive_force" or "forward_dynamics".
     """
     force = comparison.engine.passive_force if quantity == "passive_force" else passive_part(comparison)
     if force is None or not force.size:
@@ -52,10 +53,10 @@ def faults(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
 
 
 def is_friction_of_a_constraint(comparison: Comparison, quantity: Quantity, without: Stack) -> bool:
-    """Return whether passive forces differ from those of the file by dry friction that an engine has as a constraint.
+    """Return whether passive forces differ from the file only by dry friction that the engine treats as a constraint.
 
-    Such a friction may have any size up to that of the file, in either direction. without: the terms of the file at the same
-    states without dry friction.
+    Such friction may have any size up to the friction in the file, in either direction. without: the terms of the file at the
+    same states without dry friction.
     """
     force = comparison.engine.passive_force if quantity == "passive_force" else passive_part(comparison)
     expected = without.passive_force
@@ -67,10 +68,10 @@ def is_friction_of_a_constraint(comparison: Comparison, quantity: Quantity, with
 
 
 def implicit_step(comparison: Comparison) -> float | None:
-    """Return the time step h (s) with which an engine adds h times the damping to the diagonal of its mass matrix.
+    """Return the time step h (s) of an engine that adds h times the damping to the diagonal of its mass matrix.
 
-    It takes the damping at the velocities after a step, so that its accelerations are those of (M + h D) a. None if that does
-    not explain them.
+    Such an engine takes damping forces at the velocities after the step, so that its accelerations are those of the mass matrix
+    M + h D. Return None if no step explains its accelerations.
     """
     passive, expected = passive_part(comparison), comparison.truth.passive_force
     forward = comparison.engine.forward_dynamics
@@ -85,7 +86,7 @@ def implicit_step(comparison: Comparison) -> float | None:
 
 
 def implicit(comparison: Comparison, step: float) -> Iterator[Fault]:
-    """Yield a fault for each joint with damping, which an engine takes at the end of a time step (s)."""
+    """Yield a fault for each damped joint of an engine that takes damping forces at the end of a time step (s)."""
     for joint in comparison.match.model.joints:
         if joint.damping and joint.name in comparison.match.joints:
             sides = f"{joint.damping!r} at the end of a step of {step:.3g} s", text([joint.damping])
@@ -94,7 +95,7 @@ def implicit(comparison: Comparison, step: float) -> Iterator[Fault]:
 
 
 def constraints(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
-    """Yield a fault for each joint whose dry friction an engine has as a constraint."""
+    """Yield a fault for each joint whose dry friction an engine treats as a constraint."""
     for joint in comparison.match.model.joints:
         if joint.friction:
             sides = f"a constraint of up to {joint.friction!r}", text([joint.friction])
@@ -102,7 +103,7 @@ def constraints(comparison: Comparison, quantity: Quantity) -> Iterator[Fault]:
 
 
 def passive_part(comparison: Comparison) -> Array | None:
-    """Return the passive forces (s, n) in an engine's accelerations, by its own other terms; None if one is missing."""
+    """Return the passive forces (s, n) that follow from an engine's accelerations and other terms; None if one is missing."""
     terms = comparison.engine
     known = (terms.mass_matrix, terms.coriolis_force, terms.gravity_force, terms.forward_dynamics)
     if any(part is None for part in known):
@@ -117,7 +118,7 @@ def _same(comparison: Comparison) -> float:
 
 
 def _scale(terms: Stack, force: Array, quantity: Quantity) -> Array:
-    """Return for each velocity the size (n,) of the forces of which rounding leaves something in a passive force."""
+    """Return for each velocity (n,) the largest force whose rounding error enters the passive force."""
     parts = [part for part in (force, terms.gravity_force, terms.coriolis_force) if part is not None]
     if quantity == "forward_dynamics" and terms.mass_matrix is not None and terms.forward_dynamics is not None:
         parts.append(times(np.abs(terms.mass_matrix), np.abs(terms.forward_dynamics)))
@@ -125,7 +126,7 @@ def _scale(terms: Stack, force: Array, quantity: Quantity) -> Array:
 
 
 def _made(comparison: Comparison, joint: RobotJoint, component: int, force: Array, limit: float) -> _Made | None:
-    """Return the numbers that make a force (s,) of a velocity, up to a limit (N m or N); None if none do."""
+    """Return the numbers of a joint that make a force (s,) on a velocity, up to a limit (N m or N); None if none do."""
     label = [(joint.name, component)]
     velocity = values(comparison.motion.states, label, lambda state: state.velocities)[:, 0]
     columns = [-velocity, -np.sign(velocity)]
@@ -142,7 +143,7 @@ def _made(comparison: Comparison, joint: RobotJoint, component: int, force: Arra
 
 
 def _of_joint(comparison: Comparison, joint: RobotJoint, numbers: _Made, term: Quantity) -> Iterator[Fault]:
-    """Yield the faults of a joint. What an engine tells rightly and does not use is a row of the term that lacks it."""
+    """Yield the faults of a joint. If a row compares the number that the engine reports, the fault's row is about `term`."""
     compared = {row.quantity for row in comparison.rows if row.subject == joint.name and row.status in ("agrees", "differs")}
     for quantity in NUMBERS:
         engine, truth = float(getattr(numbers, quantity)), float(getattr(joint, quantity))

@@ -26,11 +26,11 @@ class Regression:
     Attributes
     ----------
     left
-        What an engine's mass matrix and gravity forces have at some states more than a model (r,).
+        The mass matrices and gravity forces of an engine at some states, minus those of a model (r,).
     bodies
-        For each body, what a unit of each of its parameters adds (r, 10).
+        For each body, the changes (r, 10) by a unit of each of its parameters.
     armatures
-        What a unit of armature at each velocity adds (r, n).
+        The changes (r, n) by a unit of armature at each velocity.
     """
 
     left: Array
@@ -39,9 +39,10 @@ class Regression:
 
 
 def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vector) -> Regression | None:
-    """Return the regression of what an engine's terms have more than those of a model, at the same states.
+    """Return the regression of an engine's terms minus those of a model at the same states.
 
-    names: the bodies whose parameters may differ. None if a mass matrix is missing.
+    names: the bodies whose parameters may differ. gravity: the gravitational acceleration (m/s^2). Return None if a mass matrix
+    is missing or not finite.
     """
     mass, expected = engine.mass_matrix, model.mass_matrix
     if mass is None or expected is None or not np.all(np.isfinite(mass)) or not np.all(np.isfinite(expected)):
@@ -54,7 +55,7 @@ def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vecto
     size = float(np.max(np.abs(model.gravity_force) / roots, initial=0.0)) if model.gravity_force is not None else 0.0
     pulls = pulls and size > 0
 
-    # An engine may tell mass matrices of any size where the file has a body that cannot be; what overflows explains nothing.
+    # If the file has an impossible body, an engine may report mass matrices of any size. An overflow explains nothing.
     @np.errstate(over="ignore")
     def rows(matrices_: Array, forces: Array | None) -> Array:
         parts = [(matrices_ * weights)[:, upper[0], upper[1]].ravel()]
