@@ -1,6 +1,6 @@
-"""The pages that exist once: the front page, the page of a raw row, and the page of what the site leaves out.
+"""The front page, the page of a raw row, and the page of the paths that the site leaves out.
 
-No other page shows anything of what is left out.
+No other page mentions the paths that are left out.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def _best(line: Line) -> dict[int, list[str]]:
-    """Return the cells of a line that are others for the best methods, by their columns."""
+    """Return the cells of a line for the best methods that differ from the cells for the own methods, by column."""
     pairs = enumerate(zip(line.own, line.best, strict=True))
     return {column: _fields(best) for column, (usual, best) in pairs if usual != best}
 
