@@ -98,7 +98,7 @@ def page(
     header
         Header of the results: versions, machine and command.
     notices
-        Sentences that limit what the report says.
+        Sentences about the limits of the report.
     specifications
         Charts by their names in the template.
     index
@@ -126,7 +126,7 @@ def page(
 
 
 def environment(room: str) -> jinja2.Environment:
-    """Return an environment for the templates in the folder `templates` of a package. room: its name, as "bodycheck.reports".
+    """Return an environment for the templates in the folder `templates` of the package `room`, such as "bodycheck.reports".
 
     Values are escaped, and a missing value is an error. The templates have the filter `json`, `verdicts` and `count`.
     """

@@ -40,9 +40,9 @@ FURTHER_HUES = (
     ("#a781b8", "#7b578b"),
 )
 
-#: Lengths on and off, in pixels.
+#: The dash patterns of lines: lengths on and off, in pixels.
 DASHES: tuple[tuple[int, ...], ...] = ((1, 0), (7, 3), (2, 2), (9, 3, 2, 3), (4, 4), (12, 4), (6, 2, 2, 2, 2, 2), (1, 4))
-#: Pixels, from the largest time step to the smallest.
+#: The widths of lines in pixels, from the largest time step to the smallest.
 WIDTHS = (2.0, 1.3, 0.8)
 
 #: With several sets of results, the last set has the usual lines. Each earlier set has paler lines that are broader by this

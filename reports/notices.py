@@ -42,7 +42,7 @@ class Asked:
 
     @property
     def lacks(self) -> str:
-        """The effects in the scene that the engine does not model; empty if the run is not refused, or for another reason."""
+        """The effects in the scene that the engine does not model; empty unless the run is refused for that reason."""
         names = "|".join(map(re.escape, (self.engine, adapter_of(self.engine))))
         found = re.fullmatch(rf"(?:{names}) {re.escape(self.version)} does not model ([\w, ]+)", self.refused)
         if found is None:
@@ -52,7 +52,7 @@ class Asked:
 
 
 def not_supported(asked: Iterable[Asked]) -> tuple[str, ...]:
-    """Return sentences about unsupported runs: one about missing models, then one about other reasons for each kind of scene.
+    """Return sentences about unsupported runs: about effects that are not modelled, then about other reasons by kind of scene.
 
     If an engine refuses only some of its runs of such scenes, the sentence gives their number.
     """

@@ -97,7 +97,7 @@ class StudyReport:
     header
         Versions, machine and command, as in the header of results.
     notices
-        Sentences that limit what the report says.
+        Sentences about the limits of the report.
     findings
         Findings; `where` of each is empty or the name of a part.
     parts

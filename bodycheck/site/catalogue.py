@@ -33,7 +33,7 @@ class Entry:
     table
         The file name of the table.
     place
-        The place of the row in the table, from 0.
+        The index of the row in the table, from 0.
     """
 
     source: Submission

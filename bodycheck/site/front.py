@@ -150,7 +150,7 @@ class Front:
 
     @cached_property
     def news(self) -> tuple[News, ...]:
-        """Return the changes of each engine that has any."""
+        """Return the changes of each engine that has any changes."""
         found = (self._news(head) for head in self.heads)
         return tuple(one for one in found if one is not None)
 

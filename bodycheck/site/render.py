@@ -28,9 +28,9 @@ class File:
     Parameters
     ----------
     path
-        Its path inside the site, with slashes.
+        The path of the file inside the site, with slashes.
     content
-        Its content.
+        The bytes of the file.
     """
 
     path: str
@@ -43,7 +43,7 @@ def page(path: str, template: str, **values: Any) -> File:
     Parameters
     ----------
     path
-        Its path inside the site.
+        The path of the page inside the site.
     template
         The name of the template in the folder `templates`. A template can use `root` (the relative address of the site's
         root), `path`, the functions of `links`, the `verdicts`, the `words` for verdicts on scenes, the `titles` of figures,

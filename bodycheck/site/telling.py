@@ -21,7 +21,7 @@ class Piece:
     Parameters
     ----------
     text
-        Its text.
+        The text of the part.
     address
         The address inside the site to which the text links; empty for plain text.
     """

@@ -97,7 +97,7 @@ def _drawn(place: int, line: Line, across: Sequence[float], up: Height) -> list[
 
 
 def _decades(values: Sequence[float | None]) -> tuple[int, int]:
-    """Return the exponents of the powers of ten just below and just above all positive values."""
+    """Return the exponents of the powers of ten that enclose all positive values."""
     positive = [math.log10(value) for value in values if value]
     low, high = math.floor(min(positive)), math.ceil(max(positive))
     return (low, high) if low < high else (low - 1, high)

@@ -45,7 +45,7 @@ MOST_NUMBERS = 300_000
 #: The most points of a curve.
 MOST_POINTS = 256
 
-#: The most instants of the curves of the angular momentum in all cases, about 1.5 MB, and the least instants in each case.
+#: The most instants of the curves of the angular momentum in all cases, about 1.5 MB, and the fewest instants in each case.
 MOST_INSTANTS, LEAST_INSTANTS = 25_000, 50
 
 #: The most processor time (s) for the curves and the animation of a case. A thousand runs take about twenty seconds.

@@ -206,7 +206,7 @@ def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
 
 
 def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
-    """Return a finding about the method with the smallest largest attitude error among methods that completed every case.
+    """Return a finding about the method whose largest attitude error is smallest, among methods that completed every case.
 
     everywhere: the cases in words. Return None if fewer than two methods completed all cases, or if all are equally close.
     """

@@ -65,7 +65,7 @@ def _message(verdict: Verdict, judged: Judged, file: str | None) -> str:
 def unchecked_annotations(
     unchecked: Iterable[Unchecked], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
 ) -> Iterator[str]:
-    """Yield an annotation for each expectation that could not be checked. For other arguments see `annotations`."""
+    """Yield an annotation for each expectation that could not be checked. For the other arguments, see `annotations`."""
     root = Path(environment.get("GITHUB_WORKSPACE", "."))
     for one in unchecked:
         case = cases[one.case]

@@ -133,7 +133,7 @@ class Column:
 
     `results` is the label of the set of results; it is empty if there is only one set. `demonstrates` says whether the method
     is a demonstration. `same_as` is the name of the first method with the same algorithm; it is empty for that method itself
-    and for methods with an algorithm of which there is no other.
+    and for methods whose algorithm no other method has.
     """
 
     engine: str
@@ -237,7 +237,7 @@ class Matrix:
 
 
 def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
-    """Return the integrator, with its options, that completed the most cases and, among equals, has the smallest largest error.
+    """Return the integrator, with its options, that completed the most cases and, among equals, has the smallest maximum error.
 
     If a case was run with several time steps, the common time step counts. A demonstration is the best only if there are no
     other methods. methods: the methods of one engine with their cells, one for each case.

@@ -99,7 +99,7 @@ def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity
 
 
 def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
-    """Return the text alone in a tuple if there are several sets of results; otherwise an empty tuple."""
+    """Return the tuple `(text,)` if there are several sets of results; otherwise an empty tuple."""
     return (text,) if any(verdict.label for verdict in verdicts) else ()
 
 

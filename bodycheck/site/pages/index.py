@@ -12,7 +12,7 @@ from bodycheck.site.render import File, page
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
-    """Yield the pages."""
+    """Yield the three pages."""
     front = Front(catalogue)
     best = [_best(line) for group in front.groups for line in group.lines]
     yield page(links.INDEX, "index.html.jinja", front=front, catalogue=catalogue, best=best)

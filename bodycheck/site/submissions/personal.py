@@ -87,7 +87,7 @@ class Cleaning:
 
 
 def first(value: str) -> str | None:
-    """Return a description of the first e-mail address, or else home folder, in a text, with the part itself; None if none."""
+    """Return a description of the first e-mail address in a text, or else of the first home folder; None if it has neither."""
     for pattern, kind in ((MAIL, "an e-mail address"), (HOME, "the path of a home folder")):
         found = pattern.search(value) if "@" in value or "/" in value or "\\" in value else None
         if found is not None:

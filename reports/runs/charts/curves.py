@@ -22,7 +22,7 @@ from bodycheck.results.outcome import Completed
 #: The most instants of the curves of the angular momentum.
 MOST_CORNERS = 800
 
-#: The divisor from the instants of the angular momentum to the instants of a joint's curve, and the least number of the latter.
+#: The curves of joints have 1/`SHARE` of the instants of the angular momentum, but at least `FEWEST_CORNERS` instants.
 SHARE, FEWEST_CORNERS = 4, 40
 
 #: About the most points of a chart with a tooltip. Each is an element of the page and takes time to draw.

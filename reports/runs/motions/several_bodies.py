@@ -111,7 +111,7 @@ def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
 def _in_space(scene: AnyScene, shown: Cast) -> _View:
     """Return the view of bodies on joints.
 
-    If no body is connected to the world, the pictures follow the centre of mass of the truth. They look at right angles to the
+    If nothing holds or pushes the bodies, the pictures follow the centre of mass of the truth. They look at right angles to the
     widest horizontal extent of the motion.
     """
     exact = of_bodies(shown.exact)
