@@ -1,18 +1,18 @@
-"""Reports: what people and programs read about results.
+"""Reports about results, for people and programs.
 
-A report is `report.html`, one file that works from disk without a network, and `report.md`. Reports of runs also have
+A report consists of `report.html`, one file that works from disk without a network, and `report.md`. Reports of runs also have
 `results.json`. They are made from stored results and their verdicts; nothing is simulated here.
 
-This folder is the frame that all reports share:
+The modules in this folder are shared by all reports:
 
-- `study`: the contents of a study's report, before they are laid out; the pages of `bodycheck.studies` make them.
-- `finding`, `notices`, `tables`, `lines`, `quantities`: sentences, tables, the line of each method, names of quantities,
+- `study`: the contents of a study's report before layout; the `page` modules of `bodycheck.studies` make them.
+- `finding`, `notices`, `tables`, `lines`, `quantities`: sentences, tables, the line of each method, names of quantities, and
   numbers as text.
 - `charts`, `series`, `plot_files`: parts of charts, curves with few points, and plots as files.
-- `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts, and `templates/player/` the player, which
-  `player` puts together.
+- `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts; `player` assembles the player from the files
+  in `templates/player/`.
 
-The folder `runs` is the report of runs, built on this frame, which imports nothing from it.
+The folder `runs` has the report of runs, which uses these modules; they import nothing from it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["annotate_github", "brief", "write", "write_junit", "write_study"]
 
-# Functions import what they need: templates and charts are slow to import, and many commands write no report.
+# Imports are inside functions, because templates and charts are slow to import and many commands write no report.
 
 
 def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:
@@ -41,11 +41,11 @@ def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]"
     Parameters
     ----------
     sets
-        The results, or several that are compared; these must have labels.
+        One set of results, or several sets to compare, which must have labels.
     folder
-        Where to write.
+        The folder into which to write.
     formats
-        Formats in which every plot is also written as a file of its own.
+        The formats in which every plot is also written as a separate file.
 
     Raises
     ------
@@ -68,21 +68,21 @@ def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]"
 
 
 def brief(sets: "Sequence[ResultSet]") -> "Brief":
-    """Return the beginning of the report of runs, which is made at once; parameters are those of `write`."""
+    """Return the beginning of the report of runs, without charts or animations. sets: see `write`."""
     from bodycheck.reports.runs.brief import brief as made
 
     return made(sets)
 
 
 def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapping[str, str]) -> None:
-    """Print annotations of failures to stderr and add report.md to the step's summary, if this is a step of a GitHub workflow.
+    """In a step of a GitHub workflow, print annotations of failures and add report.md to the summary of the step.
 
     Parameters
     ----------
     found
         The results.
     files
-        Files that cases were read from, by the name of the case.
+        The files from which cases were read, by the name of the case.
     environment
         Environment variables of the process.
     """
@@ -111,7 +111,7 @@ def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
 def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:
     """Write the report of a study into an existing folder and return the paths of report.html and report.md.
 
-    Parameters and errors are those of `write`.
+    `folder`, `formats` and errors are as for `write`.
     """
     from bodycheck.reports import html, markdown, plot_files
 
@@ -121,7 +121,7 @@ def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]"
 
 
 def _write(folder: Path, texts: Mapping[str, str]) -> tuple[Path, ...]:
-    """Write texts to files of these names in a folder and return their paths."""
+    """Write texts to files in a folder and return the paths of the files. texts: the texts by file name."""
     paths = tuple(folder / name for name in texts)
     for path, text in zip(paths, texts.values(), strict=True):
         writing.write(path, text.encode("utf-8", "replace"))

@@ -1,6 +1,7 @@
-"""Building blocks of charts: Vega-Lite specifications, which are plain dictionaries.
+"""Parts of charts as Vega-Lite specifications, which are plain dictionaries.
 
-Text and rules have the colour of the text around the chart, so that one specification suits light and dark screens and paper.
+Text and rules have the colour of the text around the chart, so that the same specification suits light and dark screens and
+paper.
 """
 
 from collections.abc import Sequence
@@ -22,14 +23,14 @@ ZOOMING = "Drag a chart to pan it, zoom with a pinch or with Ctrl and the wheel,
 
 
 def without_legend(spec: Spec) -> Spec:
-    """Return the same chart without its legend, for a page that has a legend of its own."""
+    """Return a chart without its legend, for a page that has its own legend."""
     return {**spec, "config": {**spec["config"], "legend": {"disable": True}}}
 
 
 def zoomable(layers: list[Spec], height: int) -> Spec:
     """Return a chart of layers that zoom and pan together; `height` is in pixels.
 
-    The wheel alone scrolls the page. With Ctrl, which browsers also report for a pinch, it zooms.
+    The wheel zooms only with Ctrl, which browsers also report for a pinch. Without Ctrl, it scrolls the page.
     """
     zoom = {"type": "interval", "zoom": "wheel![event.ctrlKey || event.metaKey]"}
     layers[-1]["layer"][0]["params"] = [{"name": "window", "select": zoom, "bind": "scales"}]
@@ -37,7 +38,7 @@ def zoomable(layers: list[Spec], height: int) -> Spec:
 
 
 def framed(layers: list[Spec], height: int) -> Spec:
-    """Return a chart of layers in the width and colours that all charts share; `height` is in pixels."""
+    """Return a chart of layers in the common width and colours of all charts; `height` is in pixels."""
     text = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"}
     rules = {
         "domainColor": INK,
@@ -69,7 +70,7 @@ def framed(layers: list[Spec], height: int) -> Spec:
 
 
 def log_axis(channel: str) -> Spec:
-    """Return the axis of a log scale on a channel, `x` or `y`.
+    """Return the axis of a logarithmic scale on a channel, `x` or `y`.
 
     Powers of ten are written as 1e-3. Ticks between them are faint, and have labels only if the axis spans less than two
     decades.

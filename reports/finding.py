@@ -1,8 +1,8 @@
-"""A finding: a sentence made of measurements, with a link to the case or the part of the report that it names."""
+"""Findings: sentences that state measurements, each with a link to the case or the part of the report that it names."""
 
 from dataclasses import dataclass
 
-#: Methods that one sentence names; it says how many more there are.
+#: The most methods that a sentence names; it gives the number of the others.
 MOST_NAMES = 3
 
 #: Errors are compared between methods only above this multiple of the truth's own error.
@@ -14,7 +14,7 @@ COMPARABLE_POSITION_M = 1e-6
 
 @dataclass(frozen=True)
 class Finding:
-    """A sentence about a subject. The text is `before`, then the name `where`, which becomes a link, then `after`.
+    """A sentence about a subject. Its text is `before`, then the name `where`, which becomes a link, then `after`.
 
     Parameters
     ----------
@@ -23,9 +23,9 @@ class Finding:
     before, after
         The sentence before and after the name.
     where
-        The case or, in a study, the part of the report that the name links to; empty if the sentence names none.
+        The name of a case or, in a study, of a part of the report, to which it links; empty if the sentence names neither.
     title
-        The words of the link, if they are other than the name.
+        The words of the link, if they differ from the name.
     """
 
     subject: str

@@ -1,4 +1,4 @@
-"""Pages of reports: one HTML file that holds everything it needs, and whose content policy forbids it to load anything else."""
+"""Pages of reports: a page is one HTML file without other files, and its content policy forbids it to load any."""
 
 import json
 import re
@@ -19,10 +19,10 @@ from bodycheck.reports.tables import pieces
 from bodycheck.results import verdicts
 from bodycheck.results.header import Header
 
-#: Cases of a report, or parts of a study, up to which all are open at first. Of more, each is opened by the reader.
+#: The most cases of a report, or parts of a study, that are all open at first. If there are more, all are folded at first.
 MOST_OPEN = 4
 
-#: A number with its unit in escaped text, except numbers inside names and character references.
+#: Matches a number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
 )
@@ -37,9 +37,9 @@ class Link:
     target
         The anchor of the section.
     text
-        What the link is called.
+        The text of the link.
     under
-        Whether the section is one of the group whose link comes before.
+        Whether the section belongs to the group whose link comes before.
     failed
         Whether a run of the section failed.
     """
@@ -89,7 +89,7 @@ def page(
     index: Sequence[Link],
     **values: Any,
 ) -> str:
-    """Return the text of a page: the frame that all reports share, filled by a template.
+    """Return the text of a page: the common frame of all reports with the content of a template.
 
     Parameters
     ----------
@@ -98,9 +98,9 @@ def page(
     header
         Header of the results: versions, machine and command.
     notices
-        Sentences that limit what the report says.
+        Sentences about the limits of the report.
     specifications
-        Charts by the names that the template gives them.
+        Charts by their names in the template.
     index
         The links beside the page.
     values
@@ -126,9 +126,9 @@ def page(
 
 
 def environment(room: str) -> jinja2.Environment:
-    """Return an environment of the templates in the folder `templates` of a room, such as "bodycheck.reports".
+    """Return an environment for the templates in the folder `templates` of the package `room`, such as "bodycheck.reports".
 
-    Values are escaped, and those that are missing are errors. The templates have the filter `json` and the `verdicts`.
+    Values are escaped, and a missing value is an error. The templates have the filter `json`, `verdicts` and `count`.
     """
     templates = resources.files(room) / "templates"
     templated = jinja2.Environment(
@@ -153,17 +153,17 @@ def _environment() -> jinja2.Environment:
 
 
 def colours() -> str:
-    """Return the style with the colours and shades of all pages, in light and dark."""
+    """Return the style with the colours of all pages, for light and dark screens."""
     return (resources.files("bodycheck.reports") / "templates" / "colours.css").read_text("utf-8")
 
 
 def _unbroken(text: str) -> Markup:
-    """Return a text whose numbers stay on one line with their units; otherwise 2.1e-9 rad could break after its sign."""
+    """Return a text with markup that keeps numbers and their units on one line; 2.1e-9 rad could break after its sign."""
     return Markup(MEASURE.sub(r'<span class="keep">\g<0></span>', str(escape(text))))
 
 
 def _breakable(name: str) -> Markup:
-    """Return the name of an integrator that a narrow column may break after its marks: rk4-naive, runge_kutta4."""
+    """Return the name of an integrator, such as rk4-naive, that may break after its punctuation marks in a narrow column."""
     return Markup(re.sub(r"[-_:,=]", r"\g<0><wbr>", str(escape(name))))
 
 
@@ -172,13 +172,13 @@ def _dashes(line: Line) -> str:
 
 
 def json_text(value: Any) -> Markup:
-    """Return JSON that is safe inside a script element: nothing in it can end the element or begin a comment."""
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)  # ASCII only, so that it has no bare line separators
+    """Return a value as JSON that is safe inside a script element: it cannot end the element or begin a comment."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)  # ASCII only, so that it has no unescaped line separators
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
 def verbatim(text: str, element: str) -> Markup:
-    """Return a style or script of bodycheck, unescaped. Raises `ValueError` if it would end the element that it stands in."""
+    """Return a style or script of bodycheck without escaping. Raises `ValueError` if it would end its element."""
     if f"</{element}" in text.lower() or "<!--" in text:
         raise ValueError(f"the text would end the {element} element that it stands in")
     return Markup(text)

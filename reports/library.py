@@ -1,7 +1,7 @@
 """The script of Vega, Vega-Lite and Vega-Embed, which the pages of reports contain.
 
-Bundling it takes a second and a half of processor time, longer than most reports take otherwise. It is therefore kept in the
-cache folder.
+Bundling the script takes a second and a half of processor time, longer than everything else in most reports. It is therefore
+stored in the cache folder.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ import vl_convert
 from bodycheck.environments import privacy, user_cache
 from bodycheck.files import writing
 
-#: What the script does when the libraries are there.
+#: The statement that the script executes after the libraries.
 ENTRY = "window.vegaEmbed = vegaEmbed;"
 
 
@@ -31,12 +31,12 @@ def script() -> str:
 
 
 def _file() -> Path:
-    """Return where the script of this release of vl-convert is kept."""
+    """Return the path in the cache folder of the script of this release of vl-convert."""
     return user_cache.folder() / "scripts" / f"vega-{version('vl-convert-python')}.js"
 
 
 def _kept(path: Path) -> str | None:
-    """Return the script that is kept; None if there is none, if it is damaged, or if another user may have written it.
+    """Return the stored script; None if it is missing or damaged, or if another user may have written it.
 
     The file begins with a comment that has the digest of the rest.
     """
@@ -50,7 +50,7 @@ def _kept(path: Path) -> str | None:
 
 
 def _keep(path: Path, made: str) -> None:
-    """Keep the script, if the cache folder can be written to."""
+    """Store the script if the cache folder is writable."""
     with contextlib.suppress(OSError, writing.NotWritten):
         privacy.make(path.parent)
         writing.write(path, f"{_digest(made)}\n{made}".encode())

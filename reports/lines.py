@@ -1,7 +1,7 @@
-"""The line that stands for a method in charts and legends.
+"""The line that represents a method in charts and legends.
 
-The hue shows the adapter of the engine and is the same in every report, whatever else is in it. Dashes and shade show the
-integrator and the release of the engine, and the width the time step.
+The hue shows the adapter of the engine and is the same in every report. Dashes and shade show the integrator and the release of
+the engine, and the width shows the time step.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,9 +12,9 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import milliseconds
 from bodycheck.results.key import RunKey
 
-#: The two shades of the hues that are kept for engines, by the names of their adapters. Among them are the colours of Okabe and
-#: Ito, with the palest deepened. The others were chosen as far in OKLab from all shades of other hues as possible, also as
-#: readers without green cones see them. All have a contrast of at least 3 to white and to the dark ground.
+#: The two shades of the hue of each engine, by the name of its adapter. Among them are the colours of Okabe and Ito, the palest
+#: of which are darker here. The other colours are as far as possible in OKLab from all shades of other hues, also for readers
+#: without green cones. All have a contrast of at least 3 to white and to the dark background.
 HUES: Mapping[str, tuple[str, str]] = {
     "mujoco": ("#0072b2", "#3d8fc6"),
     "pinocchio": ("#d55e00", "#a84a00"),
@@ -32,7 +32,7 @@ HUES: Mapping[str, tuple[str, str]] = {
     "brax": ("#6f5bb5", "#8a78cc"),
 }
 
-#: The hues of all other engines. Which of them an engine has follows from its name.
+#: The hues of all other engines. The name of an adapter determines its hue.
 FURTHER_HUES = (
     ("#f34881", "#c60d5d"),
     ("#f233b4", "#be048a"),
@@ -40,13 +40,13 @@ FURTHER_HUES = (
     ("#a781b8", "#7b578b"),
 )
 
-#: Lengths on and off, in pixels.
+#: The dash patterns of lines: lengths on and off, in pixels.
 DASHES: tuple[tuple[int, ...], ...] = ((1, 0), (7, 3), (2, 2), (9, 3, 2, 3), (4, 4), (12, 4), (6, 2, 2, 2, 2, 2), (1, 4))
-#: Pixels, from the largest time step to the smallest.
+#: The widths of lines in pixels, from the largest time step to the smallest.
 WIDTHS = (2.0, 1.3, 0.8)
 
-#: Of several sets of results the last has the usual lines. Each earlier set has paler lines that are broader by this many
-#: widths, so that they remain visible beneath.
+#: With several sets of results, the last set has the usual lines. Each earlier set has paler lines that are broader by this
+#: many widths, so that they remain visible beneath the others.
 BAND = 1.5
 
 #: The grey (0 to 255) that is mixed into paler lines.
@@ -60,7 +60,7 @@ class Line:
     Parameters
     ----------
     key
-        The method over all cases, with the label of its set of results; its time step is 0 for a line through all time steps.
+        The method over all cases, with the label of its set of results. Its time step is 0 for a line through all time steps.
     label
         Name of the method in this report.
     colour, dash, width
@@ -95,9 +95,9 @@ class Line:
 
 
 def assign(keys: Iterable[RunKey]) -> dict[RunKey, Line]:
-    """Return a line for every method, engine by engine and otherwise in the order of first appearance.
+    """Return a line for every method, grouped by engine and then in the order of first appearance.
 
-    Labels contain the time step only if the methods have several.
+    Labels contain the time step only if the methods have several time steps.
     """
     given = list(dict.fromkeys(keys))
     steps = sorted({key.method.timestep for key in given}, reverse=True)
@@ -116,12 +116,12 @@ def assign(keys: Iterable[RunKey]) -> dict[RunKey, Line]:
 
 
 def hue(adapter: str) -> tuple[str, str]:
-    """Return the two shades of the lines of all engines with an adapter, which depend on nothing but its name."""
+    """Return the two shades of the lines of all engines with an adapter. They depend only on the name of the adapter."""
     return HUES.get(adapter) or FURTHER_HUES[crc32(adapter.encode("utf-8")) % len(FURTHER_HUES)]
 
 
 def _places(given: Sequence[RunKey]) -> dict[RunKey, tuple[str, int]]:
-    """Return the adapter of each method and its place among the methods of all releases with this adapter, in order."""
+    """Return the adapter of each method, and the position of the method among the methods of all releases with the adapter."""
     by_engine: dict[str, dict[str, list[RunKey]]] = {}
     for key in given:
         by_engine.setdefault(key.engine, {}).setdefault(key.method.name, []).append(key)
@@ -137,7 +137,7 @@ def _places(given: Sequence[RunKey]) -> dict[RunKey, tuple[str, int]]:
 
 
 def paled(colour: str, times: int) -> str:
-    """Return a colour after mixing it half and half with a light grey so many times."""
+    """Return a colour after mixing it in equal parts with a light grey, repeated `times` times."""
     for _ in range(times):
         channels = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
         colour = "#" + "".join(f"{(channel + PALE) // 2:02x}" for channel in channels)

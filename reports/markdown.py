@@ -1,4 +1,4 @@
-"""Reports as Markdown that fits into a comment on a pull request: the findings first, then tables as long as there is room."""
+"""Reports as Markdown that fits into a comment on a pull request: findings first, then as many tables as fit."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -9,26 +9,26 @@ from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
 from bodycheck.results.header import Header
 
-#: Most characters of a report; a comment on GitHub may have 65 536.
+#: The most characters of a report; a comment on GitHub may have 65 536.
 ROOM = 60_000
 
-#: Most characters of a string that comes from a case file or an engine.
+#: The most characters of a string from a case file or an engine.
 LONGEST = 240
 
-#: Most characters of a sentence that a report makes of such strings.
+#: The most characters of a sentence that contains such strings.
 LONGEST_SENTENCE = 1200
 
-#: Control characters, line ends and marks of direction, which break tables or reorder the text beside them.
+#: Matches control characters, line ends and direction marks, which break tables or reorder the text beside them.
 INVISIBLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]+")
 
 MARKUP = re.compile(r"([\\`*_\[\]!|~$])")
 
 
 def escape(text: str, longest: int = LONGEST) -> str:
-    """Return a string from outside as one line of Markdown that shows it as it is, cut to the longest length."""
+    """Return a string from outside as one line of Markdown that shows it literally, cut to `longest` characters."""
     line = cut(INVISIBLE.sub(" ", text).strip(), longest)
     line = MARKUP.sub(r"\\\1", line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"))
-    # Word joiners keep a forge from turning names, numbers and addresses into links.
+    # Word joiners keep GitHub and the like from turning names, numbers and addresses into links.
     return line.replace("@", "@\u2060").replace("#", "#\u2060").replace("://", ":\u2060//").replace("www.", "www\u2060.")
 
 
@@ -42,9 +42,9 @@ def cut(line: str, longest: int) -> str:
 
 
 def code(text: str) -> str:
-    """Return a string from outside as inline code, which shows it as it is.
+    """Return a string from outside as inline code that shows it literally.
 
-    A string of more than `LONGEST_SENTENCE` characters is replaced by its length, because a part of it would be of no use.
+    A string of more than `LONGEST_SENTENCE` characters is replaced by its length, because a part of code is useless.
     """
     line = INVISIBLE.sub(" ", text).strip()
     if len(line) > LONGEST_SENTENCE:
@@ -59,7 +59,7 @@ def render_study(report: StudyReport) -> str:
 
 
 def fitted(parts: Iterable[str], header: Header) -> str:
-    """Return as many of the parts as there is room for, then the versions, machine and command of the results."""
+    """Return the parts that fit into `ROOM` characters, then the versions, machine and command of the results."""
     kept, room, left_out = [], ROOM, 0
     for part in parts:
         if len(part) + 2 > room:
@@ -96,7 +96,7 @@ def findings_list(findings: Sequence[Finding]) -> str:
 
 
 def details(summary: str, *blocks: str) -> str:
-    """Return blocks that are hidden behind a summary until the reader opens them."""
+    """Return blocks that are folded under a summary until the reader opens them."""
     return "\n\n".join(filter(None, (f"<details><summary>{summary}</summary>", *blocks, "</details>")))
 
 
@@ -108,7 +108,7 @@ def table_with_notes(table: Table) -> str:
 
 
 def grid(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int | None = None) -> str:
-    """Return a table of texts; columns from the place `numeric_from` on are aligned to the right."""
+    """Return a Markdown table of texts. Columns from the index `numeric_from` on are aligned to the right."""
     marks = ["--:" if numeric_from is not None and place >= numeric_from else "---" for place in range(len(head))]
     cells = [[escape(text) for text in row] for row in (head, *rows)]
     return "\n".join("| " + " | ".join(row) + " |" for row in (cells[0], marks, *cells[1:]))

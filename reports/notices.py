@@ -1,4 +1,4 @@
-"""Notices: sentences on what limits a report."""
+"""Notices: sentences about the limits of a report, such as missing engines and unsupported runs."""
 
 import re
 from collections import Counter, defaultdict
@@ -9,10 +9,10 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import count, listing
 from bodycheck.results.header import Header
 
-#: What an engine must model for a kind of scene, by the name of the kind, in the order in which it is told.
+#: The effect that an engine must model for a kind of scene, by the name of the kind. Notices use this order.
 KINDS = {"turning": "rotation", "translation": "translation", "drag": "drag", "contact": "contact", "mechanism": "mechanisms"}
 
-#: Most reasons other than a missing model that are told for a kind of scene. Tables of results have all of them.
+#: The most reasons, other than a missing model, that a notice gives for a kind of scene. Tables of results have all reasons.
 MOST_REASONS = 3
 
 
@@ -23,16 +23,16 @@ def missing_engines(header: Header) -> list[str]:
 
 @dataclass(frozen=True)
 class Asked:
-    """A run that was asked for.
+    """A run that was requested.
 
     Parameters
     ----------
     scene
-        The kind of its scene, or where that is not known the name of its case.
+        The kind of its scene, or the name of its case if the kind is not known.
     engine, version
         The engine and its version.
     refused
-        Why its engine does not support it; empty if it does.
+        Why its engine does not support the run; empty if the engine supports it.
     """
 
     scene: str
@@ -42,7 +42,7 @@ class Asked:
 
     @property
     def lacks(self) -> str:
-        """What the engine does not model of the scene; empty if it refused the run for another reason."""
+        """The effects in the scene that the engine does not model; empty unless the run is refused for that reason."""
         names = "|".join(map(re.escape, (self.engine, adapter_of(self.engine))))
         found = re.fullmatch(rf"(?:{names}) {re.escape(self.version)} does not model ([\w, ]+)", self.refused)
         if found is None:
@@ -52,9 +52,9 @@ class Asked:
 
 
 def not_supported(asked: Iterable[Asked]) -> tuple[str, ...]:
-    """Return what engines do not model in one sentence, and one for each kind of scene of which they refuse runs otherwise.
+    """Return sentences about unsupported runs: about effects that are not modelled, then about other reasons by kind of scene.
 
-    An engine that refuses only some of its runs of such scenes is told with their number.
+    If an engine refuses only some of its runs of such scenes, the sentence gives their number.
     """
     runs: Counter[tuple[str, str]] = Counter()
     lacking: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
@@ -89,6 +89,6 @@ def _engines(refused: Mapping[tuple[str, str], int], runs: Mapping[tuple[str, st
 
 
 def _place(what: str) -> tuple[int, str]:
-    """Return the place of what is not modelled in the order of `KINDS`; what is none of them comes last."""
+    """Return the key that sorts effects in the order of `KINDS`, with all other effects last."""
     effects = list(KINDS.values())
     return (effects.index(what) if what in effects else len(effects), what)

@@ -1,33 +1,33 @@
-"""The player of motions: its script and its style, for pages that have animations."""
+"""The player of motions: its script and its style, for pages with animations."""
 
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from typing import Any
 
-#: The files of `templates/player` without `.js`, each after those that it uses.
+#: The files of `templates/player` without `.js`, each after the files that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
     "ground", "controls", "legend", "readings", "panels", "stage", "mechanism", "player",
 )  # fmt: skip
 
-#: The file that makes the players of a page that has their data, and the one for a page that gets them later.
+#: The file for a page that contains the data of its players, and the file for a page that loads the data later.
 AT_ONCE, LATER = "start", "later"
 
-#: The file that only pages with mechanisms have.
+#: The file that only pages with mechanisms need.
 OF_MECHANISMS = "mechanism"
 
 
 def script(played: Iterable[Mapping[str, Any] | None] = ()) -> str:
-    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment.
+    """Return the script that plays motions: its files in one scope, without indentation, blank lines and comment lines.
 
-    played: the data of the animations of a page, which say whether it has mechanisms.
+    played: the data of the animations of a page; the script supports mechanisms only if any of the data is of a mechanism.
     """
     mechanisms = any(data is not None and "bodies" in data for data in played)
     return _joined(name for name in (*PLAYER, AT_ONCE) if mechanisms or name != OF_MECHANISMS)
 
 
 def library() -> str:
-    """Return the script for pages that get the data of animations later: it adds the function `play(figure, data)`."""
+    """Return the script for pages that load the data of animations later. It adds the function `play(figure, data)`."""
     return _joined((*PLAYER, LATER))
 
 

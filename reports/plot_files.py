@@ -1,4 +1,4 @@
-"""Plots of a report as files that are complete in themselves, with a title and a legend, for a slide or a paper."""
+"""The plots of a report as separate files with a title and a legend, for slides and papers."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -13,34 +13,34 @@ from bodycheck.reports.study import StudyReport
 
 Format = Literal["png", "svg"]
 
-#: Name of the folder of plots among the results.
+#: The name of the folder for plots, inside the folder of the report.
 FOLDER = "figures"
 
-#: Replaces the colour of the text around a chart, as a file has no such text.
+#: The colour that replaces the colour of the text around a chart, since a file has no such text.
 BLACK = "#1a1a1a"
 
-#: Pixels of a PNG for each pixel of the chart, so that it fills a slide.
+#: The pixels of a PNG for each pixel of the chart, so that the image fills a slide.
 SCALE = 3
 
-#: Name of a clipping path in an SVG.
+#: Matches the name of a clipping path in an SVG.
 CLIP = re.compile(r"\bclip\d+\b")
 
-#: Most characters of the name of a file, without its ending.
+#: The most characters of a file name, without its extension.
 LONGEST_NAME = 100
 
-#: Height of a row of a legend, in pixels of the chart, and the most rows of a column.
+#: The height of a row of a legend, in pixels of the chart, and the most rows in a column of a legend.
 ROW, MOST_ROWS = 17, 32
 
 
 def of_study(report: StudyReport) -> Iterator[tuple[str, Spec]]:
-    """Return the plots of a study, each with a name."""
+    """Yield the plots of a study as names and specifications."""
     for part in report.parts:
         for chart in part.charts:
             yield f"{part.name}-{chart.title}", standing_alone(chart.specification, part.title, chart.title, len(part.lines))
 
 
 def write(plots: Iterator[tuple[str, Spec]], folder: Path, formats: Sequence[Format]) -> None:
-    """Write one file for each plot and format into the sub-folder `FOLDER`. Raises `NotWritten` if one cannot be written."""
+    """Write a file for each plot and format into the sub-folder `FOLDER`. Raises `NotWritten` if a file cannot be written."""
     if not formats:
         return
     taken: set[str] = set()
@@ -51,7 +51,7 @@ def write(plots: Iterator[tuple[str, Spec]], folder: Path, formats: Sequence[For
 
 
 def rendered(chart: Spec, kind: Format) -> bytes:
-    """Return the content of the file of a plot that stands alone."""
+    """Return the content of the file of a plot. chart: a specification from `standing_alone`."""
     if kind == "svg":
         return _numbered(vl_convert.vegalite_to_svg(chart)).encode("utf-8", "replace")
     opaque = chart | {"config": chart["config"] | {"background": "white"}}
@@ -60,7 +60,7 @@ def rendered(chart: Spec, kind: Format) -> bytes:
 
 
 def _file_name(name: str, taken: set[str]) -> str:
-    """Return a name for a file that is valid on any system and not among those taken, and add it to these."""
+    """Return a file name, without extension, that is valid on any system and not in `taken`, and add it to `taken`."""
     safe = re.sub(r"[^a-z0-9_.]+", "-", name.lower()).strip("-.")[:LONGEST_NAME] or "plot"
     candidates = (safe if number == 1 else f"{safe}-{number}" for number in range(1, len(taken) + 2))
     chosen = next(candidate for candidate in candidates if candidate not in taken)
@@ -69,14 +69,14 @@ def _file_name(name: str, taken: set[str]) -> str:
 
 
 def _numbered(svg: str) -> str:
-    """Return an SVG whose clipping paths are numbered from 0 on, so that the same plot always gives the same file."""
+    """Return an SVG with its clipping paths numbered from 0, so that the same plot always gives the same file."""
     found = dict.fromkeys(CLIP.findall(svg))
     numbers = {name: f"clip{number}" for number, name in enumerate(found)}
     return CLIP.sub(lambda match: numbers[match.group()], svg)
 
 
 def standing_alone(chart: Spec, title: str, subtitle: str, rows: int) -> Spec:
-    """Return a chart with a title and a subtitle, and with its whole legend, of so many rows, beside it."""
+    """Return a chart with a title and a subtitle, and with its whole legend, of `rows` entries, beside the plot."""
     columns = -(-rows // MOST_ROWS) or 1
     legend = {"orient": "right", "columns": columns, "symbolLimit": 0, "symbolOpacity": 1, "labelFontSize": 11}
     heading = {"text": title, "subtitle": subtitle, "anchor": "start", "offset": 12, "fontSize": 15, "subtitleFontSize": 12}
@@ -87,7 +87,7 @@ def standing_alone(chart: Spec, title: str, subtitle: str, rows: int) -> Spec:
 
 
 def _still(value: Any) -> Any:
-    """Return a specification with `BLACK` in place of `INK`, and without tooltips and points for the pointer."""
+    """Return a specification with `BLACK` in place of `INK`, without tooltips and without invisible layers for the pointer."""
     if isinstance(value, dict):
         return {name: _still(inner) for name, inner in value.items() if name != "tooltip"}
     if isinstance(value, list):

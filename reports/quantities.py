@@ -32,12 +32,12 @@ class Quantity:
 
     @property
     def bounded(self) -> bool:
-        """Return whether the truth's own error in this quantity may be known."""
+        """Return whether results can have an error bound of the truth for this quantity."""
         return bool(FIGURES[self.name].bounded_by)
 
     @property
     def bound_name(self) -> str:
-        """Return the name of the column with the truth's own error in this quantity; empty if there is none."""
+        """Return the name of the column with the error bound of the truth in this quantity; empty if there is none."""
         return FIGURES[self.name].bounded_by
 
     @property
@@ -50,14 +50,14 @@ class Quantity:
         return f"{number(value)} {self.unit}".rstrip()
 
     def within_truth(self, values: Mapping[str, float]) -> float | None:
-        """Return the truth's own error in this quantity where that of a run is no larger, and so has no meaning; else None.
+        """Return the error bound of the truth in this quantity if the error of a run is no larger than it; otherwise None.
 
-        `values` are those of the run by column.
+        An error within the bound has no meaningful digits. values: the values of the run by column.
         """
         return within_truth(FIGURES[self.name], values)
 
     def told_within(self, own: float) -> str:
-        """Return what is said of an error that is no larger than the truth's own."""
+        """Return the text for an error of a run within the truth's own error. own: the error bound of the truth."""
         return f"within the truth's own error ({bound(own)} {self.unit}".rstrip() + ")"
 
 
@@ -67,17 +67,17 @@ QUANTITIES = {
     if name in FIGURES and not FIGURES[name].of_truth
 }
 
-#: Quantities in the table of a case; the file of results has all.
+#: The quantities in the table of a case; the file of results has all quantities.
 TABLED = tuple(name for name in QUANTITIES if FIGURES[name].tabled)
 
-#: Quantities that are drawn over time if they were measured; the attitude error, which matters most, comes first.
+#: The quantities that are drawn over time if they were measured. The attitude error, which matters most, comes first.
 PLOTTED = tuple(sorted((name for name in QUANTITIES if FIGURES[name].plotted), key=lambda name: name != "attitude_error"))
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits; a dash for None and NaN.
+    """Return a number as text with `digits` significant digits; a dash for None and NaN.
 
-    Numbers below 10 000 are written without an exponent even if they have fewer digits, and exponents without padding.
+    Numbers below 10 000 have no exponent, even if they are rounded to fewer digits. Exponents are written without padding.
     """
     if value is None or math.isnan(value):
         return "–"
@@ -93,32 +93,32 @@ def vector(components: Sequence[float]) -> str:
 
 
 def bound(value: float, digits: int = 4) -> str:
-    """Return an upper bound as text, rounded up so that the text is a bound too (except for one part in a million)."""
+    """Return an upper bound as text, rounded up so that the text is also a bound (except for one part in a million)."""
     return number(rounded_up(value, digits), digits)
 
 
 def within(value: float, digits: int = 4) -> str:
-    """Return the truth's own error as text, after the sign that stands for an error that is no larger."""
+    """Return an error bound of the truth as text, after the sign for an error within it."""
     return f"{WITHIN} {bound(value, digits)}"
 
 
 def milliseconds(seconds: float, digits: int = 12) -> str:
-    """Return a time step (s) in ms with its unit, with up to so many significant digits."""
+    """Return a time step (s) as text in ms, with its unit and at most `digits` significant digits."""
     return f"{seconds * 1e3:.{digits}g} ms"
 
 
 def listing(names: Sequence[str], most: int | None = None, noun: str = "") -> str:
-    """Return names as a list in a sentence: the first `most` of them, then the number of others and their noun."""
+    """Return names as an enumeration in a sentence: the first `most` names, then the number of the others with `noun`."""
     if most is not None and len(names) > most + 1:
         names = (*names[:most], f"{count(len(names) - most, f'more {noun}')}")
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 def verb(amount: int, singular: str, plural: str) -> str:
-    """Return the form of a verb that an amount takes: 1 run differs, 2 runs differ."""
+    """Return the form of a verb that agrees with an amount: 1 run differs, 2 runs differ."""
     return singular if amount == 1 else plural
 
 
 def count(amount: int, noun: str, plural: str = "") -> str:
-    """Return an amount with its noun in singular or plural: 1 run, 2 runs. plural: where it has another ending than s."""
+    """Return an amount with its noun: 1 run, 2 runs. plural: the plural of the noun if it is not formed with s."""
     return f"{amount} {noun}" if amount == 1 else f"{amount} {plural or f'{noun}s'}"

@@ -1,4 +1,4 @@
-"""What a report says of methods that are the same algorithm."""
+"""Findings and names in a report for methods that are the same algorithm."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,7 +8,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import bound, listing, verb
 from bodycheck.results.key import RunKey
 
-#: Classes of methods by kind of scene.
+#: Classes of methods that are the same algorithm, by kind of scene.
 Classes = Mapping[Kind, Sequence[MethodClass]]
 NO_CLASSES: Classes = {}
 
@@ -21,14 +21,14 @@ WORDS: Mapping[Kind, str] = {
     "mechanism": "on joints",
 }
 
-#: Most classes of a kind, and most methods of a class, that a sentence names.
+#: The most classes of a kind, and the most methods of a class, that a sentence names.
 MOST_CLASSES, MOST_METHODS = 4, 6
 
 
 def same_algorithm(classes: Classes) -> Finding | None:
-    """Return a finding about the methods that are the same algorithm, by kind of scene; None if no two of them are.
+    """Return a finding about methods that are the same algorithm, by kind of scene; None if no two methods are.
 
-    Kinds with the same classes are told together.
+    Kinds of scenes with the same classes share a sentence.
     """
     by_members: dict[tuple[tuple[RunKey, ...], ...], list[Kind]] = {}
     largest: dict[tuple[RunKey, ...], float] = {}
@@ -45,10 +45,10 @@ def same_algorithm(classes: Classes) -> Finding | None:
 
 
 def memberships(classes: Classes) -> dict[RunKey, set[tuple[Kind, int]]]:
-    """Return the classes that each method is in, by kind of scene and place.
+    """Return the classes of each method, each as a kind of scene and an index.
 
-    The keys are those of the methods over all cases and time steps. Two methods are the same algorithm in scenes of some kind
-    if they have a class in common.
+    The keys are the methods over all cases and time steps. Two methods are the same algorithm in scenes of some kind if they
+    have a class in common.
     """
     found: dict[RunKey, set[tuple[Kind, int]]] = {}
     for kind, members in classes.items():
@@ -59,9 +59,9 @@ def memberships(classes: Classes) -> dict[RunKey, set[tuple[Kind, int]]]:
 
 
 def firsts(classes: Sequence[MethodClass]) -> dict[RunKey, str]:
-    """Return for each method that is the same algorithm as one before it the name of the first one.
+    """Return the name of the first method of its class for each later method of the class.
 
-    The keys are those of the methods over all cases and time steps.
+    The keys are the methods over all cases and time steps.
     """
     return {key: _name(own.methods[0]) for own in classes for key in own.methods[1:]}
 

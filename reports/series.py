@@ -1,4 +1,4 @@
-"""Curves with few enough points to be stored in a page, which still have every peak."""
+"""Reduction of curves to so few points that they can be stored in a page, without the loss of peaks."""
 
 import heapq
 import math
@@ -10,13 +10,13 @@ from bodycheck.reference.trajectory import Array
 
 
 def ends(samples: int, points: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the index of the last sample of each interval when samples are divided evenly into at most `points` intervals."""
+    """Return the indices of the last samples when `samples` samples are divided evenly into at most `points` intervals."""
     cuts = np.linspace(0, samples, min(samples, points) + 1).round().astype(np.intp)
     return cuts[1:] - 1
 
 
 def envelope(values: Array, points: int) -> Array:
-    """Return the largest of values (n,) in each interval of `ends`."""
+    """Return the largest of the values (n,) in each interval of `ends`."""
     starts = np.concatenate([[0], ends(len(values), points)[:-1] + 1])
     return np.maximum.reduceat(values, starts)
 
@@ -24,8 +24,8 @@ def envelope(values: Array, points: int) -> Array:
 def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list[int]:
     """Return the ascending indices of instants between which straight lines follow curves.
 
-    This is the algorithm of Douglas and Peucker, with the largest deviation split first. Whatever the values are, it passes
-    over the samples at most 2 `most` times; samples with a value that is not finite are not among those that it looks at.
+    This is the algorithm of Douglas and Peucker, with the largest deviation split first. It passes over the samples at most
+    2 `most` times for any values. Samples with a value that is not finite are ignored.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list
     most
         The largest number of instants.
     tolerance
-        Largest deviation of a sample from the lines, as a share of the range of all curves. It is exceeded if it would take
-        more than `most` instants.
+        The largest deviation of a sample from the lines, as a share of the range of all curves. The deviation can be larger if
+        `most` instants do not suffice.
     """
     finite = np.flatnonzero(np.isfinite(values).all(axis=1))
     if not finite.size:
@@ -59,7 +59,7 @@ def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list
 def _worst_misses(t: Array, values: Array, *spans: tuple[int, int]) -> list[tuple[float, int, int, int]]:
     """Return (-deviation, start, index, stop) of the sample in each span that is farthest from the straight line.
 
-    A span without a sample between its ends has none, so that each one that is returned can be split.
+    A span without a sample between its ends is left out, so every returned span can be split.
     """
     found = []
     for start, stop in spans:
@@ -73,5 +73,5 @@ def _worst_misses(t: Array, values: Array, *spans: tuple[int, int]) -> list[tupl
 
 
 def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:
-    """Return values with so many significant digits, with None for those that are not finite, which JSON cannot hold."""
+    """Return values rounded to `digits` significant digits, with None for values that are not finite, as JSON requires."""
     return [float(f"{value:.{digits}g}") if math.isfinite(value) else None for value in values]

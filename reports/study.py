@@ -1,4 +1,4 @@
-"""The contents of a study's report, before they are laid out: sentences, tables and charts under headings."""
+"""The contents of a study's report before layout: sentences, tables and charts under headings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Chart:
     specification
         Complete Vega-Lite specification.
     alt
-        Description for readers who do not see the chart.
+        Description for readers who cannot see the chart.
     notes
         Sentences below the chart.
     """
@@ -35,16 +35,16 @@ class Chart:
 
 @dataclass(frozen=True)
 class Animation:
-    """Motions that the player shows beside each other.
+    """Motions that the player shows side by side.
 
     Parameters
     ----------
     title
         Title above the animation.
     data
-        What the player reads; None if there is no animation, in which case a note says why.
+        The data that the player reads; None if there is no animation, in which case a note says why.
     alt
-        Description for readers who do not see it.
+        Description for readers who cannot see the animation.
     notes
         Sentences below the animation.
     """
@@ -57,7 +57,7 @@ class Animation:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the report under a heading of its own.
+    """A part of the report with its own heading.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Part:
     tables
         Tables after the charts, each with its caption.
     lines
-        Methods that the reader can switch off. The charts then have a parameter `hidden`, a list of the labels switched off.
+        Methods that the reader can switch off. The charts then have a parameter `hidden`, the list of the hidden labels.
     animations
         Animations after the tables.
     """
@@ -97,7 +97,7 @@ class StudyReport:
     header
         Versions, machine and command, as in the header of results.
     notices
-        Sentences that limit what the report says.
+        Sentences about the limits of the report.
     findings
         Findings; `where` of each is empty or the name of a part.
     parts

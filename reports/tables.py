@@ -1,16 +1,16 @@
-"""Tables, which every writer lays out in its own way, and their division into tables that are not too wide for a page."""
+"""Tables in reports, independent of the layout, and their division into tables that are narrow enough for a page."""
 
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-#: Characters that fit side by side in a window of 1280 pixels beside the index, in a font with broad figures.
+#: The number of characters that fit beside the index in a window of 1280 pixels, in a font with broad digits.
 ROOM = 129.0
 
 #: The space between two columns, in characters.
 GAP = 1.6
 
-#: Characters of a column of words, which break into lines, and of one of sentences.
+#: The widths, in characters, of a column of words, which break into lines, and of a column of sentences.
 WORDS, SENTENCES = 11, 30
 
 
@@ -23,11 +23,11 @@ class Entry:
     text
         The text of the cell.
     value
-        The number by which the column is sorted: the measured one, or its bound.
+        The number by which the column is sorted: the measured number, or its bound.
     meaning
         Explanation that appears at the pointer; empty if there is none.
     link
-        The anchor in the page that the cell leads to; empty if it leads nowhere.
+        The anchor in the page to which the cell links; empty if the cell is no link.
     """
 
     text: str
@@ -55,9 +55,9 @@ class Table:
     footer
         The cells of a row that stays below all others; empty if there is none.
     keys
-        The number of columns, from the first, that say what a row is about.
+        The number of columns, from the first, that identify a row.
     runs
-        The anchor of the command that makes each row's run; empty in a table without commands.
+        The anchor of the command that reproduces the run of each row; empty in a table without commands.
     """
 
     columns: tuple[str, ...]
@@ -71,9 +71,9 @@ class Table:
 
 
 def pieces(table: Table) -> Iterator[Table]:
-    """Yield a table in parts that fit a page, each with all rows and with the columns that say what a row is about.
+    """Yield a table in parts that fit a page, each with all rows and with the columns that identify them.
 
-    Only the last has notes. A table that fits is yielded as it is.
+    Only the last part has notes. A table that fits is yielded as one part.
     """
     keys, columns = list(range(table.keys)), range(table.keys, len(table.columns))
     begun = sum(_width(table, column) for column in keys)
@@ -102,7 +102,7 @@ def _selected(table: Table, columns: list[int], notes: tuple[str, ...]) -> Table
 
 
 def _width(table: Table, column: int) -> float:
-    """Return the room that a column needs, in characters: numbers stay on one line, headings and words may break."""
+    """Return the width of a column in characters. Numbers stay on one line; headings and words may break into lines."""
     texts = [row[column].text for row in (*table.rows, *((table.footer,) if table.footer else ()))]
     longest = max(map(len, texts), default=0)
     heading = max(map(len, re.split(r"[\s-]", table.columns[column])), default=0)

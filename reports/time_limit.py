@@ -1,4 +1,4 @@
-"""A limit on the processor time of a part of a report, so that no results make a report without end."""
+"""A limit on the processor time of a part of a report, so that no results can make a report take forever."""
 
 import contextlib
 import signal
@@ -9,15 +9,15 @@ from types import FrameType
 
 
 class TookTooLong(Exception):
-    """A part of a report took more processor time than it may."""
+    """The exception for a part of a report that takes more processor time than allowed."""
 
 
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `TookTooLong` in the context when this process has computed for some seconds in it.
+    """Raise `TookTooLong` inside the context once this process has used more than `seconds` of processor time in it.
 
-    What waits for other processes does not count, so that the limit does not depend on how busy the machine is. There is no
-    limit on Windows, which has no such timer, and in threads other than the main one, which receive no signals.
+    Waiting for other processes does not count, so the limit does not depend on the load of the machine. There is no limit on
+    Windows, which has no such timer, and in threads other than the main thread, which receive no signals.
     """
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         yield

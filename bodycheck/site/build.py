@@ -1,4 +1,4 @@
-"""The whole site: every file of a catalogue, and their writing into a folder."""
+"""The whole site: making all its files from a catalogue, and writing them into a folder."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -11,16 +11,16 @@ from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import badges, compare, data, engines, feed, index, releases, robots, scenes
 from bodycheck.site.render import File, asset
 
-#: The file that lists what bodycheck has written into the folder of a site.
+#: The file that lists the files that bodycheck has written into the folder of a site.
 LIST = "site.json"
 
-#: Most bytes of that list.
+#: The most bytes of the file `LIST`.
 MOST_BYTES = 1 << 24
 
 #: Styles and scripts.
 ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js")
 
-#: The modules that make pages of a catalogue.
+#: The modules that make pages from a catalogue.
 PAGES = (index, scenes, robots, compare, data, engines, releases, feed, badges)
 
 
@@ -34,12 +34,12 @@ def files(catalogue: Catalogue) -> Iterator[File]:
 
 
 def write(made: Sequence[File], folder: Path) -> None:
-    """Write files into a folder, and remove those of an earlier site that are no longer there.
+    """Write files into a folder, and remove the files of an earlier site that are not among them.
 
     Raises
     ------
     BadInput
-        The folder has other files than those of a site, or it cannot be written.
+        The folder contains files but is not the folder of a site, or it cannot be written.
     """
     there = reading.names_in(folder)
     before: set[str] = set()
@@ -59,7 +59,7 @@ def write(made: Sequence[File], folder: Path) -> None:
 
 
 def _listed(path: Path) -> set[str]:
-    """Return the paths of the files of an earlier site, which all lie in its folder."""
+    """Return the paths in the list of an earlier site, without paths that lead out of its folder."""
     try:
         listed = json.loads(reading.content(path, MOST_BYTES))
         if not isinstance(listed, list) or not all(isinstance(one, str) for one in listed):

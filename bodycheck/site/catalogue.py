@@ -1,4 +1,4 @@
-"""Everything that submissions say, in the order in which pages ask for it: by engine, release, scene and robot."""
+"""The content of all submissions, arranged as pages need it: by engine, release, scene and robot."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,7 +15,7 @@ from bodycheck.reports.runs.matrix import Kind, kind_of
 from bodycheck.site.submissions import cases
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 
-#: The words by which a reason says that the engine itself refused the model or the file.
+#: The words in a reason from which it follows that the engine itself refused the model or the file.
 REFUSES = " refuses the "
 
 #: The tables whose rows are runs, with the columns of results.
@@ -33,7 +33,7 @@ class Entry:
     table
         The file name of the table.
     place
-        The place of the row in the table, from 0.
+        The index of the row in the table, from 0.
     """
 
     source: Submission
@@ -66,7 +66,7 @@ class Entry:
 
     @property
     def order(self) -> tuple[Version, str, str]:
-        """Return the key that sorts entries by version, and entries of one version by the time at which they were made."""
+        """Return the key that sorts entries by version, and entries of one version by the start of their command."""
         return version_key(self.version), self.source.header.started, self.source.key
 
 
@@ -83,18 +83,18 @@ class Results:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A case that anything is known of.
+    """A case of a submission, with its runs.
 
     Parameters
     ----------
     name
-        The name of the case; it ends with a part of the digest of its text where files share a name; see `submissions.cases`.
+        The name of the case, which ends with a part of the digest of its text if files share a name; see `submissions.cases`.
     case
-        What its file says.
+        The content of the case file.
     shipped
-        Whether it comes with bodycheck.
+        Whether the case comes with bodycheck.
     runs
-        Its rows in all tables results.csv, the oldest versions first.
+        The rows about the case in all tables results.csv, the oldest versions first.
     """
 
     name: str
@@ -104,7 +104,7 @@ class Scene:
 
     @cached_property
     def kind(self) -> Kind:
-        """Return the kind of the scene, which has the quantity that shows discrepancies best."""
+        """Return the kind of the scene, which determines the quantity that shows discrepancies best."""
         return kind_of(self.case.scene)
 
     @property
@@ -122,7 +122,7 @@ class Catalogue:
     submissions
         The submissions, the oldest first.
     left_out
-        What the site does not show, and why.
+        The paths that the site does not show, with the reasons.
     scenes
         The cases by name.
     """
@@ -151,7 +151,7 @@ class Catalogue:
 
     @cached_property
     def versions(self) -> Mapping[str, tuple[str, ...]]:
-        """Return the versions of each engine of which there are runs, the oldest first."""
+        """Return the versions of each engine with runs, the oldest first."""
         found: dict[str, set[str]] = {name: set() for name in self.engines}
         for table in RUNS:
             for entry in self.entries(table):
@@ -169,9 +169,9 @@ class Catalogue:
 
     @cached_property
     def allowances(self) -> Mapping[tuple[str, str, str, str, float | None], Row]:
-        """Return the rows of studies of releases, which have the effect of rounding on each figure.
+        """Return the rows of releases.csv by engine, version, case and method; they have the effect of rounding on each figure.
 
-        They are given by engine, version, case and method. If there are several, the row of the newest submission counts.
+        If several rows have the same key, the row of the newest submission counts.
         """
         return {
             (entry.engine, entry.version, entry.row["case"], *entry.method): entry.row for entry in self.entries("releases.csv")
@@ -179,7 +179,7 @@ class Catalogue:
 
     @cached_property
     def without_method(self) -> Mapping[tuple[str, str], str]:
-        """Return why an engine has no run of a scene, by the names of both, as the newest submission that says so tells."""
+        """Return why an engine has no run of a scene, by engine and case, from the newest submission that gives a reason."""
         return {
             (adapter_of(engine), case): why
             for source in self.submissions
@@ -189,7 +189,7 @@ class Catalogue:
 
     @cached_property
     def robots(self) -> Mapping[str, tuple[Entry, ...]]:
-        """Return the rows of parity.csv by robot model, those of the newest submission that has the model and the engine."""
+        """Return the rows of parity.csv by robot model; for each version of an engine, the rows of the newest submission."""
         newest: dict[tuple[str, str, str], tuple[Submission, list[Entry]]] = {}
         for entry in self.entries("parity.csv"):
             key = (entry.row["model"], entry.engine, entry.version)
@@ -227,7 +227,7 @@ def results_of(source: Submission) -> list[Results]:
 
 
 def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -> Catalogue:
-    """Return the catalogue of submissions, given from the oldest to the newest, and of what is left out."""
+    """Return the catalogue of submissions. submissions: the oldest first. left_out: the paths that the site does not show."""
     found: dict[str, Case] = {}
     runs: dict[str, list[Entry]] = defaultdict(list)
     kept = cases.apart(submissions)

@@ -1,4 +1,4 @@
-"""What is said of an engine and a scene in one cell: a verdict with its number, the truth's bound, and what changed."""
+"""The cell of an engine and a scene: a verdict with its error, the error bound of the truth, and the changes."""
 
 from dataclasses import dataclass
 
@@ -13,23 +13,22 @@ from bodycheck.site.submissions.own_methods import own_method
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """What is known of a scene in an engine.
+    """The results of an engine on a scene.
 
     Parameters
     ----------
     verdict
-        The verdict on the engine's own choice of a method.
+        The verdict on the method that the engine itself chooses.
     run
-        The run of that method; None if there is none.
+        The run of that method; None if the engine has no run of the scene.
     value, bound
-        The error in the quantity of the scene and the bound of the truth's own error, in the quantity's unit; None without.
+        The error in the quantity of the scene and the error bound of the truth, in the quantity's unit; None if unknown.
     best
-        The completed run of the engine with the smallest error; None if there is none.
+        The completed run of the engine with the smallest error; None if no run completed with an error.
     changes
-        What changed in any method of the engine since the last date, or since the release before; none if nothing is known of
-        before.
+        The changes in any method of the engine since the previous results; empty if there are no earlier results.
     reason
-        Why there is no number; empty if there is one.
+        Why there is no error; empty if there is an error.
     """
 
     verdict: Verdict
@@ -42,7 +41,7 @@ class Cell:
 
 
 def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
-    """Return the cell of an engine and a scene: of the newest version of the engine with which the scene was run."""
+    """Return the cell of an engine and a scene, for the newest version of the engine with runs of the scene."""
     runs = catalogue.runs.get((engine, scene.name), ())
     if not runs:
         why = catalogue.without_method.get((engine, scene.name), "")
@@ -70,18 +69,18 @@ def verdict(run: Entry, scene: Scene) -> Verdict:
 
 
 def default_run(runs: list[Entry]) -> Entry:
-    """Return the run of the method that the engine itself chooses, or that its adapter offers first.
+    """Return the run of the method that the engine itself chooses, or else of the method that its adapter lists first.
 
-    runs: at least one, those of one scene in one version of an engine in one submission, in the order of the table.
+    runs: the runs of one scene in one version of an engine in one submission; at least one run, in any order.
     """
     in_order = sorted(runs, key=lambda entry: entry.place)
     return in_order[own_method([entry.row for entry in in_order], in_order[0].source.header.defaults)]
 
 
 def text(cell: Cell) -> str:
-    """Return what stands in a cell: the error to two digits, the bound of an exact one, or the mark of the verdict.
+    """Return the text of a cell: the error to two digits, the bound if the run is exact, or the mark of the verdict.
 
-    A completed run in which the scene's quantity was not measured is "ok".
+    The text is "ok" for a completed run in which the scene's quantity was not measured.
     """
     if cell.verdict == "exact" and cell.bound is not None:
         return within(cell.bound, 2)

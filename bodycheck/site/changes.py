@@ -1,6 +1,6 @@
-"""What changed between two runs of the same method on the same scene by more than rounding explains.
+"""Changes between two runs of the same method on the same scene that are larger than rounding explains.
 
-`RULE` says it in words for readers, and `change` is its implementation.
+`RULE` is the rule in words for readers, and `change` is its implementation.
 """
 
 import math
@@ -12,19 +12,19 @@ from bodycheck.results.outcome import Completed
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 
-#: The relative change of an error below which nothing is said.
+#: The relative change of an error that always counts as no change, where the effect of rounding is estimated.
 SMALLEST = 0.01
 
-#: The factor by which an error must change where rounding alone may change it by a part of its size.
+#: The factor by which an error must change if rounding may decide on its digits.
 LARGE = 10.0
 
 #: The tag of cases whose motion is chaotic.
 CHAOTIC = "chaotic"
 
-#: The quantity of a change of the status.
+#: The `quantity` of a `Change` that is a change of the status.
 STATUS = "status"
 
-#: Relative error of rounding by the precision of an engine.
+#: The relative rounding error by the precision of an engine.
 ROUNDOFF = {"float64": 2.0**-53, "float32": 2.0**-24}
 
 #: The rule in words for readers, as paragraphs.
@@ -54,7 +54,7 @@ class Change:
     quantity
         The name of the column that differs: "status" or an error.
     worse
-        Whether the later run is worse; None where neither is, as between two ways to fail.
+        Whether the later run is worse; None if neither run is worse, as with two different failures.
     """
 
     before: Entry
@@ -64,7 +64,7 @@ class Change:
 
     @property
     def factor(self) -> float | None:
-        """Return the ratio of the larger error to the smaller one; None for statuses and where one error is zero."""
+        """Return the ratio of the larger error to the smaller one; None for a change of the status or if an error is zero."""
         if self.quantity == STATUS:
             return None
         small, large = sorted((abs(self.before.get(self.quantity)), abs(self.after.get(self.quantity))))
@@ -72,9 +72,9 @@ class Change:
 
     @property
     def severity(self) -> float:
-        """Return the factor, for which an error counts as no smaller than rounding, or infinity for a change of the status.
+        """Return the factor after errors below the rounding of the runs are raised to it; infinity for a change of the status.
 
-        A change from nearly nothing to little is therefore not the largest.
+        A change between two errors near rounding therefore has a small severity.
         """
         if self.quantity == STATUS:
             return math.inf
@@ -84,7 +84,7 @@ class Change:
 
 
 def since(catalogue: Catalogue, scene: Scene, newest: Sequence[Entry]) -> Iterator[Change]:
-    """Yield what changed between runs of one scene in one engine and those of the same methods before them."""
+    """Yield the changes of runs of one scene in one engine from the previous runs of the same methods; see `before`."""
     for run in newest:
         earlier = before(catalogue.runs[run.engine, scene.name], run)
         found = change(catalogue, scene, run, earlier) if earlier is not None else None
@@ -93,9 +93,10 @@ def since(catalogue: Catalogue, scene: Scene, newest: Sequence[Entry]) -> Iterat
 
 
 def before(runs: Sequence[Entry], run: Entry) -> Entry | None:
-    """Return the run of the same method in the last older version, or the last older results of the version, or None.
+    """Return the last earlier run of the same method, from another submission; None if there is no such run.
 
-    runs: those of one scene in one engine, the oldest versions first.
+    A run is earlier if its version is older, or if the same version was run before. runs: the runs of one scene in one engine,
+    the oldest versions first.
     """
     same = [
         entry for entry in runs if entry.method == run.method and entry.source is not run.source and entry.order < run.order
@@ -104,7 +105,7 @@ def before(runs: Sequence[Entry], run: Entry) -> Entry | None:
 
 
 def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> Change | None:
-    """Return what changed of the quantity of a scene, or of the status, by `RULE`; None if nothing did."""
+    """Return the change of the status, or of the error in the quantity of a scene, by `RULE`; None if nothing changed."""
     if after.get("status") != earlier.get("status"):
         completes, completed = (run.get("status") == Completed.status for run in (after, earlier))
         worse = not completes if completes or completed else None
@@ -122,7 +123,7 @@ def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> 
 
 
 def allowance(catalogue: Catalogue, run: Entry, quantity: str) -> float | None:
-    """Return by how much rounding and the truth's error move a figure of a run; None where it is not measured."""
+    """Return by how much rounding and the error of the truth change a figure of a run; None if no study has measured this."""
     measured = catalogue.allowances.get((run.engine, run.version, run.row["case"], *run.method))
     return None if measured is None else measured.get(f"{quantity}{ALLOWANCE_SUFFIX}")
 
@@ -141,7 +142,7 @@ def _beyond_estimate(scene: Scene, earlier: Entry, after: Entry, then: float, no
 
 
 def rounding(run: Entry) -> float:
-    """Return the rounding of numbers of the size 1 in all steps of a run, if nothing amplifies it."""
+    """Return the rounding error of numbers of the size 1 after all steps of a run, if nothing amplifies it."""
     precisions = run.source.header.precisions
     precision = precisions.get(run.row["engine"]) or precisions.get(run.engine) or "float64"
     return STEP_ROUNDINGS * float(run.get("steps") or 1) * ROUNDOFF[precision]

@@ -13,18 +13,18 @@ from bodycheck.site.submissions.submission import Row, Submission
 
 
 def command(source: Submission, table: str, row: Row) -> str:
-    """Return the command that makes the numbers of a row again, quoted for a shell.
+    """Return the command that reproduces the numbers of a row, quoted for a shell.
 
-    A case that does not come with bodycheck is named by its file, which the page of the row has.
+    A case that does not come with bodycheck is given by the name of its case file, which the page of the row shows.
 
     Parameters
     ----------
     source
-        The submission that the row is in.
+        The submission that contains the row.
     table
         The file name of the table.
     row
-        Its values by column.
+        The values of the row by column.
     """
     words = MAKERS[table](row)
     if table in ACROSS_STEPS:
@@ -34,7 +34,7 @@ def command(source: Submission, table: str, row: Row) -> str:
 
 
 def engine(row: Row) -> str:
-    """Return the name by which the engine of a row is asked for, in the version of the row."""
+    """Return the engine of a row as the command line names it: NAME@VERSION, or NAME alone if the version is not valid."""
     name, version = adapter_of(str(row["engine"])), row.get("version")
     try:
         return f"{name}@{Version(str(version))}"
@@ -48,7 +48,7 @@ def _case(name: str) -> str:
 
 
 def _method(row: Row) -> list[str]:
-    """Return the options of the integrator and of the time step, as far as a row has them."""
+    """Return the options `--integrator` and `--timestep`, each only if the row has a value for it."""
     found = ["--integrator", str(row["integrator"])] if row.get("integrator") else []
     return [*found, "--timestep", repr(row["timestep"])] if row.get("timestep") is not None else found
 
@@ -72,13 +72,13 @@ def _releases(row: Row) -> list[str]:
 
 
 def _contact(row: Row) -> list[str]:
-    # All methods are asked for, since the best one is not known before.
+    # The command runs all methods, since the best one is not known in advance.
     return ["contact", engine(row), "--case", _case(row["scene"])]
 
 
 def _parity(row: Row) -> list[str]:
     model = str(row["model"])
-    named = f"./{model}" if model.startswith("-") else model  # a stranger's file must not be an option
+    named = f"./{model}" if model.startswith("-") else model  # a file name from a submission must not be read as an option
     return ["parity", named, *([] if row["engine"] == "file" else ["--engine", engine(row)])]
 
 
@@ -100,10 +100,10 @@ def _steps(rows: Sequence[Row], like: Row) -> list[float]:
     return sorted(same, reverse=True)
 
 
-#: The tables whose numbers come from several time steps, with the table that has the runs.
+#: The tables whose numbers come from several time steps, each with the table that contains the runs.
 ACROSS_STEPS = {"attribution.csv": "results.csv", "orders.csv": "tradeoff.csv"}
 
-#: The words after `bodycheck`, by the names of tables.
+#: The functions that return the words after `bodycheck` for a row, by the file names of tables.
 MAKERS: dict[str, Callable[[Row], list[str]]] = {
     "results.csv": _run,
     "attribution.csv": _attribution,

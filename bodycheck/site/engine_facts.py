@@ -1,4 +1,4 @@
-"""What the page of an engine shows besides its scenes: its methods, contact sheet, audit, ensembles, robots and issues."""
+"""The content of the page of an engine apart from scenes: methods, contact sheet, audit, ensembles, robots and issues."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +18,7 @@ from bodycheck.studies.contact.rows import SHEET, ContactRow, Line, lines
 
 @dataclass(frozen=True, eq=False)
 class MethodFacts:
-    """What is known of an integrator of a release.
+    """The facts about an integrator of a release.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class MethodFacts:
     counts
         The number of its runs with each outcome: ran, failed, refused or unsupported.
     orders
-        The rows of orders.csv about it, of the newest release that has any.
+        The rows of orders.csv about it, for the newest release that has rows in orders.csv.
     """
 
     name: str
@@ -36,7 +36,7 @@ class MethodFacts:
 
     @property
     def claimed(self) -> int | None:
-        """Return the order that the adapter claims; None if that is not known."""
+        """Return the order that the adapter claims; None if it is not known."""
         return next((entry.get("claimed") for entry in self.orders if entry.get("claimed") is not None), None)
 
     @property
@@ -47,13 +47,13 @@ class MethodFacts:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """Return the textbook schemes with which the integrator agrees, or to which it is close."""
+        """Return the textbook schemes with which the integrator agrees, and as "near …" the schemes to which it is close."""
         told = (entry.get("scheme") or _near(entry.get("nearest_scheme")) for entry in self.orders)
         return tuple(dict.fromkeys(filter(None, told)))
 
 
 def methods(release: Release) -> tuple[MethodFacts, ...]:
-    """Return the facts about each integrator of a release that has runs, or whose order was observed."""
+    """Return the facts about each integrator that has runs in a release, or whose order was observed."""
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for name, runs in release.runs.items():
         scene = release.catalogue.scenes[name]
@@ -76,7 +76,7 @@ def newest(catalogue: Catalogue, table: str, engine: str) -> tuple[Entry, ...]:
 
 
 def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Submission | None]:
-    """Return the choices that an engine makes where a user makes none, and the newest submission that lists them."""
+    """Return the default settings of the newest version of an engine, and the newest submission that lists them."""
     found: tuple[Mapping[str, str], Submission | None] = ({}, None)
     latest = version_key("0")
     for source in catalogue.submissions:
@@ -89,7 +89,7 @@ def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Subm
 
 @dataclass(frozen=True, eq=False)
 class ContactFacts:
-    """A line of the contact sheet, with its rows at the defaults and at the best settings; None where one is missing."""
+    """A line of the contact sheet with its rows at the default and at the best settings; None for a missing row."""
 
     line: Line
     at_defaults: Entry | None
@@ -110,7 +110,7 @@ def contact_sheet(catalogue: Catalogue, engine: str) -> tuple[ContactFacts, ...]
 
 
 def _contact_row(entry: Entry) -> ContactRow:
-    """Return a row as the study has it, with the name of the engine alone."""
+    """Return a row of contact.csv as a `ContactRow`, with the name of the engine without its version."""
     numbers = ("timestep", "value", "truth", "truth_error")
     values: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in SHEET.by_name}
     return ContactRow(**values | {"engine": entry.engine})
@@ -123,7 +123,7 @@ class RobotFacts:
     Parameters
     ----------
     model, version
-        The model, and the newest version of the engine that was compared.
+        The model, and the newest version of the engine that was compared on it.
     counts
         The number of compared quantities by status.
     causes
@@ -137,7 +137,7 @@ class RobotFacts:
 
 
 def robots(catalogue: Catalogue, engine: str) -> Iterator[RobotFacts]:
-    """Yield the facts about each robot model, from the newest version of an engine that was compared on it."""
+    """Yield the facts about an engine on each robot model, from the newest version that was compared on the model."""
     for model, entries in catalogue.robots.items():
         own = [entry for entry in entries if entry.engine == engine]
         if own:

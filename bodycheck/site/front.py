@@ -1,4 +1,4 @@
-"""What the front page shows: a matrix of engines by scenes for each kind of scene, and what changed, as text."""
+"""The content of the front page: a matrix of engines by scenes for each kind of scene, and the changes, as text."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,10 +12,10 @@ from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell
 from bodycheck.site.changes import Change
 
-#: Most characters of the reason that a cell tells; the page of the row has all of it.
+#: The most characters of the reason in the explanation of a cell; the page of the row has the whole reason.
 LONGEST_REASON = 200
 
-#: Most changes of an engine that the page names one by one.
+#: The most changes of an engine that the page lists individually.
 NAMED_CHANGES = 5
 
 
@@ -28,13 +28,13 @@ class Shown:
     text
         The number or the mark of the verdict.
     word
-        The verdict where the text is its mark, for those who cannot see it.
+        The verdict in words, for readers who cannot see its mark; empty if the text is not the mark.
     mark
-        The sign of a change: ▲ for a larger error of the shown method, ▼ for a smaller one, ◆ for another method; or empty.
+        The sign of a change: ▲ if the shown method became worse, ▼ if it became better, ◆ for any other change; or empty.
     style
-        The classes of the cell: its verdict, the decade of the error, and whether it changed.
+        The CSS classes of the cell: its verdict, the decade of the error, and "changed" if anything changed.
     told
-        Error, bound, method and what changed, in words.
+        The explanation of the cell: error, bound, method and change, in words.
     address
         The address of the raw row; empty if there is none.
     """
@@ -49,7 +49,7 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Head:
-    """The head of an engine's column: the engine, and the newest version with its date; empty where it has no runs."""
+    """The head of an engine's column: the engine, and its newest version with the date; both empty if it has no runs."""
 
     engine: str
     version: str
@@ -58,7 +58,7 @@ class Head:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A scene with its cells: those of the methods that engines choose themselves, and those of their best methods."""
+    """A scene with a cell for each engine: `own` for the method that the engine itself chooses, `best` for its best method."""
 
     scene: Scene
     own: tuple[Shown, ...]
@@ -66,7 +66,7 @@ class Line:
 
     @property
     def words(self) -> str:
-        """Return what the filter searches."""
+        """Return the text that the filter of the page searches, in small letters."""
         return " ".join((self.scene.name, *self.scene.case.tags, self.scene.case.title)).lower()
 
 
@@ -79,26 +79,26 @@ class Group:
 
     @property
     def label(self) -> str:
-        """Return the quantity that is shown, with its unit."""
+        """Return the title of the shown quantity, with its unit."""
         return self.lines[0].scene.quantity.label
 
 
 @dataclass(frozen=True, eq=False)
 class News:
-    """What changed of an engine.
+    """The changes of an engine.
 
     Parameters
     ----------
     engine, version
-        The engine in its newest version.
+        The engine and its newest version.
     since
-        What it is compared with: versions, or dates of the same version.
+        The results with which it is compared, in words: versions, or dates of the same version.
     worse, better, other
         The numbers of scenes in which the engine's own method became worse, became better, or only other methods changed.
     largest
-        The largest changes of any method: the case, what changed in words, and the address of the raw row.
+        The largest changes of any method: the case, the change in words, and the address of the raw row.
     comparison
-        The address of the comparison of the results in which the largest change is.
+        The address of the comparison of the two results that contain the largest change.
     """
 
     engine: str
@@ -113,13 +113,13 @@ class News:
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """All that the front page shows of a catalogue."""
+    """The content of the front page of a catalogue."""
 
     catalogue: Catalogue
 
     @cached_property
     def cells(self) -> dict[tuple[str, str], Cell]:
-        """Return the cells by the names of engine and scene."""
+        """Return the cells by the names of their engines and scenes."""
         return {
             (engine, name): cells.cell(self.catalogue, engine, scene)
             for name, scene in self.catalogue.scenes.items()
@@ -139,7 +139,7 @@ class Front:
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
-        """Return the matrices, one for each kind of scene that there is."""
+        """Return the matrices, one for each kind of scene in the catalogue."""
         by_kind: dict[str, list[Line]] = {kind.name: [] for kind in KINDS}
         for scene in self.catalogue.scenes.values():
             known = [self.cells[engine, scene.name] for engine in self.catalogue.engines]
@@ -150,7 +150,7 @@ class Front:
 
     @cached_property
     def news(self) -> tuple[News, ...]:
-        """Return what changed of each engine of which anything did."""
+        """Return the changes of each engine that has any changes."""
         found = (self._news(head) for head in self.heads)
         return tuple(one for one in found if one is not None)
 
@@ -176,7 +176,7 @@ class Front:
 
 
 def best_of(cell: Cell, scene: Scene) -> Cell:
-    """Return the cell of the run with the smallest error instead of that of the engine's own method, where there is one."""
+    """Return the cell with the engine's best run in place of the run of its own method; unchanged if there is no best run."""
     if cell.best is None:
         return cell
     value, limit = cell.best.get(scene.quantity.name), cell.best.get(scene.quantity.bound_name)
@@ -197,7 +197,7 @@ def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
 
 
 def told(cell: Cell, scene: Scene, head: Head) -> str:
-    """Return the content of a cell in words: the verdict, its reason, the method, the version and changes."""
+    """Return the explanation of a cell: the verdict, its reason, the method, the version and changes, in words."""
     parts = [SCENES[cell.verdict].title if cell.verdict != "error" else ""]
     if cell.value is not None:
         known = f", bound {bound(cell.bound, 2)}" if cell.bound is not None else ", bound unknown"
@@ -222,14 +222,14 @@ def method(run: Entry) -> str:
 
 
 def in_words(change: Change) -> str:
-    """Return a change in words: the method, and what was before and after."""
+    """Return a change in words: the method, and the status or error before and after."""
     before, after = change.before.get(change.quantity), change.after.get(change.quantity)
     values = (before, after) if isinstance(before, str) else (number(before, 3), number(after, 3))
     return f"{method(change.after)} {values[0]} → {values[1]}"
 
 
 def _mark(cell: Cell) -> str:
-    """Return the sign of what changed."""
+    """Return the sign of the change of a cell, or an empty text; see `Shown.mark`."""
     if not cell.changes:
         return ""
     own = next((change for change in cell.changes if change.after is cell.run), None)
@@ -237,7 +237,7 @@ def _mark(cell: Cell) -> str:
 
 
 def _since(befores: Sequence[Entry], version: str) -> str:
-    """Return what results are compared with: the versions, or the dates of the same version."""
+    """Return the earlier results in words: their versions, or the dates if they have the version `version`."""
     found = dict.fromkeys(
         entry.version if entry.version != version else f"{entry.version} of {entry.source.date}"
         for entry in sorted(befores, key=lambda entry: entry.order, reverse=True)

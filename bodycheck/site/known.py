@@ -1,4 +1,4 @@
-"""Known issues of engines, which are threads of their authors and users, and the numbers of the results that show them."""
+"""Known issues of engines, each a thread of the engine's authors and users, and the results that show them."""
 
 import tomllib
 from collections.abc import Iterator
@@ -20,15 +20,16 @@ class Issue:
     Parameters
     ----------
     engine, title, url
-        The engine, what is the matter, and the address of the thread.
+        The engine, a short description of the issue, and the address of the thread.
     scene, figure, integrator
-        The scene and the column of results that show it, and the integrator; empty for that which the engine itself chooses.
+        The scene, the column of results and the integrator that show the issue; if `integrator` is empty, the integrator is the
+        one that the engine itself chooses.
     robot, cause, status
-        The robot model, and the cause or the status of the rows of parity.csv that show it.
+        The robot model, and the cause or the status of the rows of parity.csv that show the issue.
     audit
-        The property of the audit that shows it.
+        The property of the audit that shows the issue.
     since, until
-        The first and the last version that show it; empty where it is not known that others do not.
+        The first and the last version that have the issue; empty if no earlier or no later version is known to be without it.
     """
 
     engine: str
@@ -45,13 +46,13 @@ class Issue:
     until: str = ""
 
     def concerns(self, version: str) -> bool:
-        """Return whether a version has the issue, as far as known."""
+        """Return whether a version lies between `since` and `until`, and so has the issue."""
         late = not self.since or version_key(self.since) <= version_key(version)
         return late and (not self.until or version_key(version) <= version_key(self.until))
 
     @property
     def versions(self) -> str:
-        """Return the versions that show it, in words; empty for all."""
+        """Return the versions that have the issue, in words; empty for all versions."""
         if self.since and self.until:
             return f"from {self.since} to {self.until}"
         return f"from {self.since}" if self.since else f"until {self.until}" if self.until else ""
@@ -66,7 +67,7 @@ class Evidence:
     version
         The version of the engine.
     text
-        The number with its unit, or what else there is.
+        The number with its unit, or the verdict on a run without a number.
     address
         The address of the raw row.
     """
@@ -84,7 +85,7 @@ def issues() -> tuple[Issue, ...]:
 
 
 def evidence(catalogue: Catalogue, issue: Issue) -> tuple[Evidence, ...]:
-    """Return what the results have of an issue: of the last version that shows it, and of the first one after it."""
+    """Return the evidence on an issue from the last version that has the issue, and from the first version after it."""
     by_version: dict[str, Evidence] = {}
     for found in _all(catalogue, issue):
         by_version[found.version] = found
@@ -95,7 +96,7 @@ def evidence(catalogue: Catalogue, issue: Issue) -> tuple[Evidence, ...]:
 
 
 def _all(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
-    """Yield what the results have of an issue, the newest of a version last."""
+    """Yield all evidence on an issue; for each version, the newest evidence comes last."""
     if issue.scene:
         for version in catalogue.versions.get(issue.engine, ()):
             runs = [run for run in catalogue.runs.get((issue.engine, issue.scene), ()) if run.version == version]
@@ -120,7 +121,7 @@ def _of_run(run: Entry, scene: Scene, figure: str) -> Evidence:
 
 
 def _of_robot(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
-    """Yield what each version makes of a robot model: the quantities with the cause or status of the issue."""
+    """Yield the evidence of each version on a robot model: the number of rows with the cause or the status of the issue."""
     counts: dict[str, list[Entry]] = {}
     for entry in catalogue.robots.get(issue.robot, ()):
         if entry.engine == issue.engine:

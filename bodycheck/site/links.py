@@ -1,4 +1,4 @@
-"""The addresses of pages inside the site, relative to its root. Every page names others through these functions alone."""
+"""The addresses of pages inside the site, relative to its root. All links between pages are made by these functions."""
 
 import re
 from hashlib import sha256
@@ -13,7 +13,7 @@ SCENES, ROBOTS = "scenes/index.html", "robots/index.html"
 #: The folder of data.
 DATA = "data/"
 
-#: The pages that the head of every page leads to, with their titles.
+#: The pages to which the head of every page links, with their titles.
 MAIN = (
     (INDEX, "Results"),
     (SCENES, "Scenes"),
@@ -22,10 +22,10 @@ MAIN = (
     (ERRORS, "Left out"),
 )
 
-#: Most characters of the name of a page.
+#: The most characters of the file name of a page, without its extension.
 LONGEST = 80
 
-#: Names that no file can have on Windows, whatever follows a dot.
+#: Names that no file can have on Windows, with any extension.
 DEVICE = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:$|\.)")
 
 
@@ -40,7 +40,7 @@ def scene(name: str) -> str:
 
 
 def motion(name: str) -> str:
-    """Return the address of the motions of a case, as a script."""
+    """Return the address of the script with the motions of a case."""
     return f"data/motion-{slug(name)}.js"
 
 
@@ -60,28 +60,28 @@ def badge(name: str) -> str:
 
 
 def data(source: Submission) -> str:
-    """Return the address of the data of a submission, without its end: .json for programs, .js for pages."""
+    """Return the address of the data of a submission, without the extension: .json for programs, .js for pages."""
     return f"{DATA}{source.key}"
 
 
 def changes(name: str) -> str:
-    """Return the address of what differs between the results of an engine, without its end; see `data`."""
+    """Return the address of the differences between results of an engine, without the extension; see `data`."""
     return f"{DATA}changes/{slug(name)}"
 
 
 def compare(name: str, before: Entry, after: Entry) -> str:
-    """Return the address of the comparison of the results of an engine that two rows are in."""
+    """Return the address of the page that compares two results of an engine: the results with the rows `before` and `after`."""
     sides = (f"{side}={one.source.key}:{quote(one.version)}:{one.table}" for side, one in (("left", before), ("right", after)))
     return f"{COMPARE}#engine={quote(name)}&{'&'.join(sides)}"
 
 
 def row(entry: Entry) -> str:
-    """Return the address of the page of a raw row, which has its case file and its command."""
+    """Return the address of the page of a raw row; the page also shows the case file and the command of the row."""
     return f"{ROW}#{entry.source.key}/{quote(entry.table)}/{entry.place}"
 
 
 def slug(name: str) -> str:
-    """Return the name of a file for a name. Different names have different files, also where capitals do not count."""
+    """Return a file name, without extension, for a name: different names have different file names, even if case is ignored."""
     plain = re.sub(r"[^a-z0-9._-]+", "-", name.lower()).strip("-.")
     if plain == name and len(plain) <= LONGEST and not DEVICE.match(plain):
         return plain

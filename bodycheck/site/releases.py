@@ -1,4 +1,4 @@
-"""What is known of each release of an engine: its runs, its verdicts, and what differs from the release before."""
+"""The releases of an engine: their runs, their verdicts, and the differences from the previous release."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ class Release:
     Parameters
     ----------
     catalogue
-        All that is known.
+        The catalogue with all submissions.
     engine, version
-        The release.
+        The engine and the version of the release.
     """
 
     catalogue: Catalogue
@@ -32,7 +32,7 @@ class Release:
 
     @cached_property
     def runs(self) -> Mapping[str, tuple[Entry, ...]]:
-        """Return the runs by scene, each scene's from the newest submission that has it in this release."""
+        """Return the runs by scene, each from the newest submission that has runs of the scene in this release."""
         found = {}
         for name in self.catalogue.scenes:
             own = [run for run in self.catalogue.runs.get((self.engine, name), ()) if run.version == self.version]
@@ -64,7 +64,7 @@ class Release:
 
     @cached_property
     def sources(self) -> tuple[Submission, ...]:
-        """Return the submissions that have anything of this release, the oldest first."""
+        """Return the submissions with any row about this release, the oldest first."""
         return tuple(
             source
             for source in self.catalogue.submissions
@@ -84,7 +84,7 @@ class Release:
 
     @cached_property
     def environment(self) -> Mapping[str, str]:
-        """Return the packages in the environment of this release from the newest submission that has them, or none."""
+        """Return the packages in the environment of this release, from the newest submission that lists them."""
         found: Mapping[str, str] = {}
         for source in self.sources:
             for engine, version in source.header.engines.items():
@@ -120,7 +120,7 @@ class Upgrade:
 
     @cached_property
     def pairs(self) -> tuple[tuple[Scene, Entry, Entry], ...]:
-        """Return the runs of the same methods in both releases, with their scenes."""
+        """Return the pairs of runs of the same method in both releases, as scene, earlier run and later run."""
         return tuple(
             (self.after.catalogue.scenes[name], earlier, run)
             for name, runs in self.after.runs.items()
@@ -136,13 +136,13 @@ class Upgrade:
         return tuple((scene, change) for scene, change in found if change is not None)
 
     def errors(self, worse: bool) -> tuple[tuple[Scene, Change], ...]:
-        """Return the errors that became larger or smaller, the most severe ones first."""
+        """Return the changes to a larger error (`worse`) or to a smaller error (not `worse`), the most severe changes first."""
         found = [one for one in self.changes if one[1].quantity != changes.STATUS and one[1].worse is worse]
         return tuple(sorted(found, key=lambda one: -one[1].severity))
 
     @property
     def statuses(self) -> tuple[tuple[Scene, Change], ...]:
-        """Return the runs that end in another way."""
+        """Return the changes of status, each with its scene."""
         return tuple(one for one in self.changes if one[1].quantity == changes.STATUS)
 
     @cached_property
@@ -161,12 +161,12 @@ class Upgrade:
 
     @cached_property
     def new_methods(self) -> tuple[str, ...]:
-        """Return the integrators of which only the later release has runs."""
+        """Return the integrators with which only the later release has runs."""
         return tuple(sorted(_integrators(self.after) - _integrators(self.before)))
 
     @cached_property
     def gone_methods(self) -> tuple[str, ...]:
-        """Return the integrators of which only the earlier release has runs."""
+        """Return the integrators with which only the earlier release has runs."""
         return tuple(sorted(_integrators(self.before) - _integrators(self.after)))
 
 
@@ -180,7 +180,7 @@ def releases(catalogue: Catalogue, engine: str) -> tuple[Release, ...]:
 
 
 def upgrades(known: tuple[Release, ...]) -> Mapping[str, Upgrade]:
-    """Return the upgrades to releases, by their versions; the first release of which there are runs has none.
+    """Return the upgrades by the versions of the later releases; the first release with runs has no upgrade.
 
     known: the releases of an engine, the oldest first.
     """
@@ -189,7 +189,7 @@ def upgrades(known: tuple[Release, ...]) -> Mapping[str, Upgrade]:
 
 
 def measured_changes(catalogue: Catalogue, engine: str, version: str) -> tuple[Entry, ...]:
-    """Return the rows of studies of releases about what changed with a release, each once, from the newest submission."""
+    """Return the rows of changes.csv about a release. If rows are about the same change, only the newest is returned."""
     found = {}
     for entry in catalogue.entries("changes.csv"):
         if entry.engine == engine and entry.get("to_version") == version:

@@ -1,4 +1,4 @@
-"""Files of the site from templates."""
+"""The files of the site, made from templates and values."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ from bodycheck.reports.quantities import QUANTITIES, bound, milliseconds, number
 from bodycheck.results.verdicts import SCENES
 from bodycheck.site import links
 
-#: The names for readers of figures, by their columns.
+#: The titles of figures for readers, by column.
 TITLES = {name: quantity.title for name, quantity in QUANTITIES.items()}
 
 #: The version of the format of the data.
@@ -28,9 +28,9 @@ class File:
     Parameters
     ----------
     path
-        Its path inside the site, with slashes.
+        The path of the file inside the site, with slashes.
     content
-        Its content.
+        The bytes of the file.
     """
 
     path: str
@@ -43,11 +43,11 @@ def page(path: str, template: str, **values: Any) -> File:
     Parameters
     ----------
     path
-        Its path inside the site.
+        The path of the page inside the site.
     template
-        The name of the template in the folder `templates`. It has `root`, which leads from the page to the root of the site,
-        the functions of `links`, the `verdicts` with the `words` of those on scenes, the `titles` of figures, and functions for
-        numbers.
+        The name of the template in the folder `templates`. A template can use `root` (the relative address of the site's
+        root), `path`, the functions of `links`, the `verdicts`, the `words` for verdicts on scenes, the `titles` of figures,
+        and functions that format numbers.
     values
         Further variables of the template.
     """
@@ -61,28 +61,28 @@ def asset(name: str) -> File:
 
 
 def data_files(path: str, name: str, value: Mapping[str, Any]) -> Iterator[File]:
-    """Yield a value as JSON for programs, and as a script for pages, which sets a variable.
+    """Yield two files of a value: JSON for programs, and a script for pages that sets a variable to the value.
 
     Parameters
     ----------
     path
-        The path inside the site, without its end.
+        The path of both files inside the site, without the file name extension.
     name
-        The variable.
+        The name of the variable in the script.
     value
-        The value.
+        The value, which must be valid JSON.
     """
     yield json_file(path, value)
     yield script_file(path, name, value)
 
 
 def json_file(path: str, value: Mapping[str, Any]) -> File:
-    """Return a value as a file of JSON. path: without its end."""
+    """Return a value as a JSON file. path: its path inside the site, without ".json"."""
     return File(f"{path}.json", (json.dumps(value, separators=(",", ":"), allow_nan=False) + "\n").encode())
 
 
 def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
-    """Return a script that sets a variable to a value. path: without its end."""
+    """Return a script that sets the variable `name` to a value. path: its path inside the site, without ".js"."""
     return File(f"{path}.js", f"{name}={json_text(value)};\n".encode())
 
 

@@ -1,4 +1,4 @@
-"""What engines make of a robot model, in numbers for its page: rows that agree are counted, others are listed."""
+"""The readings of a robot model by engines, for its page: rows that agree with the file are counted, others are listed."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -11,25 +11,25 @@ from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITI
 from bodycheck.studies.parity.rows import READINGS, ParityRow
 from bodycheck.studies.parity.wording import brief, name_of, of_engine
 
-#: Most rows of one engine that are listed.
+#: The most rows of one engine that are listed.
 MOST_LISTED = 80
 
-#: Most characters of a value that is shown.
+#: The most characters of a shown value.
 LONGEST = 160
 
 
 @dataclass(frozen=True)
 class Mark:
-    """What is said of one quantity of a robot in an engine.
+    """The verdict on one quantity of a robot in an engine.
 
     Parameters
     ----------
     verdict
         The verdict.
     amount
-        How many bodies, joints or models it holds of; 0 where that is not known, as of what agrees.
+        The number of bodies, joints or models with this verdict; 0 if it is not known, as for the verdict "agrees".
     largest
-        The largest relative difference of what differs or agrees; None if it is not known.
+        The largest relative difference among the rows with this verdict; None if it is not known.
     """
 
     verdict: RobotVerdict
@@ -39,14 +39,14 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What one version of an engine makes of a robot.
+    """The reading of a robot model by one version of an engine.
 
     Parameters
     ----------
     engine, version
-        The engine.
+        The engine and its version.
     rows
-        Its rows.
+        Its rows of parity.csv.
     """
 
     engine: str
@@ -55,7 +55,10 @@ class Reading:
 
     @property
     def verdict(self) -> RobotVerdict:
-        """Return the verdict on the whole robot, which what is not modelled does not change where the rest agrees."""
+        """Return the verdict on the whole robot; quantities that the engine does not model count only if there are no others.
+
+        If the engine does not model the whole file, the verdict is "not-modelled".
+        """
         there = {entry.get("status") for entry in self.rows}
         if any(entry.get("quantity") is None and entry.get("status") == "not-modelled" for entry in self.rows):
             return "not-modelled"
@@ -64,17 +67,17 @@ class Reading:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Return what was found, the verdict first."""
+        """Return sentences about the reading, the verdict first."""
         return of_engine([parity_row(entry) for entry in self.rows])
 
     @property
     def brief(self) -> str:
-        """Return what was found in few words."""
+        """Return the result of the reading in few words."""
         return brief([parity_row(entry) for entry in self.rows])
 
     @property
     def marks(self) -> dict[Quantity, Mark]:
-        """Return what is said of each quantity that was compared."""
+        """Return the mark of each quantity that was compared."""
         found: dict[Quantity, list[Entry]] = defaultdict(list)
         for entry in self.rows:
             if entry.get("quantity") in QUANTITIES:
@@ -83,18 +86,18 @@ class Reading:
 
     @property
     def of_file(self) -> Mark | None:
-        """Return what is said of every quantity where the engine does not read the file at all; None where it does."""
+        """Return the mark of every quantity if the engine does not read the file at all; None if the engine reads it."""
         return Mark(self.verdict, 0, None) if any(entry.get("quantity") is None for entry in self.rows) else None
 
     @property
     def listed(self) -> tuple[Entry, ...]:
-        """Return the rows that do not agree, those that differ first."""
+        """Return the rows that do not agree, by status: refused, then differing, unphysical and not modelled."""
         order: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "not-modelled")
         return tuple(entry for status in order for entry in self.rows if entry.get("status") == status)
 
 
 def readings(entries: Sequence[Entry]) -> tuple[list[Reading], list[Reading], list[Entry]]:
-    """Return the readings of the newest version of each engine, those of older versions, and the rows about the file itself."""
+    """Return the readings by the newest version of each engine, the readings by older versions, and the rows about the file."""
     by_engine: dict[str, dict[str, list[Entry]]] = defaultdict(dict)
     for entry in sorted(entries, key=lambda entry: (entry.order, entry.place)):
         by_engine[entry.engine].setdefault(entry.version, []).append(entry)
@@ -109,7 +112,7 @@ def readings(entries: Sequence[Entry]) -> tuple[list[Reading], list[Reading], li
 
 
 def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[Mark | None]]]:
-    """Return the quantities that any engine has, each with its name, its meaning, and what is said of it in each reading."""
+    """Return the quantities compared in any reading, each with its name, its meaning, and its mark in every reading."""
     marks = [one.marks for one in read]
     whole = [one.of_file for one in read]
     return [
@@ -125,7 +128,7 @@ def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[M
 
 
 def parity_row(entry: Entry) -> ParityRow:
-    """Return a row as the study has it; a cause that the study does not know counts as none that was found."""
+    """Return a row of parity.csv as a `ParityRow`; a cause that the study does not know becomes "unexplained"."""
     numbers = ("difference", "relative", "quantity")
     known: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in READINGS.by_name}
     return ParityRow(**known | {"cause": known["cause"] if known["cause"] in CAUSES else "unexplained"})

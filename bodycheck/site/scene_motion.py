@@ -1,4 +1,4 @@
-"""The motions of a scene as the player reads them: the truth and the own method of each engine, of several submissions."""
+"""The motions of a scene as the player reads them: the truth and a run of each engine, from several submissions."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -28,9 +28,9 @@ class Found:
     run
         The row of the run.
     motion
-        The motions of the case in the submission of the run.
+        The motions of the case, from the submission that contains the run.
     own
-        The motion of the run itself.
+        The motion of this run, which is one of `motion.runs`.
     """
 
     run: Entry
@@ -39,7 +39,7 @@ class Found:
 
 
 def moving(catalogue: Catalogue, scene: Scene) -> list[Found]:
-    """Return the runs of a scene whose motion is known: for each engine, the run of its cell on the front page."""
+    """Return the run that the front page shows for each engine in a scene, if its motion is known."""
     runs = [cell(catalogue, engine, scene).run for engine in catalogue.engines]
     return [found for run in runs if run is not None and (found := _found(run)) is not None]
 
@@ -47,7 +47,7 @@ def moving(catalogue: Catalogue, scene: Scene) -> list[Found]:
 def played(scene: Scene, found: list[Found]) -> dict[str, Any]:
     """Return the data that the player reads.
 
-    The truth is that of the newest submission. found: at least one run; see `moving`.
+    The motion of the truth comes from the newest submission. found: at least one run; see `moving`.
     """
     motion = max(found, key=lambda one: (one.run.source.header.started, one.run.source.key)).motion
     frame = motion.shown

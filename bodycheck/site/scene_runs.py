@@ -1,4 +1,4 @@
-"""The runs of a scene, as its page lists them: those with numbers, and those without by their reasons."""
+"""The runs of a scene as its page lists them: runs with numbers, and runs without numbers grouped by reason."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ class Line:
     Parameters
     ----------
     run
-        Its row.
+        The row of the run.
     verdict
-        The verdict on it.
+        The verdict on the run.
     own
-        Why its method stands for the engine: it is the "own choice" of the engine, or it is "listed first" by the adapter of an
+        Why its method represents the engine: it is the "own choice" of the engine, or it is "listed first" by the adapter of an
         engine that chooses none. Empty for all other methods.
     """
 
@@ -32,20 +32,20 @@ class Line:
 
 @dataclass(frozen=True)
 class Without:
-    """Methods of an engine that have no run of a scene, for one reason.
+    """The methods of an engine that have no run of a scene for the same reason.
 
     Parameters
     ----------
     engine, version
-        The engine; the version is empty where it is not known.
+        The engine and its version; the version is empty if it is not known.
     verdict
-        Which of the ways to have no number it is.
+        The verdict on the methods: "unsupported", "refused" or "not run".
     methods
-        The names of the methods; empty for all.
+        The names of the methods; empty for all methods.
     reason
-        Why; empty where nothing is known.
+        The reason; empty if it is not known.
     run
-        The first row that says so; None if there is none.
+        The first row that gives the reason; None if no row does.
     """
 
     engine: str
@@ -57,7 +57,7 @@ class Without:
 
 
 def newest(catalogue: Catalogue, scene: Scene) -> tuple[list[Line], list[Without]]:
-    """Return the runs of the newest version of each engine, and what has none."""
+    """Return the runs of the newest version of each engine, and the methods or engines without a run."""
     lines: list[Line] = []
     without: list[Without] = []
     for engine in catalogue.engines:
@@ -82,7 +82,7 @@ def older(catalogue: Catalogue, scene: Scene) -> list[Line]:
 
 
 def _versions(runs: Sequence[Entry]) -> list[list[Entry]]:
-    """Return the runs of each version in the newest submission that has it, the oldest versions first."""
+    """Return the runs of each version, the oldest version first: each from the newest submission with runs of the version."""
     found: dict[str, list[Entry]] = {}
     for run in runs:
         if run.version not in found or found[run.version][0].source is not run.source:
@@ -99,7 +99,7 @@ def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
 
 
 def _why(run: Entry) -> str:
-    """Return why the method of a run stands for its engine."""
+    """Return why the method of a run represents its engine; see `Line.own`."""
     chosen = own_methods.chosen(run.get("engine"), run.source.header.defaults)
     return "own choice" if run.get("integrator") in chosen else "listed first"
 

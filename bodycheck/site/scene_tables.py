@@ -1,4 +1,4 @@
-"""A scene in numbers, for its page: bodies and joints with their units, the initial state, and the truth with its bounds."""
+"""The tables on the page of a scene: bodies, joints, the initial state, and the truth with its error bounds."""
 
 import math
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ from bodycheck.site.submissions.submission import Submission
 
 @dataclass(frozen=True)
 class Grid:
-    """A table of texts, whose first column names the rows.
+    """A table of texts whose first column has the names of the rows.
 
     Parameters
     ----------
     title
-        What it is, for readers.
+        The title for readers.
     heads
         The heads of the columns, with units.
     rows
@@ -47,9 +47,9 @@ def facts(scene: Scene, sources: Sequence[Submission]) -> tuple[Fact, ...]:
     Parameters
     ----------
     scene
-        The scene, whose runs have the bounds of the truth.
+        The scene, whose runs give the error bounds of the truth.
     sources
-        Submissions, the newest first; the first that says how the truth was found counts.
+        Submissions, the newest first. The first submission that records how the truth was computed is used.
     """
     record = next((own for one in sources if (own := one.tracks.truths.get(scene.name)) is not None), None)
     if record is None:
@@ -62,7 +62,7 @@ def facts(scene: Scene, sources: Sequence[Submission]) -> tuple[Fact, ...]:
 
 
 def bounds(runs: Sequence[Entry]) -> Grid:
-    """Return the largest bound of the truth's own error in each quantity, over runs."""
+    """Return a table of the largest error bound of the truth over the runs, for each quantity that they measured."""
     rows = []
     for quantity in QUANTITIES.values():
         known = [run.get(quantity.bound_name) for run in runs if quantity.bounded and run.get(quantity.bound_name) is not None]

@@ -1,4 +1,4 @@
-"""What changed, as sentences with links: for pages and for the feed."""
+"""Sentences with links that describe changes, for pages and for the feed."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ class Piece:
     Parameters
     ----------
     text
-        Its text.
+        The text of the part.
     address
-        The address inside the site to which it leads; empty for plain text.
+        The address inside the site to which the text links; empty for plain text.
     """
 
     text: str
@@ -40,14 +40,14 @@ def plain(sentence: Sentence) -> str:
 
 
 def of_upgrade(upgrade: Upgrade) -> Iterator[Sentence]:
-    """Yield sentences on an upgrade, from the runs of its two releases."""
+    """Yield sentences about an upgrade, based on the runs of its two releases."""
     before = upgrade.before.version
     yield from tally(upgrade.changes, len(upgrade.pairs), f"in {before}")
     yield from methods(upgrade)
 
 
 def tally(changes: Sequence[tuple[Scene, Change]], compared: int, earlier: str) -> Iterator[Sentence]:
-    """Yield sentences on how many runs changed, and on the largest changes.
+    """Yield sentences about how many runs changed, and about the largest changes.
 
     changes: the changes with their scenes. compared: the number of runs that have an earlier run of the same method. earlier: a
     phrase that says where the earlier runs are.
@@ -75,17 +75,17 @@ def tally(changes: Sequence[tuple[Scene, Change]], compared: int, earlier: str) 
 
 
 def methods(upgrade: Upgrade) -> Iterator[Sentence]:
-    """Yield sentences on the integrators of which only one of the two releases has runs."""
+    """Yield sentences about the integrators with which only one of the two releases has runs."""
     for names, release in ((upgrade.new_methods, upgrade.after), (upgrade.gone_methods, upgrade.before)):
         if names:
             yield (Piece(f"Only {release.version} has runs with {listing(names)}."),)
 
 
 def orders(catalogue: Catalogue, measured: Sequence[Entry]) -> Iterator[Sentence]:
-    """Yield sentences on the methods whose order of convergence has changed since a release.
+    """Yield sentences about the methods whose order of convergence has changed since a release.
 
-    A sentence is about all quantities in which the order of a method changed alike on a case. For each quantity of a method,
-    only the first case is mentioned.
+    A sentence is about all quantities in which the order of a method changed in the same way on a case. For each quantity of a
+    method, only the first case is mentioned.
 
     measured: rows of changes.csv of studies of releases, all about the same later release.
     """
@@ -104,7 +104,7 @@ def orders(catalogue: Catalogue, measured: Sequence[Entry]) -> Iterator[Sentence
 
 
 def _order(catalogue: Catalogue, alike: Sequence[Entry]) -> Sentence:
-    """Return the sentence on the order of a method in some quantities whose orders, in words, are the same before and after."""
+    """Return the sentence about a changed order of a method. alike: one row per quantity, all with the same orders in words."""
     row = alike[0].row
     since = f"From {row['to_version']} on" if lasts(catalogue, alike[0]) else f"In {row['to_version']}"
     subjects = [change.row["quantity"].rpartition("_")[0].replace("_", " ") for change in alike]
@@ -126,7 +126,7 @@ def _order(catalogue: Catalogue, alike: Sequence[Entry]) -> Sentence:
 
 
 def _joined(pieces: Sequence[Piece]) -> Iterator[Piece]:
-    """Yield pieces as a list in a sentence."""
+    """Yield pieces as an enumeration, with commas and "and" between them."""
     for place, piece in enumerate(pieces):
         if place:
             yield Piece(" and " if place == len(pieces) - 1 else ", ")
@@ -134,7 +134,7 @@ def _joined(pieces: Sequence[Piece]) -> Iterator[Piece]:
 
 
 def ordinal(order: float) -> str:
-    """Return an observed order in words: "fourth" where it is close to four, "2.45-th" where it is close to none."""
+    """Return an observed order in words, such as "fourth" close to a whole number, or "2.45-th" otherwise."""
     whole = round(order)
     return ORDINALS[whole] if whole in ORDINALS and abs(order - whole) <= WHOLE * whole else f"{order:.2f}-th"
 
@@ -155,7 +155,7 @@ def _largest(scene: Scene, change: Change, word: str) -> Sentence:
 
 
 def _ended(statuses: Sequence[tuple[Scene, Change]]) -> Iterator[Sentence]:
-    """Yield a sentence for each change of status, with the scenes."""
+    """Yield a sentence for each pair of an earlier and a later status, with the names of the scenes."""
     grouped: dict[tuple[str, str], dict[str, Scene]] = {}
     for scene, change in statuses:
         key = (str(change.before.get("status")), str(change.after.get("status")))

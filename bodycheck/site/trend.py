@@ -1,4 +1,4 @@
-"""Errors by release as a small chart: an SVG that stands in a page and takes its colours from there."""
+"""A small chart of errors by release: an SVG that is embedded in a page and takes its colours from the style of the page."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -6,22 +6,22 @@ from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
-#: The parts of a chart in pixels: the plot, and the room at its left, below it and above it.
+#: The sizes of the plot in pixels, and of the margins inside it at the left, below and above.
 WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 350, 200, 46, 36, 10
 
-#: Width of a chart with its room for names at the right.
+#: The width of a chart (pixels), with the room for names at the right.
 TOTAL = WIDTH + 150
 
-#: Width of a digit (pixels).
+#: The width of a digit (pixels).
 LETTER = 8
 
-#: Least distance between names of lines (pixels).
+#: The least distance between the names of lines (pixels).
 APART = 14
 
-#: Dashes of lines, so that they are told apart without colour.
+#: The dash patterns of lines, so that lines can be distinguished without colour.
 DASHES = ("", "7 3", "2 2", "9 3 2 3", "12 4", "1 4")
 
-#: The height in a chart (pixels from above) of a value.
+#: A function from a value to its height in a chart (pixels from the top).
 Height = Callable[[float], float]
 
 #: The most lines of a chart, and the most characters of a name beside it.
@@ -37,7 +37,7 @@ class Line:
     name
         The name of the method.
     values
-        Its error in each release; None where there is none.
+        The error of the method in each release; None for a release without an error.
     """
 
     name: str
@@ -50,13 +50,13 @@ def chart(title: str, label: str, versions: Sequence[str], lines: Sequence[Line]
     Parameters
     ----------
     title
-        What it shows, for readers who do not see it.
+        A description of the chart for readers who cannot see it.
     label
-        What the axis shows, with its unit.
+        The label of the axis of errors, with its unit.
     versions
         The releases, the oldest first.
     lines
-        Some lines, at most `MOST_LINES`, of which any has a positive value.
+        At most `MOST_LINES` lines, of which at least one has a positive value.
     """
     low, high = _decades([value for line in lines for value in line.values])
     across = [LEFT + (WIDTH - LEFT - 10) * (place + 0.5) / len(versions) for place in range(len(versions))]
@@ -83,7 +83,7 @@ def chart(title: str, label: str, versions: Sequence[str], lines: Sequence[Line]
 
 
 def _drawn(place: int, line: Line, across: Sequence[float], up: Height) -> list[str]:
-    """Return the path of a line, broken where there is no value, with a dot for each value."""
+    """Return the SVG elements of a line: a path with a gap where a value is None, and a dot for each value."""
     path, dots, pen = "", [], "M"
     for x, value in zip(across, line.values, strict=True):
         if value is None:
@@ -97,14 +97,14 @@ def _drawn(place: int, line: Line, across: Sequence[float], up: Height) -> list[
 
 
 def _decades(values: Sequence[float | None]) -> tuple[int, int]:
-    """Return the powers of ten around positive values."""
+    """Return the exponents of the powers of ten that enclose all positive values."""
     positive = [math.log10(value) for value in values if value]
     low, high = math.floor(min(positive)), math.ceil(max(positive))
     return (low, high) if low < high else (low - 1, high)
 
 
 def _names(lines: Sequence[Line], up: Height) -> list[float]:
-    """Return the heights at which the names of lines stand, beside their last values but apart from each other."""
+    """Return the heights (pixels from the top) of the names of lines: near their last values, but without overlap."""
     wanted = [next((up(value) for value in reversed(line.values) if value is not None), float(ABOVE)) for line in lines]
     placed = [0.0] * len(lines)
     last = -math.inf
@@ -115,7 +115,7 @@ def _names(lines: Sequence[Line], up: Height) -> list[float]:
 
 
 def _shown(versions: Sequence[str]) -> range:
-    """Return the places of the releases whose names fit below the chart, the last one in any case."""
+    """Return the indices of the releases whose names fit below the chart; the last release is always among them."""
     room = (WIDTH - LEFT - 10) / len(versions)
     step = math.ceil((max(map(len, versions)) + 1) * LETTER / room)
     return range((len(versions) - 1) % step, len(versions), step)

@@ -1,4 +1,4 @@
-"""What a report of runs says in a few lines: its beginning, which a terminal shows too."""
+"""The beginning of a report of runs, in a few lines, which a terminal shows too."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,17 +25,17 @@ class Brief:
     Parameters
     ----------
     headline, tally, notices
-        The verdict in one line, how many runs ended in each way, and sentences that limit what the report says.
+        The verdict in one line, the number of runs with each outcome, and sentences about the limits of the report.
     limits
-        The notices without those on unsupported runs.
+        The notices without the notices about unsupported runs.
     unsupported
-        How many runs are unsupported and why, in one line; empty if none are. The notices say it in several.
+        The number of unsupported runs and the reasons, in one line; empty if there are none. The notices give the reasons too.
     broken
         A sentence about the failed runs; None if there are none.
     steps
-        What to do about the run that the sentence names first, a line for each step.
+        The next steps for the first failed run, which `broken` names; one line for each step.
     findings
-        Findings, the most telling first.
+        The findings, the most important first.
     """
 
     headline: str
@@ -49,14 +49,14 @@ class Brief:
 
     @property
     def counts(self) -> str:
-        """How many runs ended in each way, in one sentence."""
+        """The number of runs with each outcome, as text."""
         (_, runs), *ways = self.tally
         return f"{count(runs, 'run')}: {', '.join(f'{amount} {name}' for name, amount in ways)}"
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def brief(sets: Sequence[ResultSet]) -> Brief:
-    """Return the beginning of a report of one set of results or, to compare them, of several sets with labels."""
+    """Return the beginning of a report of one set of results, or of a comparison of several sets, which have labels."""
     shown = comparison.shown(sets)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     lines = assign(verdict.key.over_cases for verdict in verdicts)

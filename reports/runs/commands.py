@@ -1,4 +1,4 @@
-"""The commands that make single runs."""
+"""The commands that reproduce single runs."""
 
 import shlex
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from bodycheck.judging.judgement import Verdict
 
 @dataclass(frozen=True)
 class Command:
-    """The command that makes a run.
+    """The command that reproduces a run.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def curve_anchor(case: str, quantity: str) -> str:
 
 
 def command(verdict: Verdict, file: str) -> str:
-    """Return the command that makes a run; file: the path of the case file, or the name of a shipped case."""
+    """Return the command that reproduces a run. file: the path of the case file, or the name of a shipped case."""
     run = verdict.run
     asked = ("--engine", run.engine, "--integrator", run.method.name, "--timestep", repr(run.method.timestep))
     return shlex.join(["bodycheck", "run", file, *asked])

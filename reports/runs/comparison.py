@@ -1,4 +1,4 @@
-"""Several sets of results in one report: their cases, and one header for all."""
+"""Several sets of results in one report: their cases, and a merged header."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,13 +18,13 @@ class Shown:
     Parameters
     ----------
     name
-        The name of the case, with a number behind it if the sets have different cases of this name.
+        The name of the case, followed by a number if the sets have different cases of this name.
     title, case
-        Its title for readers and the case itself.
+        The title for readers, and the case itself.
     sets
-        The sets that have it.
+        The sets that contain the case.
     verdicts
-        The verdicts on its runs in these sets, which have the same name.
+        The verdicts on the runs of the case in these sets. Their runs have the name `name`.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Shown:
     verdicts: tuple[Verdict, ...]
 
     def file(self, label: str) -> str:
-        """Return the path from which the set with a label read the case, as it was given; the name of a shipped case."""
+        """Return the path of the case file as it was given for the set with this label, or the name of a shipped case."""
         name = self.case.name
         return next((one.results.files[name] for one in self.sets if one.label == label and name in one.results.files), name)
 
@@ -51,7 +51,7 @@ class Comparison:
 def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:
     """Return the cases of all sets as the report shows them.
 
-    Cases of one name that differ in more than their title or expectations are shown as different cases.
+    Cases of the same name that differ in more than their title or expectations are shown as different cases.
     """
     found = []
     for name in dict.fromkeys(name for one in sets for name in one.results.cases):
@@ -80,7 +80,7 @@ def _shown(name: str, shown_name: str, sets: Sequence[ResultSet], several: bool)
 
 
 def header(sets: Sequence[ResultSet]) -> Header:
-    """Return the header of results. For several sets it has all values in which they differ, and the latest start."""
+    """Return the header of the results. For several sets, it has every differing value with its label, and the latest start."""
     headers = {one.label: one.results.header for one in sets}
     if len(sets) == 1:
         return sets[0].results.header
@@ -101,13 +101,13 @@ def header(sets: Sequence[ResultSet]) -> Header:
 
 
 def _merged_by_engine(groups: Sequence[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
-    """The entries of all sets on each engine; where sets have different releases of its packages, all are listed."""
+    """Return the entries of all sets for each engine. If sets differ in an entry, the value of the last set is returned."""
     engines = dict.fromkeys(engine for own in groups for engine in own)
     return {engine: {k: v for own in groups for k, v in own.get(engine, {}).items()} for engine in engines}
 
 
 def _merged_group(groups: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
-    """One group of the header's entries, merged name by name."""
+    """Return one group of entries of the headers, merged name by name. groups: the entries by the label of the set."""
     names = dict.fromkeys(name for own in groups.values() for name in own)
     return {name: _merged({label: own[name] for label, own in groups.items() if name in own}) for name in names}
 

@@ -1,4 +1,4 @@
-"""The contents of the report of runs, before they are laid out; every writer uses the same."""
+"""The contents of the report of runs before layout, which all writers use."""
 
 import math
 from collections import Counter
@@ -39,23 +39,23 @@ from bodycheck.reports.time_limit import TookTooLong, limited
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 
-#: Most numbers in all curves of a report together, some 4 MB, so that even a large report opens.
+#: The most numbers in all curves of a report together, about 4 MB, so that even a large report opens.
 MOST_NUMBERS = 300_000
 
-#: Most points of one curve.
+#: The most points of a curve.
 MOST_POINTS = 256
 
-#: Most instants of the curves of the angular momentum in all cases together, some 1.5 MB, but at least so many in each.
+#: The most instants of the curves of the angular momentum in all cases, about 1.5 MB, and the fewest instants in each case.
 MOST_INSTANTS, LEAST_INSTANTS = 25_000, 50
 
-#: Processor time (s) that the curves and the animation of one case may take. Those of a thousand runs take some twenty.
+#: The most processor time (s) for the curves and the animation of a case. A thousand runs take about twenty seconds.
 DRAWING_LIMIT_S = 120.0
 
-#: Most cases that have curves and an animation, which are most of a page and most of the time that it takes to make. Every case
-#: has its facts, its table and the commands of its runs.
+#: The most cases that have curves and an animation, which need most of the size of a page and most of the time to make it.
+#: Every case has its facts, its table and the commands of its runs.
 MOST_DRAWN = 100
 
-#: Why a case has no runs to show.
+#: The reasons why a case has no runs to show.
 NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No run of this case has a result."
 
 
@@ -75,7 +75,7 @@ class Section:
     absence
         The reason why there are no runs to show.
     commands
-        The commands that make the runs.
+        The commands that reproduce the runs.
     steps
         Charts of errors over the time step; empty if there is only one time step.
     origins
@@ -83,7 +83,7 @@ class Section:
     curves
         Plots over time.
     playback
-        Animation; None if no run has a truth to be compared with.
+        The animation; None if no run has a truth with which it can be compared.
     """
 
     name: str
@@ -102,7 +102,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Room:
-    """The room of one case on a page: points of a curve, instants of the angular momentum, characters of the animation."""
+    """Limits for one case on a page: points of a curve, instants of the angular momentum, and characters of the animation."""
 
     points: int
     instants: int
@@ -111,7 +111,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Failure:
-    """A run that failed, in which way and why, and what to do next."""
+    """A failed run: its case, its method, how and why it failed, and the next steps."""
 
     case: str
     method: str
@@ -129,17 +129,17 @@ class Contents:
     header
         Versions, machine and command.
     complete
-        Whether the command came to its end.
+        Whether the command was not interrupted.
     headline, tally, notices
-        The verdict in one line, how many runs ended in each way, and sentences that limit what the report says.
+        The verdict in one line, the number of runs with each outcome, and sentences about the limits of the report.
     broken
         A sentence about the failed runs; None if there are none.
     findings
-        Findings, the most telling first.
+        The findings, the most important first.
     failures
         The failed runs.
     lines
-        The line of each method that has a place in tables.
+        The line of each method that appears in tables.
     matrices
         Cases by methods.
     sections
@@ -167,9 +167,9 @@ class Contents:
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def gather(sets: Sequence[ResultSet]) -> Contents:
-    """Return the contents of a report of one set of results or, to compare them, of several sets with labels.
+    """Return the contents of a report of one set of results, or of a comparison of several sets, which have labels.
 
-    Quantities that are not finite, because states are too large or not numbers, are shown as a dash or left out.
+    Quantities that are not finite, because states are too large or NaN, are shown as a dash or left out.
     """
     every = comparison.shown(sets)
     lines = assign(verdict.key.over_cases for case in every for verdict in case.verdicts)
@@ -225,7 +225,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
 
 
 def _room(cases: Sequence[Shown]) -> Room:
-    """Return the room on the page of each case that is drawn."""
+    """Return the limits for each of the drawn cases."""
     curved, amount = sum(len(case.verdicts) for case in cases), max(1, len(cases))
     return Room(
         points=max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * curved))),
@@ -248,7 +248,7 @@ def _section(
     room: Room | None,
     title: str,
 ) -> Section:
-    """Return the section of a case. room: the room of its curves and animation; None if it has neither."""
+    """Return the section of a case. room: the limits for its curves and animation; None if it has neither."""
     case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
@@ -288,9 +288,9 @@ def _section(
 
 
 def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
-    """Return the report's facts about the truth for the runs of a case in one set of results with a time step (s).
+    """Return the facts about the truth of a case at a time step (s) in a set of results, or why there is no truth.
 
-    If a run was compared with the truth, the truth's largest error is known, and the truth is not read again.
+    If a run was compared with the truth, the largest error of the truth is known, and the truth is not read again.
     """
     runs = (v for v in shown.verdicts if v.label == one.label and v.run.method.timestep == timestep)
     errors = (run.discrepancy.largest.get(ATTITUDE.name) for run in runs if run.discrepancy is not None)
@@ -304,7 +304,7 @@ def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
 def _drawn(
     shown: Shown, known: Mapping[tuple[str, float], Truth], lines: Mapping[RunKey, Line], room: Room
 ) -> tuple[Curves, Playback | None]:
-    """Return the curves and the animation of a case; None instead of an animation if there is nothing to show.
+    """Return the curves and the animation of a case; the animation is None if there is nothing to show.
 
     known: the truths of the case by the label of their set of results and the time step (s).
     """
@@ -326,8 +326,8 @@ def _drawn(
 def drawn_cases(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collection[str]:
     """Return the names of the cases that are drawn, at most `MOST_DRAWN`.
 
-    The cases that findings name come first, then those that failed, then the others. Within each of these, the largest errors
-    of each kind of scene come first, in the quantity that the matrix of this kind shows.
+    The cases that findings name come first, then cases with failed runs, then all others. Within each of these groups, the
+    cases with the largest errors of each kind of scene come first, in the quantity that the matrix of the kind shows.
     """
     if len(cases) <= MOST_DRAWN:
         return [case.name for case in cases]
@@ -345,12 +345,12 @@ def drawn_cases(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collecti
 
 
 def _undrawn(case: str) -> str:
-    """Return the sentence in the section of a case that is not drawn, with the command that draws it."""
+    """Return the text for the section of a case that is not drawn, with the command that draws it."""
     return f"curves and animation, to keep this page small; bodycheck report FOLDER --case {case} --out OTHER draws them"
 
 
 def _largest(case: Shown) -> float:
-    """Return the largest error of a case in the quantity of its kind; errors that are no numbers are larger than any."""
+    """Return the largest error of a case in the quantity of its kind. NaN counts as infinite; without errors, return -inf."""
     name = kind_of(case.case.scene).quantity
     errors = [one.discrepancy.largest[name] for one in case.verdicts if one.discrepancy is not None]
     return max((math.inf if math.isnan(error) else error for error in errors), default=-math.inf)

@@ -1,4 +1,4 @@
-"""Methods that an adapter offers to demonstrate something, and that users do not choose."""
+"""Methods that an adapter offers only to demonstrate something, and that users would not choose."""
 
 from collections.abc import Iterable, Mapping
 
@@ -7,7 +7,7 @@ from bodycheck.results.key import RunKey
 
 
 def demonstrated(header: Header, keys: Iterable[RunKey]) -> Mapping[RunKey, str]:
-    """Return what methods are there to demonstrate, without those that users choose.
+    """Return the purpose of each method that is a demonstration; other methods are left out.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Differences between sets of results, as sentences made of measurements.
+"""Differences between sets of results, as sentences that state measurements.
 
-Two numbers of the same run agree to the last bit, or they agree within the truths' own errors and rounding, or they differ.
-The allowance for rounding is a lower limit: the rounding of all steps without amplification by the motion, because no run is
-repeated from nudged initial states.
+The numbers of a run in two sets agree to the last bit, agree within the truths' own errors and rounding, or differ. The
+allowance for rounding is a lower limit: the rounding of all steps without its amplification by the motion, because no run is
+repeated from perturbed initial states.
 """
 
 from collections import defaultdict
@@ -22,26 +22,26 @@ from bodycheck.reports.runs.comparison import Comparison, Shown
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 
-#: Most runs whose change gets a sentence of its own.
+#: The most runs whose change has its own sentence.
 MOST_CHANGES = 5
 
-#: Truths of each set that are kept in memory: those of one case at its time steps.
+#: The number of truths of each set that are kept in memory: the truths of one case at its time steps.
 TRUTHS_KEPT = 8
 
-#: Most methods, or keys of a case, that one sentence names.
+#: The most methods, or keys of a case, that a sentence names.
 MOST_NAMES = 4
 
-#: Replaces zero in ratios of errors.
+#: The value that replaces zero in ratios of errors.
 NEARLY_ZERO = 1e-300
 
-#: Sentences after a report of changes.
+#: The sentences after the number of changes.
 ROUNDING_CAVEAT = (
     " The comparison allows for the rounding of each step, but not for its growth by the motion, because no run was repeated "
     "from nudged initial states. In an unstable motion, rounding alone can cause such a difference. A comparison with a "
     "baseline (bodycheck diff) also allows for this growth."
 )
 
-#: The truth of a case, by its name, at a time step (s).
+#: A function from the name of a case and a time step (s) to the truth.
 Truths = Callable[[str, float], Truth | NoTruth]
 
 
@@ -52,15 +52,15 @@ class Change:
     Parameters
     ----------
     case
-        The name of the case as the report has it.
+        The name of the case in the report.
     run
         The run.
     name
-        The column of the number.
+        The column of results that has the number.
     base, now
         The number in the first set and in the other set.
     least
-        The difference that the truths' own errors and rounding explain.
+        The largest difference that the truths' own errors and rounding explain.
     """
 
     case: str
@@ -72,7 +72,7 @@ class Change:
 
     @property
     def factor(self) -> float:
-        """Return the ratio of both numbers' distances from the ideal; distances that rounding explains count as equal."""
+        """Return the ratio of the larger to the smaller distance from the ideal; distances below `least` are raised to it."""
         low, high = sorted(
             max(distance_from_ideal(self.name, value), self.least, NEARLY_ZERO) for value in (self.base, self.now)
         )
@@ -85,7 +85,7 @@ class Change:
 
     @property
     def finding(self) -> Finding:
-        """Return the change as a sentence, with as many digits as it takes to show it."""
+        """Return the change as a sentence, with enough digits that the two numbers differ."""
         quantity = QUANTITIES[self.name]
         for digits in (3, 6, 9, 12, 17):
             base, now = number(self.base, digits), number(self.now, digits)
@@ -98,7 +98,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Pair:
-    """The first set and another that is compared with it. `cases` are those of the report."""
+    """The first set of results and another set that is compared with it; `cases` are the cases of the report."""
 
     base: ResultSet
     other: ResultSet
@@ -106,7 +106,7 @@ class Pair:
 
     @cached_property
     def common(self) -> list[tuple[Shown, Verdict, Verdict]]:
-        """Return the runs that both sets have, of cases that are the same in both."""
+        """Return the runs that both sets have, each as the case and the two verdicts; the case is the same in both sets."""
         found = []
         for case in self.cases:
             here, there = ({v.run.key: v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
@@ -115,13 +115,13 @@ class Pair:
 
     @cached_property
     def changed(self) -> list[Change]:
-        """Return the changes of runs by more than the truths' own errors and rounding explain, the largest change first."""
+        """Return the changes of runs that the truths' own errors and rounding do not explain, the largest change first."""
         found = [change for case, *pair in self.common if (change := self._change(case, *pair)) is not None]
         return sorted(found, key=lambda change: -change.factor)
 
     @cached_property
     def changed_status(self) -> list[tuple[Shown, Verdict, Verdict]]:
-        """Return the runs that ended with another status."""
+        """Return the runs whose status differs, each as the case and the two verdicts."""
         return [entry for entry in self.common if entry[1].outcome.status != entry[2].outcome.status]
 
     @cached_property
@@ -132,7 +132,7 @@ class Pair:
 
     @cached_property
     def same(self) -> int:
-        """Return the number of runs that agree in every number to the last bit."""
+        """Return the number of runs whose numbers all agree to the last bit."""
         complete = [pair for _, *pair in self.common if all(map(_figures, pair))]
         return sum(not _differing(one, other) for one, other in complete)
 
@@ -164,7 +164,7 @@ class Pair:
 
 
 def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
-    """Return the differences between the first set and each of the others. `cases` are those of `comparison.shown`."""
+    """Return the differences between the first set and each other set. cases: the result of `comparison.shown`."""
     pairs = [Pair(sets[0], other, cases) for other in sets[1:]]
     common, differing = sum(len(pair.common) for pair in pairs), sum(pair.differing for pair in pairs)
     if not common:
@@ -182,7 +182,7 @@ def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
 
 
 def method_text(key: RunKey) -> str:
-    """Return a method in words."""
+    """Return the engine, the integrator and the time step of a run as text."""
     return f"{key.engine} {key.method.name} at {milliseconds(key.method.timestep)}"
 
 
@@ -202,7 +202,7 @@ def _findings(pair: Pair) -> Iterator[Finding]:
 
 
 def _versions(pair: Pair) -> str:
-    """Return a sentence on the versions and machines of both sets."""
+    """Return sentences about the differences in versions and machines between both sets."""
     one, other = (_leaves(side.results.header) for side in (pair.base, pair.other))
     apart = [
         f"{name} {other.get(name, 'none')} instead of {one.get(name, 'none')}"
@@ -241,7 +241,7 @@ def _agreement(pair: Pair) -> str:
 
 
 def _only_in_one(pair: Pair) -> Iterator[Finding]:
-    """Yield a finding for each set about runs that only this set has, unless the sets have different cases of that name."""
+    """Yield a finding about the runs that only one of the sets has, without cases that differ between the sets."""
     both = {one.run.key for _, one, _ in pair.common}
     for side in (pair.base, pair.other):
         amounts: dict[str, int] = defaultdict(int)
@@ -258,7 +258,7 @@ def _only_in_one(pair: Pair) -> Iterator[Finding]:
 
 
 def _notices(pair: Pair) -> Iterator[str]:
-    """Yield notices about cases of one name whose files differ."""
+    """Yield a notice about each case whose files differ between the sets."""
     here, there = pair.base.results.cases, pair.other.results.cases
     sets = f"{pair.base.label} and {pair.other.label}"
     for name in here:
@@ -281,12 +281,12 @@ def _leaves(header: Header) -> dict[str, str]:
 
 
 def _figures(verdict: Verdict) -> dict[str, float]:
-    """Return the numbers of a run by column, except the truth's own error."""
+    """Return the measured numbers of a run by column, without error bounds of the truth."""
     maxima = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
     return {name: value for name, value in maxima.items() if name in QUANTITIES}
 
 
 def _differing(one: Verdict, other: Verdict) -> list[str]:
-    """Return the columns of the numbers that both runs have and that are not the same to the last bit."""
+    """Return the columns in which both runs have a number and the numbers are not identical."""
     here, there = _figures(one), _figures(other)
     return [name for name in here if name in there and here[name] != there[name]]

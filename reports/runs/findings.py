@@ -1,4 +1,4 @@
-"""Findings about the runs of a report: sentences made of measurements, the most telling first."""
+"""Findings about the runs of a report: sentences that state measurements, the most important first."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -14,22 +14,22 @@ from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, numb
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, memberships, same_algorithm
 from bodycheck.results.key import RunKey
 
-#: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
+#: The attitude error (rad) below which errors may be the rounding of thousands of steps and are not compared.
 ROUNDING_ATTITUDE_RAD = 1e-9
 
-#: Relative difference up to which equal errors are named together.
+#: The relative difference up to which errors count as equal and their methods are named together.
 TIE = 1e-3
 
-#: Relative difference up to which the errors of two methods count as the same.
+#: The relative difference up to which two methods count as having the same errors.
 ALIKE = 1e-3
 
-#: Relative difference up to which methods are named together with the one that has the smallest errors.
+#: The relative difference up to which methods are named together with the method that has the smallest errors.
 NEAR = 1e-2
 
-#: Relative drifts below this are rounding and are not reported.
+#: The relative drift below which a drift is rounding and is not reported.
 ROUNDING = 1e-12
 
-#: The subjects of findings that compare all methods, so that they are wrong where some are left out.
+#: The subjects of findings about all methods, which must say so if methods are left out.
 OF_ALL_METHODS = ("Position", "Attitude", "Closest", "Angular momentum")
 
 
@@ -48,17 +48,17 @@ class Measured:
         return self.verdict.run.case
 
     def within_truth(self, name: str) -> bool:
-        """Return whether the error in a column is no larger than the truth's own error, so that it has no meaning."""
+        """Return whether the error in a column is within the error bound of the truth, so that its digits mean nothing."""
         return QUANTITIES[name].within_truth(self.maxima) is not None
 
     def at_most(self, name: str) -> float:
-        """Return the error in a column, or the truth's own error if that is larger."""
+        """Return the error in a column, or the error bound of the truth if that is larger."""
         own = QUANTITIES[name].within_truth(self.maxima)
         return self.maxima[name] if own is None else own
 
 
 def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[Measured]:
-    """Return the runs whose errors were measured and are finite numbers, which findings can compare."""
+    """Return the runs whose errors were measured and are all finite; only these are compared in findings."""
     return [
         Measured(lines[verdict.key.over_cases], verdict, verdict.discrepancy, maxima)
         for verdict in verdicts
@@ -75,8 +75,8 @@ def findings(
 ) -> tuple[Finding, ...]:
     """Return findings about the completed runs and about the parts of their contact discrepancies.
 
-    The largest errors come first, then the method with the smallest errors, then the causes. Demonstrations are left out, which
-    the findings say, unless nothing else was run.
+    The largest errors come first, then the method with the smallest errors, then the causes. Demonstrations are left out, and
+    the findings say so, unless only demonstrations were run.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def findings(
     lines
         The lines of all methods.
     demonstrations
-        Methods that are included as demonstrations.
+        The methods that are demonstrations.
     classes
         The classes of methods that are the same algorithm, by kind of scene.
     """
@@ -100,7 +100,7 @@ def findings(
 
 
 def _apart(finding: Finding) -> Finding:
-    """Return a finding that says that it is not about demonstrations, if it is about all methods."""
+    """Return a finding, with the words "Demonstrations apart" added if it is about all methods."""
     if finding.subject not in OF_ALL_METHODS:
         return finding
     return replace(finding, before=f"Demonstrations apart, {finding.before[0].lower()}{finding.before[1:]}")
@@ -111,7 +111,7 @@ def _findings(
 ) -> tuple[Finding, ...]:
     if not runs:
         return ()
-    # In contact the model matters more than the integrator, so that methods are compared by flights alone.
+    # In contact the model matters more than the integrator, so methods are compared only by flights.
     flight = [run for run in runs if "penetration" not in run.maxima]
     flights = len({run.case for run in flight})
     everywhere = f"over {flights} flights" if flights > 1 else "in the only flight"
@@ -129,7 +129,7 @@ def _findings(
 
 
 def _contact(parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> Finding | None:
-    """Return the largest effect of the form of a contact model on the rotation until the stop."""
+    """Return a finding about the largest effect of the form of a contact model on the rotation until the stop, or None."""
     formed = [part for part in parts if part.quantity == "stop_yaw" and part.model_form]
     if not formed:
         return None
@@ -206,9 +206,9 @@ def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
 
 
 def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
-    """Return the method whose largest attitude error over all cases is the smallest, among those that completed every case.
+    """Return a finding about the method whose largest attitude error is smallest, among methods that completed every case.
 
-    `everywhere` names the cases in words. Returns None if fewer than two methods completed all, or if all are equally close.
+    everywhere: the cases in words. Return None if fewer than two methods completed all cases, or if all are equally close.
     """
     cases = {run.case for run in runs}
     eligible = [own for own in _by_line(runs).values() if len(own) == len(cases)]
@@ -232,9 +232,9 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
 
 
 def _alike(runs: Sequence[Measured], classes: Classes) -> Finding | None:
-    """Return two methods of different engines that have the same errors, which then come from the integration scheme.
+    """Return a finding about two methods of different engines with the same errors, which come from the integration scheme.
 
-    Methods that are the same algorithm are excluded, because another finding describes them.
+    Methods that are the same algorithm are excluded, because another finding describes them. Return None without such methods.
     """
     by_line, known = _by_line(runs), memberships(classes)
     within = {line: known.get(line.key.over_steps, set()) for line in by_line}
@@ -256,9 +256,9 @@ def _alike(runs: Sequence[Measured], classes: Classes) -> Finding | None:
 
 
 def _scheme_difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Line) -> tuple[float, int] | None:
-    """Return the largest relative difference between the comparable errors of two methods, and the number of cases with any.
+    """Return the largest relative difference of the comparable errors of two methods, and the number of cases with such errors.
 
-    Returns None if the methods cannot be compared or their errors are not the same.
+    Return None if the methods cannot be compared or their errors are not the same.
     """
     if one.engine == other.engine or one.timestep != other.timestep:
         return None
@@ -293,7 +293,7 @@ def _names(runs: Sequence[Measured]) -> str:
 
 def _when(run: Measured, name: str) -> str:
     instant = number(run.discrepancy.instants[name])
-    return f"at t\u00a0=\u00a0{instant}\u00a0s"  # with spaces that do not break
+    return f"at t\u00a0=\u00a0{instant}\u00a0s"  # with non-breaking spaces
 
 
 def _by_line(runs: Sequence[Measured]) -> dict[Line, list[Measured]]:

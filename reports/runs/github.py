@@ -1,4 +1,4 @@
-"""Output for workflows of GitHub: annotations at lines of case files, and the summary of a step."""
+"""Output for GitHub workflows: annotations at lines of case files, and the summary of a step."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -11,15 +11,15 @@ from bodycheck.judging import advice
 from bodycheck.judging.judgement import Judged, Verdict
 from bodycheck.results.unchecked import Unchecked
 
-#: Most bytes of the summary of one step.
+#: The most bytes of the summary of a step.
 LARGEST_SUMMARY = 1 << 20
 
-#: Last line of a summary that does not fit.
+#: The last line of a summary that was cut.
 CUT = "\n*The rest was cut because the summary of a step has a limited size.*\n"
 
 
 def is_running(environment: Mapping[str, str]) -> bool:
-    """Return whether this process is a step of a workflow."""
+    """Return whether this process runs in a step of a GitHub workflow."""
     return environment.get("GITHUB_ACTIONS") == "true"
 
 
@@ -28,14 +28,14 @@ def annotations(
 ) -> Iterator[str]:
     """Yield an annotation for each broken or known discrepancy, and for each run without expectations that failed.
 
-    That of a broken expectation says what to do next, a step on each line.
+    The annotation of a broken expectation also gives the next steps, each on its own line.
 
     Parameters
     ----------
     verdicts
         The verdicts.
     cases, files
-        Cases, and the files that they were read from, by the name of the case.
+        The cases, and the files from which they were read, by the name of the case.
     environment
         Environment variables of the process.
     """
@@ -54,7 +54,7 @@ def annotations(
 
 
 def _message(verdict: Verdict, judged: Judged, file: str | None) -> str:
-    """Return what is said of an expectation: what was found and, if it does not hold, the steps that help."""
+    """Return the message about an expectation: the result and, if the expectation does not hold, the next steps."""
     if judged.held:
         return judged.text
     name = verdict.run.case if file is None else file
@@ -65,7 +65,7 @@ def _message(verdict: Verdict, judged: Judged, file: str | None) -> str:
 def unchecked_annotations(
     unchecked: Iterable[Unchecked], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
 ) -> Iterator[str]:
-    """Yield an annotation for each expectation that could not be checked; the arguments are those of `annotations`."""
+    """Yield an annotation for each expectation that could not be checked. For the other arguments, see `annotations`."""
     root = Path(environment.get("GITHUB_WORKSPACE", "."))
     for one in unchecked:
         case = cases[one.case]
@@ -80,14 +80,14 @@ def unchecked_annotations(
 def annotation(
     kind: Literal["error", "notice"], message: str, title: str, file: str | None = None, line: int | None = None
 ) -> str:
-    """Return the command that makes an annotation. Without a file it appears only in the summary of the workflow."""
+    """Return the workflow command for an annotation. Without a file, the annotation appears only in the workflow summary."""
     place = {} if file is None else {"file": file} | ({} if line is None else {"line": str(line)})
     properties = ",".join(f"{name}={_property(value)}" for name, value in {**place, "title": title}.items())
     return f"::{kind} {properties}::{_data(message)}"
 
 
 def add_summary(environment: Mapping[str, str], text: str) -> None:
-    """Append Markdown to the summary of this step, with as many whole lines as fit. Raises `OSError`."""
+    """Append as many whole lines of Markdown to the summary of this step as fit. Raises `OSError` if that fails."""
     if not (name := environment.get("GITHUB_STEP_SUMMARY")):
         return
     path = Path(name)
@@ -103,12 +103,12 @@ def add_summary(environment: Mapping[str, str], text: str) -> None:
 def _seen_from(root: Path, file: Path) -> str:
     try:
         return file.resolve().relative_to(root.resolve()).as_posix()
-    except ValueError:  # the file is outside of the repository
+    except ValueError:  # the file is outside the repository
         return file.as_posix()
 
 
 def _data(text: str) -> str:
-    """Return a text that neither ends a command nor begins one."""
+    """Return a text with escapes, so that it neither ends a workflow command nor begins another."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

@@ -52,7 +52,7 @@ def index(contents: Contents) -> list[Link]:
 
 
 def specifications(contents: Contents) -> dict[str, Spec]:
-    """Return the charts of a report by name. Each is stored once; those over time are drawn with the datasets of each case."""
+    """Return the charts of a report by name. A chart over time is stored once and drawn with the datasets of every case."""
     errors = {quantity.name: without_legend(over_time(quantity, contents.lines)) for quantity in contents.plotted}
     origins = {
         f"{section.name}-origins-{number}": chart.specification

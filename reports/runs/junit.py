@@ -11,24 +11,24 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.results.header import Header
 from bodycheck.results.unchecked import Unchecked
 
-#: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
+#: Matches characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
-#: The files of cases that all are shipped.
+#: The files of cases if all cases are shipped.
 NO_FILES: Mapping[str, str] = {}
 
-#: Columns that are not among the properties of a test, because they appear elsewhere in it.
+#: The columns that are not properties of a test, because they appear elsewhere in it.
 NOT_PROPERTIES = {"case", "passed", "reason"}
 
 
 def render(
     verdicts: Sequence[Verdict], header: Header, unchecked: Sequence[Unchecked] = (), files: Mapping[str, str] = NO_FILES
 ) -> str:
-    """Return the XML document, with a test for each run that has expectations or that failed, and for what was not checked.
+    """Return the XML document, with a test for each run that has expectations or failed, and for each unchecked expectation.
 
-    A known discrepancy that is tolerated is a passed test with its message in the output. An expectation that no run could
-    check has failed, or is skipped if that is tolerated. A case of which nothing was checked is a skipped test that says so.
-    files: the paths of the cases that are not shipped, by name.
+    A tolerated known discrepancy is a passed test with its message in the output. An expectation that no run could check is a
+    failed test, or a skipped test if that is tolerated. A case without any check is a skipped test that says so. files: the
+    paths of the cases that are not shipped, by name.
     """
     asked = [verdict for verdict in verdicts if verdict.passed is not None]
     rows = [verdict.row() for verdict in asked]
@@ -68,7 +68,7 @@ def render(
 
 
 def document(root: Element) -> str:
-    """Return the text of an XML document with a root, which is indented."""
+    """Return the text of an XML document with this root, which is indented in place."""
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -85,7 +85,7 @@ def _seconds(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def element(tag: str, **attributes: Any) -> Element:
-    """Return an element whose attributes are values as text that XML can hold."""
+    """Return an element with attributes. Their values are converted to text that XML allows."""
     return Element(tag, {name: clean(str(value)) for name, value in attributes.items()})
 
 
@@ -96,5 +96,5 @@ def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
 
 
 def clean(text: str) -> str:
-    """Return a text that XML can hold; other characters are written as escapes."""
+    """Return a text that XML allows; all other characters are replaced by escapes."""
     return NOT_XML.sub(lambda found: found.group().encode("unicode_escape").decode("ascii"), text)

@@ -19,13 +19,13 @@ from bodycheck.reports.runs.matrix import Cell, Column, Matrix
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
 from bodycheck.results.verdicts import FAILED
 
-#: Failed runs that the table of failures lists.
+#: The most failed runs in the table of failures.
 MOST_FAILURES = 30
 
-#: Failed runs of which the report says what to do next.
+#: The most failed runs for which the report gives the next steps.
 MOST_ADVISED = 10
 
-#: Heading and legend of the matrices.
+#: The heading and the legend of the matrices.
 MATRICES = f"## Cases and methods\n\n{FAILED} marks a failed run. {WITHIN_TRUTH}"
 
 
@@ -59,7 +59,7 @@ def _failures(failures: Sequence[Failure]) -> str:
 
 
 def _steps(failures: Sequence[Failure]) -> str:
-    """Return what to do about the first failed runs, with commands that can be copied."""
+    """Return the next steps for the first failed runs, with commands that can be copied."""
     told = [
         f"- {escape(failure.case)}, {escape(failure.method)}\n"
         + "\n".join(f"  - {escape(step.why)}: {code(step.what)}" for step in failure.steps)
@@ -83,7 +83,7 @@ def _matrix(matrix: Matrix) -> str:
 
 
 def _by_method(matrix: Matrix) -> Iterator[str]:
-    """Yield a table of the default and the best method of each engine, and one of all others, which is folded."""
+    """Yield a table of the default and the best method of each engine, and a folded table of all other methods."""
     head = ("Engine", "Integrator", *(row.case for row in matrix.rows))
     shown: list[tuple[str, ...]] = []
     folded: list[tuple[str, ...]] = []

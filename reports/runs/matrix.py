@@ -1,6 +1,6 @@
-"""Matrices of cases by methods: one for each kind of scene, with the quantity that shows the discrepancies best there.
+"""Matrices of cases by methods: one for each kind of scene, with the quantity that shows discrepancies best.
 
-The rows are cases, or methods where there are more methods than cases.
+The rows are cases, or methods if there are more methods than cases.
 """
 
 import math
@@ -88,15 +88,16 @@ class Figure:
     timestep
         Time step (s).
     error
-        The error, or the truth's own if that is larger; None without a number.
+        The error, or the error bound of the truth if that is larger; None if the run has no error.
     decade
-        Exponent of the error from -12 to 0, by which the cell is shaded; None for an error within the truth's own.
+        The decimal exponent of the error, limited to -12 to 0, which determines the shade of the cell; None if the error is
+        within the error bound of the truth, or if there is none.
     failed
         Whether the run failed.
     link
-        The anchor that the cell leads to: the curve of the quantity or, without one, the case.
+        The anchor to which the cell links: the curve of the quantity or, if it has no curve, the case.
     run
-        The anchor of the command that makes the run.
+        The anchor of the command that reproduces the run.
     """
 
     text: str
@@ -113,7 +114,8 @@ class Figure:
 class Cell:
     """The runs of one method on one case.
 
-    `common` is the run at the common time step of the matrix, `others` are those at other time steps, the largest first.
+    `common` is the run at the common time step of the matrix; `others` are the runs at other time steps, the largest step
+    first.
     """
 
     common: Figure | None
@@ -121,7 +123,7 @@ class Cell:
 
     @property
     def figures(self) -> tuple[Figure, ...]:
-        """Return all runs, that at the common time step first."""
+        """Return all runs, first the run at the common time step."""
         return (*((self.common,) if self.common is not None else ()), *self.others)
 
 
@@ -129,8 +131,9 @@ class Cell:
 class Column:
     """One method at all time steps.
 
-    `results` is the label of the set of results, empty if there is only one set. `demonstrates` says whether the method is
-    there to demonstrate something. `same_as` names the first method that is the same algorithm; empty if there is none before.
+    `results` is the label of the set of results; it is empty if there is only one set. `demonstrates` says whether the method
+    is a demonstration. `same_as` is the name of the first method with the same algorithm; it is empty for that method itself
+    and for methods whose algorithm no other method has.
     """
 
     engine: str
@@ -143,7 +146,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """One case. `words` are what the reader's filter searches; a cell is None if the method has no run of the case."""
+    """One case. `words` is the text that the filter of the page searches. A cell is None if the method has no run of it."""
 
     case: str
     words: str
@@ -152,7 +155,7 @@ class Row:
 
 @dataclass(frozen=True)
 class MethodRow:
-    """One method with its cells, one for each case. `folded` says whether the row is seen only if the reader asks for it."""
+    """One method with a cell for each case. `folded` says whether the row is hidden until the reader opens it."""
 
     column: Column
     cells: tuple[Cell | None, ...]
@@ -181,9 +184,9 @@ class EngineRows:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All cases of one kind by all methods that any of them was run with.
+    """All cases of one kind by all methods with which any of them was run.
 
-    `timestep` is the most common one (s), `sets` are the labels of the sets of results in the order of the report.
+    `timestep` is the most common time step (s), `sets` are the labels of the sets of results in the order of the report.
     """
 
     kind: Kind
@@ -199,7 +202,7 @@ class Matrix:
 
     @property
     def engines(self) -> tuple[tuple[str, int, str], ...]:
-        """Return for each engine its name, the number of its neighbouring columns, and its colour.
+        """Return the name, the number of columns and the colour of each engine. The columns of an engine are adjacent.
 
         The colour is that of its first column in the last set that has runs with it.
         """
@@ -211,7 +214,7 @@ class Matrix:
 
     @property
     def methods(self) -> int:
-        """Return the number of methods, whatever the number of sets of results."""
+        """Return the number of methods; a method in several sets of results counts once."""
         return len({(column.engine, column.integrator) for column in self.columns})
 
     @property
@@ -241,10 +244,10 @@ class Matrix:
 
 
 def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
-    """Return the integrator, with its options, that completed the most cases and whose largest error in them is smallest.
+    """Return the integrator, with its options, that completed the most cases and, among equals, has the smallest maximum error.
 
-    Of a case that was run with several time steps, the common one counts. Demonstrations are the best only if there is nothing
-    else. methods: methods of one engine with their cells, one for each case.
+    If a case was run with several time steps, the common time step counts. A demonstration is the best only if there are no
+    other methods. methods: the methods of one engine with their cells, one for each case.
     """
     cells: dict[str, list[Cell | None]] = {}
     for column, own in [one for one in methods if not one[0].demonstrates] or methods:
@@ -258,7 +261,7 @@ def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
 
 
 def kind_of(scene: AnyScene) -> Kind:
-    """Return the kind of a scene, which follows from its requirements, and of a mechanism from its joints."""
+    """Return the kind of a scene: from its requirements, or "sliding" for a mechanism in which nothing turns."""
     name = SLIDING if isinstance(scene, Mechanism) and not turns(scene) else needs(scene).kind
     return next(kind for kind in KINDS if kind.name == name)
 
@@ -272,10 +275,11 @@ def matrices(
     demonstrations: Collection[RunKey] = (),
     classes: Classes = NO_CLASSES,
 ) -> tuple[Matrix, ...]:
-    """Return a matrix for each kind of which any case has a run, in the order of `KINDS`.
+    """Return a matrix for each kind of scene that has runs, in the order of `KINDS`.
 
-    anchors: those of the commands that make the runs; drawn: the quantities that have curves, by case; demonstrations: the
-    methods that are there to demonstrate something; classes: those of methods that are the same algorithm.
+    anchors: the anchors of the commands that reproduce the runs; drawn: the quantities that have curves, by case;
+    demonstrations: the methods that are demonstrations; classes: the classes of methods that are the same algorithm, by kind of
+    scene.
     """
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
@@ -347,9 +351,9 @@ def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:
 
 
 def decade(error: float) -> int:
-    """Return the decimal exponent of an error, limited to the range from -12, which includes zero errors, to 0.
+    """Return the decimal exponent of an error, limited to the range from -12 to 0.
 
-    An error that is not a finite number has 0.
+    The result is -12 for an error of zero, and 0 for an error that is not finite.
     """
     if not math.isfinite(error):
         return 0

@@ -1,4 +1,4 @@
-"""Origins of the contact discrepancies of one case, as a table and as charts."""
+"""The origins of the contact discrepancies of a case, as a table and as charts."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,49 +11,49 @@ from bodycheck.reports.quantities import count, milliseconds, number
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Entry, Table
 
-#: Title and unit of each quantity.
+#: The title and the unit of each quantity.
 QUANTITIES = {
     "stop_time": ("Stopping time", "s"),
     "stop_distance": ("Stopping distance", "m"),
     "stop_yaw": ("Rotation until the stop", "rad"),
 }
 
-#: Discrepancies below this are left out.
+#: The absolute value below which discrepancies are left out.
 NOTHING = 1e-12
 
 #: The parts of a discrepancy.
 PARTS = ("model form", "constraint", "time step")
 
-#: Note for tables in which parts are unknown.
+#: The note for tables in which parts are unknown.
 INCOMPLETE = (
     "– marks an unknown part. The parts of constraint and time step are known only for methods that were run with at least "
     "two time steps."
 )
 
-#: Height of a method in a chart, in pixels.
+#: The height of a method in a chart, in pixels.
 BAR = 26
 
-#: Parts by the label of the set of results, which is empty if there is only one set.
+#: The parts by the label of the set of results, which is empty if there is only one set.
 Parts = Mapping[str, Sequence[Attribution]]
 
 
 @dataclass(frozen=True)
 class Origins:
-    """The parts of the discrepancies of one case: a table of all, and charts of the methods whose parts are all known."""
+    """The parts of the discrepancies of one case: a table of all methods, and charts of methods whose parts are all known."""
 
     table: Table
     charts: tuple[Chart, ...]
 
 
 def origins(parts: Parts) -> Origins | None:
-    """Return the origins of the discrepancies (engine minus truth) of one case, or None without contact."""
+    """Return the origins of the discrepancies (engine minus truth) of one case; None if there are no parts."""
     if not any(parts.values()):
         return None
     return Origins(_table(parts), tuple(_charts(parts)))
 
 
 def _charts(parts: Parts) -> Iterator[Chart]:
-    """Return a chart for each quantity, with the smallest time step of each method at which all parts are finite numbers."""
+    """Yield a chart for each quantity, with each method at its smallest time step for which all parts are finite."""
     finest: dict[tuple[str, str, str, str], Attribution] = {}
     for label, own in parts.items():
         for part in own:
@@ -86,7 +86,7 @@ def _values(part: Attribution) -> tuple[float | None, ...]:
 
 
 def _bars(methods: Mapping[str, Attribution], title: str) -> Spec:
-    """Return a chart with a bar for each part, parts of one sign end to end, and a line at their sum."""
+    """Return a chart with a bar for each part, bars of the same sign end to end, and a line at the sum."""
     shares = [
         {"method": method, "part": name, "value": value, "order": place}
         for method, part in methods.items()

@@ -10,7 +10,7 @@ from bodycheck.reports.runs.contents import Contents
 
 
 def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
-    """Return the plots of a report of runs, each with a name that no other has."""
+    """Yield the plots of a report of runs as unique names and specifications."""
     for section in contents.sections:
         methods = {row["method"] for row in section.curves.datasets["series"]}
         lines = [line for line in contents.lines if line.label in methods]

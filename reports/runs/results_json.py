@@ -1,6 +1,6 @@
-"""results.json, which holds the contents of a report of runs for programs, and its JSON Schema.
+"""results.json, which has the contents of a report of runs for programs, and its JSON Schema.
 
-Its `runs` are what `bodycheck run --json` prints.
+Its entry `runs` equals the output of `bodycheck run --json`.
 """
 
 import json
@@ -17,17 +17,17 @@ from bodycheck.reports.runs.contents import Contents
 from bodycheck.results.header import DESCRIPTIONS
 from bodycheck.results.outcome import Completed, Outcome
 
-#: Version of the format.
+#: The version of the format.
 FORMAT = 1
 
-#: Figures that every completed run has.
+#: The figures that every completed run has.
 ALWAYS = tuple(name for name, figure in FIGURES.items() if figure.presence == "every run")
 
 Schema = dict[str, Any]
 
 
 def render(contents: Contents, sets: Sequence[ResultSet]) -> str:
-    """Return the text of results.json. Each run is one line, as indenting takes several times as long."""
+    """Return the text of results.json. Each run is on one line, since indentation would take several times as long."""
     found = document(contents, sets)
     runs = ",\n  ".join(json.dumps(row, ensure_ascii=False, allow_nan=False) for row in found.pop("runs"))
     others = json.dumps(found, ensure_ascii=False, allow_nan=False, indent=1).removesuffix("\n}")
@@ -35,7 +35,7 @@ def render(contents: Contents, sets: Sequence[ResultSet]) -> str:
 
 
 def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
-    """Return the document of results.json. `contents` are those of the report of these sets."""
+    """Return the document of results.json. contents: the contents of the report of these sets."""
     rows = judgement.records(verdict for one in sets for verdict in one.verdicts)
     return {
         "format": FORMAT,
@@ -62,7 +62,7 @@ def _set(one: ResultSet) -> dict[str, Any]:
 
 
 def _json_value(value: Any) -> Any:
-    """Return a value, or None for a number that JSON cannot hold."""
+    """Return a value, or None for a number that is not finite, which JSON does not allow."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -120,7 +120,7 @@ def schema() -> str:
 
 
 def _run() -> Schema:
-    """Return the schema of a row of results: completed runs have numbers, others have none."""
+    """Return the schema of a row of results. Completed runs have numbers; all other runs have none."""
     limits = (column.name for column in LIMIT_COLUMNS)
     figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
@@ -135,7 +135,7 @@ def _run() -> Schema:
 
 
 def _column(column: Column) -> Schema:
-    """Return the schema of a column, which is null if a run does not have it."""
+    """Return the schema of a column. Its value may be null, except for texts and the time step."""
     description = f"{column.told[0].upper()}{column.told[1:]}."
     if column.kind in ("number", "integer"):
         description = f"{description} Unit: {column.in_unit}."

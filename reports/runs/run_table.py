@@ -14,15 +14,15 @@ from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed
 from bodycheck.results.verdicts import WITHIN
 
-#: Heading of the computing time.
+#: The heading of the column with the computing time.
 COST = "Time per step, µs"
 
-#: Note below tables with margins.
+#: The note below tables with margins.
 MARGINS = (
     "The margin is the limit divided by the measured value, for the figure that is nearest to its limit; below 1 it is broken."
 )
 
-#: Note below tables in which an error or a drift is within the truth's own error.
+#: The note below tables in which an error or a drift is within the truth's own error.
 WITHIN_TRUTH = f"{WITHIN} marks an error within the truth's own error, which is the number shown."
 
 
@@ -32,20 +32,21 @@ def run_table(
     drawn: Collection[str],
     demonstrations: Mapping[RunKey, str],
 ) -> Table:
-    """Return the table of the runs of one case: a row for each, with its figures.
+    """Return the table of the runs of one case: a row for each run, with its figures.
 
-    What would be the same in every row is left out: the status where all runs completed, expectations where none were set.
+    Columns without information are left out: the status if all runs completed, the expectation if no run has expectations, and
+    empty columns of margins and reasons.
 
     Parameters
     ----------
     verdicts
         The verdicts on the runs.
     anchors
-        The anchors of the commands that make the runs.
+        The anchors of the commands that reproduce the runs.
     drawn
-        Names of the quantities that have curves.
+        The names of the quantities that have curves.
     demonstrations
-        What methods are there to demonstrate.
+        The purposes of methods that are demonstrations.
     """
     rows = [verdict.row() for verdict in verdicts]
     quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
@@ -84,7 +85,7 @@ def run_table(
 
 
 def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity]) -> dict[str, Entry]:
-    """Return the cells of the row with the truth's own errors, by column; none if none is known."""
+    """Return the cells of the row with the error bounds of the truth, by column; empty if no bound is known."""
     known = {
         quantity: [row[quantity.bound_name] for row in rows if row.get(quantity.bound_name) is not None]
         for quantity in quantities
@@ -98,14 +99,14 @@ def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity
 
 
 def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
-    """Return a text that a table has only if there are several sets of results."""
+    """Return the tuple `(text,)` if there are several sets of results; otherwise an empty tuple."""
     return (text,) if any(verdict.label for verdict in verdicts) else ()
 
 
 def _entries(
     verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], anchor: str, drawn: Collection[str]
 ) -> dict[str, Entry]:
-    """Return the cells of a run by column. A figure leads to its curve, or to the command (`anchor`) if it has none."""
+    """Return the cells of a run by column. A figure links to its curve, or to the command (`anchor`) if it has no curve."""
     time_per_step = row.get("time_per_step")
     leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
     return {
@@ -127,7 +128,7 @@ def _integrator(verdict: Verdict, anchor: str, demonstrations: Mapping[RunKey, s
 
 
 def _demonstration_notes(verdicts: Sequence[Verdict], demonstrations: Mapping[RunKey, str]) -> tuple[str, ...]:
-    """Return a sentence on each integrator that is there to demonstrate something."""
+    """Return a sentence about each integrator that is a demonstration."""
     told = {
         f"{verdict.run.engine} {verdict.run.method.integrator} is there to demonstrate {demonstrations[key]}."
         for verdict in verdicts
@@ -137,7 +138,7 @@ def _demonstration_notes(verdicts: Sequence[Verdict], demonstrations: Mapping[Ru
 
 
 def _margin(margins: Sequence[Margin]) -> Entry:
-    """Return the narrowest margin of a run; at the pointer appear all of them, with the limits."""
+    """Return the cell with the narrowest margin of a run. The explanation at the pointer has all margins with their limits."""
     if not margins:
         return Entry("–")
     narrowest = min(margins, key=lambda margin: margin.room)

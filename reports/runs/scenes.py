@@ -1,4 +1,4 @@
-"""A case in words: its bodies, joints, initial state and environment, and the truth that its runs are compared with."""
+"""The description of a case in words: its bodies, joints, initial state, environment and truth."""
 
 import math
 from collections import Counter
@@ -17,7 +17,7 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, S
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
 
-#: What happens in the events of bodies that touch, in words.
+#: The verbs for the events of bodies that touch.
 EVENTS: dict[EventKind, str] = {
     "impact": "hits",
     "roll": "begins to roll",
@@ -26,10 +26,10 @@ EVENTS: dict[EventKind, str] = {
     "tip": "begins to tip",
 }
 
-#: Most bodies and joints that are told one by one.
+#: The most bodies, joints or contacts that are described individually.
 MOST_TOLD = 6
 
-#: What acts in a joint besides what it holds, by the names of `Joint`, in words.
+#: The names of what acts along a joint, by the fields of `Joint`.
 ACTING = {
     "armature": "an armature",
     "damping": "damping",
@@ -38,7 +38,7 @@ ACTING = {
     "effort": "a constant effort",
 }
 
-#: Most events, and most loads, that are told one by one.
+#: The most events, and the most loads, that are described individually.
 MOST_EVENTS = 6
 
 
@@ -52,7 +52,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Told:
-    """What is told of a truth: how it was found, by the names of `Truth`, and the largest error (rad) of its attitude."""
+    """The facts about a truth: entries of `Truth` about how it was computed, and the largest error (rad) of its attitude."""
 
     model: str
     reason: str
@@ -66,14 +66,14 @@ class Told:
 
     @classmethod
     def of(cls, truth: Truth) -> "Told":
-        """Return what is told of a truth."""
+        """Return the facts about a truth."""
         error = float(np.fmax.reduce(truth.bounds.error))
         how = truth.model, truth.reason, truth.backend, truth.witnesses
         return cls(*how, truth.stop, truth.events, truth.friction, truth.interfaces, error)
 
 
 def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
-    """Return the facts of a case. `truths` are those that its runs are compared with, one for each time step."""
+    """Return the facts about a case. truths: the truths with which its runs are compared, one for each time step."""
     scene = case.scene
     return (
         *_facts(scene),
@@ -85,7 +85,7 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
 
 
 def _facts(scene: AnyScene) -> tuple[Fact, ...]:
-    """Return the facts of a scene itself."""
+    """Return the facts about bodies, start, joints and environment of a scene."""
     surroundings = Fact("Environment", ", ".join(_environment(scene)))
     if isinstance(scene, Scene):
         body = scene.body
@@ -101,7 +101,7 @@ def _facts(scene: AnyScene) -> tuple[Fact, ...]:
 
 
 def _start(scene: Scene) -> str:
-    """Return how a single body begins to move."""
+    """Return the initial motion of a single body in words."""
     start = scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
     motion = f"spinning at {number(spin)} rad/s, {vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
@@ -110,7 +110,7 @@ def _start(scene: Scene) -> str:
 
 
 def _environment(scene: AnyScene) -> Iterator[str]:
-    """Yield what acts on the bodies from outside and where they touch."""
+    """Yield descriptions of gravity, the plane, contacts, forces and drag."""
     yield f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"
     if scene.plane is not None:
         yield _flat_plane(scene.plane) if slides(scene) else _on_plane(scene.plane)
@@ -129,19 +129,19 @@ def _flat_plane(plane: Plane) -> str:
 
 
 def _on_plane(plane: Plane) -> str:
-    """Return a plane on which bodies roll, bounce and rest, in words."""
+    """Return the description of a plane on which bodies roll, bounce and rest."""
     tilted = f"inclined by {number(plane.incline)} rad " if plane.incline else ""
     return f"on a plane {tilted}with {_touching(plane.friction, plane.restitution)}"
 
 
 def _contact(mechanism: Mechanism, pair: PairContact) -> str:
-    """Return how two bodies touch, in words."""
+    """Return the description of the contact of two bodies."""
     one, other = ("the plane" if place == WORLD else mechanism.bodies[place].name for place in pair.bodies)
     return f"between {one} and {other} {_touching(pair.friction, pair.restitution)}"
 
 
 def _pushed(push: Push, name: str = "") -> str:
-    """Return a constant force in words. name: of the body, where there are several."""
+    """Return the description of a constant force. name: the name of the body; empty if there is only one body."""
     during = f" from {number(push.start)} s" if push.start else ""
     during += f" until {number(push.end)} s" if math.isfinite(push.end) else ""
     where = f" at {vector(push.point)} m from the centre of mass" if any(push.point) else ""
@@ -162,7 +162,7 @@ def _bodies(mechanism: Mechanism) -> str:
 
 
 def _joints(mechanism: Mechanism) -> str:
-    """Return which joints there are: each, or how many of each type where they are many."""
+    """Return the description of the joints: each joint, or the number of joints of each type if there are many."""
     free = sum(joint is None for joint in mechanism.joint_of)
     rest = f"{count(free, 'body', 'bodies')} on no joint" if free else ""
     if not mechanism.joints:
@@ -185,7 +185,7 @@ def _joint(mechanism: Mechanism, joint: Joint) -> str:
 
 
 def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
-    """Return what happens to bodies that touch, which is the same for every time step, and what bodies at rest bear."""
+    """Return the events of bodies that touch and the loads of bodies at rest, which are the same for every time step."""
     told = next((truth for truth in truths if isinstance(truth, Told) and (truth.events or truth.interfaces)), None)
     if told is None:
         return ()
@@ -206,7 +206,7 @@ def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, .
 
 
 def _stop(truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
-    """Return when and where the body comes to rest, which is the same for every time step."""
+    """Return the time and place at which the body comes to rest, which are the same for every time step."""
     for truth in truths:
         if isinstance(truth, Told) and truth.stop is not None:
             stop = truth.stop
@@ -230,7 +230,7 @@ def _shape(shape: Shape | None) -> str:
 
 
 def _truth(truths: Sequence[Told | NoTruth]) -> str:
-    """Return where the truth comes from, why it can be known so, what confirms it, and how wrong it may be."""
+    """Return the description of the truth: its source and the reason for it, independent checks, and its error bound."""
     known = [truth for truth in truths if isinstance(truth, Told)]
     if not known:
         reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
@@ -245,7 +245,7 @@ def _truth(truths: Sequence[Told | NoTruth]) -> str:
 
 
 def _source(truth: Told) -> str:
-    """Return in words how a truth was computed: by a formula, or by integrating equations of motion."""
+    """Return how a truth was computed, in words: with a formula, or by integration of equations of motion."""
     formula = truth.model.removeprefix("closed form: ")
     if formula != truth.model:
         return f"an exact formula ({formula}), evaluated with {truth.backend}"

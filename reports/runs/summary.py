@@ -1,4 +1,4 @@
-"""How the runs ended: the headline, how many ended how, what limits the report, and what failed."""
+"""The outcomes of runs: the headline, the number of runs with each outcome, the limits of the report, and failed runs."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -41,14 +41,14 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
 
 
 def _unchecked(unchecked: Sequence[Unchecked]) -> str:
-    """Return the end of a headline with the number of expectations that were not checked; empty if there are none."""
+    """Return the end of a headline with the number of unchecked expectations; empty if there are none."""
     failed, tolerated = (sum(one.failed is counts for one in unchecked) for counts in (True, False))
     told = f"; {count(failed, 'expectation')} could not be checked, which counts as failed" if failed else ""
     return told + (f"; {count(tolerated, 'expectation')} {verb(tolerated, 'was', 'were')} not checked" if tolerated else "")
 
 
 def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> tuple[tuple[str, int], ...]:
-    """Return how many runs ended in each way. Rare ways are left out if there are none; the usual ones are always given."""
+    """Return the number of runs with each outcome. Rare outcomes are left out if no run has them."""
     statuses = Counter(verdict.outcome.status for verdict in verdicts)
     passed = Counter(verdict.passed for verdict in verdicts)
     completed, refused = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
@@ -63,12 +63,12 @@ def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> t
 
 
 def notices(one: ResultSet) -> tuple[str, ...]:
-    """Return sentences on what limits a set of results: an interruption, missing engines, what engines do not support."""
+    """Return sentences about the limits of a set of results: interruption, missing engines, and unsupported runs."""
     return (*limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
 
 
 def limits(one: ResultSet) -> tuple[str, ...]:
-    """Return the notices of a set of results without those on unsupported runs."""
+    """Return the notices of a set of results, without the notices about unsupported runs."""
     texts = []
     if not one.results.complete:
         texts.append(
@@ -85,25 +85,25 @@ def _labelled(one: ResultSet, text: str) -> str:
 
 
 def unsupported(verdicts: Sequence[Verdict]) -> str:
-    """Return how many runs their engines do not support, and why, in one line; empty if all are supported."""
+    """Return the number of unsupported runs and the reasons, in one line; empty if all runs are supported."""
     amount, told = sum(map(is_unsupported, verdicts)), " ".join(not_supported(verdicts))
     return f"{count(amount, 'run')} unsupported. {told}" if amount else ""
 
 
 def expectation_status(verdict: Verdict) -> str:
-    """Return the status of the expectations of a run: held, known (broken in a known way), failed, or a dash without any."""
+    """Return the status of the expectations of a run: held, known (broken in a known way), failed, or a dash if it has none."""
     if _tolerated(verdict):
         return KNOWN
     return EXPECTATIONS[verdict.passed]
 
 
 def failure_status(verdict: Verdict) -> str:
-    """Return in which way a run failed."""
+    """Return how a run failed: the verdict for broken expectations if it completed, otherwise its status."""
     return SCENES["broken"].title if isinstance(verdict.outcome, Completed) else verdict.outcome.status
 
 
 def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding | None:
-    """Return how many runs failed, and how and why the first of them did; None if none failed."""
+    """Return a finding with the number of failed runs, and how and why the first of them failed; None if no run failed."""
     failed = [verdict for verdict in verdicts if verdict.passed is False]
     if not failed:
         return None

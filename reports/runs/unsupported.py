@@ -1,4 +1,4 @@
-"""Runs that their engines do not support: they have no row in matrices and tables, and are told in a line or two."""
+"""Runs that their engines do not support. They have no row in matrices and tables; a few sentences describe them."""
 
 from collections.abc import Sequence
 
@@ -14,12 +14,12 @@ def is_unsupported(verdict: Verdict) -> bool:
 
 
 def with_place(verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
-    """Return the verdicts that have a place in matrices and tables: all but the unsupported ones, unless these failed."""
+    """Return the verdicts that appear in matrices and tables: supported runs, and unsupported runs that count as failed."""
     return tuple(verdict for verdict in verdicts if verdict.passed is False or not is_unsupported(verdict))
 
 
 def not_supported(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
-    """Return sentences on what engines do not support; see `bodycheck.reports.notices.not_supported`."""
+    """Return sentences about unsupported runs; see `bodycheck.reports.notices.not_supported`."""
     return notices.not_supported(
         Asked(one.kind, one.run.engine, one.run.version, one.outcome.reason if is_unsupported(one) else "") for one in verdicts
     )

@@ -1,11 +1,11 @@
 "use strict";
-// The index beside the page, and sections that fold.
+// The index beside the page, and folding of sections.
 (() => {
   const folds = [...document.querySelectorAll("details.fold")];
   const index = document.querySelector(".index");
   const foldAll = (open) => folds.forEach((fold) => { fold.open = open; });
 
-  // A link leads into a folded section by opening it.
+  // A link to a place inside a folded section opens the section.
   const reveal = (target) => {
     if (!target) return;
     const section = target.querySelector(":scope > details.fold");
@@ -18,13 +18,13 @@
     const link = target.closest?.('a[href^="#"]');
     if (link && link.hash.length > 1) {
       if (narrow.matches && index.contains(link)) index.open = false;
-      setTimeout(() => reveal(named(link.hash))); // also where the address already has this name
+      setTimeout(() => reveal(named(link.hash))); // also if the address already has this hash
     }
   });
   window.addEventListener("hashchange", () => reveal(named(location.hash)));
   if (location.hash.length > 1) reveal(named(location.hash));
 
-  // Beside the page the index is always open; above it, it opens when the reader asks for it.
+  // The index is always open beside the page; above the page, on narrow screens, it is closed until the reader opens it.
   const narrow = matchMedia("(max-width: 68rem)");
   const fit = () => { index.open = !narrow.matches; };
   narrow.addEventListener("change", fit);
@@ -41,7 +41,7 @@
     index.querySelector("nav").append(line);
   }
 
-  // Of an engine with many methods, those that are neither its default nor its best are seen when the reader asks for them.
+  // For an engine with many methods, all but its default and its best method are hidden until the reader opens them.
   for (const note of document.querySelectorAll("[data-folds]")) note.hidden = false;
   for (const head of document.querySelectorAll("tr[data-more]")) {
     const body = head.parentElement;
@@ -57,7 +57,7 @@
     fold(true);
   }
 
-  // The index marks the section that the reader has come to.
+  // The index marks the section that the reader has reached.
   const links = new Map([...index.querySelectorAll("a")].map((link) => [named(link.hash), link]));
   const places = [...links.keys()];
   let current = null;
@@ -80,7 +80,7 @@
   }, { passive: true });
   mark();
 
-  // On paper nothing is folded.
+  // For printing, all sections are opened.
   let folded = [];
   window.addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("main details:not([open])")].filter((one) => !one.closest(".vega-embed"));

@@ -3,14 +3,14 @@
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const specifications = read("charts");
   const hidden = new Set();
-  let chosen = ""; // the method whose curves stand out, if the reader came to them from one of its figures
+  let chosen = ""; // the highlighted method, if the reader followed a link from one of its figures
   const updates = new Set(); // a function for each drawn chart that makes it follow the legend
   const options = {
     mode: "vega-lite",
     renderer: "svg",
     actions: { export: true, source: false, compiled: false, editor: false },
     tooltip: { theme: "report" },
-    logLevel: 1, // only errors, as a chart whose methods are all switched off would cause warnings
+    logLevel: 1, // only errors, since a chart whose methods are all switched off causes warnings
   };
 
   // Charts are drawn one at a time when the page is idle, so that it responds in between.
@@ -33,7 +33,7 @@
     work();
   };
 
-  // The page has one choice of methods, which every legend shows and every chart follows.
+  // The page has one choice of methods for all legends and charts.
   const follow = (view) => {
     if ("chosen" in view.getState().signals) view.signal("chosen", chosen);
     return view.signal("hidden", [...hidden]).runAsync();
@@ -53,7 +53,7 @@
     else choose(() => button.parentElement.querySelectorAll("[data-method]").forEach((own) => hidden.add(own.dataset.method)));
   });
 
-  // A figure leads to its curve, which then stands out, and which says how it was made.
+  // A figure links to its curve. The curve is then highlighted, with the command of its run below.
   const how = document.createElement("p");
   how.className = "note how";
   const alike = () => choose(() => { chosen = ""; how.remove(); });
@@ -71,8 +71,8 @@
     document.getElementById(decodeURIComponent(link.hash.slice(1))).querySelector("figcaption").after(how);
   });
 
-  // A legend is filled when it comes near the window, as charts are drawn then.
-  const swatches = document.getElementById("swatches"); // those of all methods, or null if each legend has its own
+  // A legend is filled when it comes near the window, like charts.
+  const swatches = document.getElementById("swatches"); // the swatches of all methods, or null if each legend has its own
   const fill = (legend) => {
     if (legend.dataset.filled) return;
     legend.dataset.filled = "yes";

@@ -1,7 +1,7 @@
 "use strict";
 // Sorting and filtering of tables.
 (() => {
-  const LONG = 8; // tables of at least so many rows get a field to filter them
+  const LONG = 8; // the least number of rows of a table that gets a filter field
   const words = new Intl.Collator("en", { numeric: true });
   const textOf = (cell) => cell.textContent.trim();
   const isEmpty = (text) => text === "" || text === "–";
@@ -18,8 +18,8 @@
     return left === right ? words.compare(a.text, b.text) : left - right;
   };
 
-  // A table that is too wide for the page is in pieces, whose rows stay in one order and are filtered together. `beside` has
-  // the place that each row had at first, and the row at each place of each table.
+  // A table that is too wide for the page is divided into pieces, whose rows are sorted and filtered together. `beside` maps each
+  // row to its initial index, and each table to a map from initial indices to rows.
   const beside = new Map();
   const piecesOf = (table) => [...(table.closest(".pieces")?.querySelectorAll("table") ?? [table])];
   for (const table of document.querySelectorAll(".pieces table")) {
@@ -43,7 +43,7 @@
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
-  // What a field filters: rows, with those beside them in other pieces, and in a table that has them the columns with words.
+  // Returns the items that a field filters: rows, together with their rows in other pieces, and columns with search words.
   const itemsOf = (scope) => {
     const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
     const rows = [...scope.querySelectorAll(scope.matches("table") ? "tbody > tr" : "tbody > tr[data-words]")];
@@ -54,7 +54,7 @@
     ];
   };
 
-  // Show what contains all words of the field.
+  // Shows only the items that contain all words of the field.
   const filter = (field) => {
     const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
     const scope = document.getElementById(field.dataset.scope);

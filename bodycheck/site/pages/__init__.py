@@ -1,1 +1,1 @@
-"""The pages of the site: each module has `pages`, a function from the catalogue to the files of one kind of page."""
+"""The pages of the site. Each module has the function `pages`, which makes the files of one kind of page from a catalogue."""

@@ -1,4 +1,4 @@
-"""A badge for each engine: how many scenes its newest release ran, failed and so on. Counts, and no score."""
+"""A badge for each engine: how many scenes its newest release ran, failed, refused and so on. It has no score."""
 
 from collections.abc import Iterator
 
@@ -9,10 +9,10 @@ from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.releases import Release, releases
 from bodycheck.site.render import File
 
-#: The words at the left.
+#: The text on the left side of a badge.
 LABEL = "bodycheck"
 
-#: Widths of characters of Verdana and DejaVu Sans at 11 px (pixels), rounded up; others are as wide as the widest letters.
+#: The widths of characters of Verdana and DejaVu Sans at 11 px (pixels), rounded up; other characters count as `WIDEST`.
 WIDTHS = {
     **dict.fromkeys("ijl|'.,:;!I[]()/ ", 5.0),
     **dict.fromkeys('frt-"', 5.5),
@@ -21,7 +21,7 @@ WIDTHS = {
 }
 WIDEST = 11.0
 
-#: Room at both sides of a text, and the height (pixels).
+#: The margin at both sides of a text, and the height of a badge (pixels).
 MARGIN, HEIGHT = 6, 20
 
 
@@ -33,7 +33,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def text(release: Release) -> str:
-    """Return what a badge says of a release."""
+    """Return the text of the badge for a release."""
     counts = release.counts
     told = [
         f"{release.ran} ran",
@@ -45,7 +45,7 @@ def text(release: Release) -> str:
 
 
 def badge(message: str) -> str:
-    """Return a badge with a message as SVG. All badges have the same colours, whatever they say."""
+    """Return a badge with a message as SVG. The colours do not depend on the message."""
     left, right = width(LABEL), width(message)
     whole = left + right + 4 * MARGIN
     edge = left + 2 * MARGIN
@@ -64,5 +64,5 @@ def badge(message: str) -> str:
 
 
 def width(message: str) -> int:
-    """Return the width of a text (pixels) to which its letters are spaced, whatever font there is."""
+    """Return the width of a text (pixels). Browsers space the letters to this width in any font."""
     return round(sum(WIDTHS.get(letter, WIDEST) for letter in message))

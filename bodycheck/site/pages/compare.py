@@ -3,10 +3,10 @@
 The results of an engine are its runs of one version in one table of a submission. `data/changes/ENGINE.json` has the
 differences between any two of them:
 
-- `results`: the results, the oldest first, as the key of the submission, the version and the table;
-- `pairs`: the pairs of results that differ, as their indices `before` and `after` in `results`. `differences` has the runs that
-  differ beyond rounding, by the quantity that differs: "status", or an error. A run is given by the place of its row in the
-  table of the results before; the run after is that of the same case, integrator and time step.
+- `results`: the results, the oldest first, each with the key of its submission, its version and its table;
+- `pairs`: the pairs of results that differ, as the indices `before` and `after` in `results`, with `differences`: the runs that
+  differ beyond rounding, by the differing quantity: "status", or an error. A run is given by the index of its row in the table
+  of the earlier results; the later run has the same case, integrator and time step.
 """
 
 from collections import defaultdict
@@ -18,7 +18,7 @@ from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry, Results, results_of
 from bodycheck.site.render import FORMAT, File, data_files, page
 
-#: Most results of an engine in one submission that are compared, so that the pairs of a stranger's results stay few.
+#: The most results of an engine in one submission that are compared, so that one submission cannot make too many pairs.
 MOST_RESULTS = 64
 
 
@@ -37,7 +37,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def differences(catalogue: Catalogue, engine: str, compared: Sequence[Results]) -> dict[str, Any]:
-    """Return the differences between any two results of an engine in their JSON form. compared: those, the oldest first."""
+    """Return the differences between any two results of an engine in JSON form. compared: the results, the oldest first."""
     pairs = []
     for (before, earlier), (after, later) in combinations(enumerate(map(_runs, compared)), 2):
         if different := _different(catalogue, earlier, later):
@@ -51,14 +51,14 @@ def differences(catalogue: Catalogue, engine: str, compared: Sequence[Results]) 
 
 
 def _runs(results: Results) -> Mapping[tuple[Any, ...], Entry]:
-    """Return the runs of results by what those that are compared have in common: case, integrator and time step."""
+    """Return the runs of results by case, integrator and time step, which are equal in two runs that are compared."""
     return {(run.row["case"], *run.method): run for run in results.runs if run.row["timestep"] is not None}
 
 
 def _different(
     catalogue: Catalogue, earlier: Mapping[tuple[Any, ...], Entry], later: Mapping[tuple[Any, ...], Entry]
 ) -> dict[str, list[int]]:
-    """Return the places of the earlier runs that differ from the later ones, by the quantity that differs."""
+    """Return the row indices of the earlier runs that differ from the later runs, by the differing quantity."""
     places: dict[str, list[int]] = {}
     for key, before in earlier.items():
         after = later.get(key)

@@ -1,19 +1,21 @@
-"""The data of the site, for programs as JSON, and the same as scripts for pages, since a page from disk may not read files.
+"""The data of the site: JSON for programs, and the same data as scripts for pages, since a page from disk cannot read files.
 
-`data/index.json` lists what there is:
+`data/index.json` lists the content of the site:
 
-- `submissions`: each with its key, date, machine and command, the numbers of rows of its `tables`, and the `runs` that it has,
-  as the engine, the version, and the table with their rows;
-- `engines` with their versions, the oldest first, and the address of their `changes`, `kinds` of scenes
-  with the quantity that is shown of each, `scenes`, and the `tables` with the title, unit and meaning of each column;
-- `cells`: what the front page shows of each engine and scene, with the address of the row as key, table and place.
+- `submissions`: each with its key, date, machine and command, the numbers of rows of its `tables`, and its `runs`: for each
+  engine, version and table, the number of rows;
+- `engines`: each with its versions, the oldest first, and the address of its `changes`;
+- `kinds` of scenes, each with the quantity that is shown;
+- `scenes`;
+- `tables`: each with the title, unit and meaning of each column;
+- `cells`: the content of the front page for each engine and scene; a row is given as key of the submission, table and index.
 
 `data/KEY.json` is a submission: its `header`, `tables` and `cases`. A table has `columns`, a list of values for each column
-that has any, and the `commands` that make its rows again. A row has the same place in all lists, from 0; `null` is an empty
-entry. A table of runs also has `roundings` and `allowances` of the error in the quantity of the scene: by how much rounding may
-move it if nothing amplifies rounding, and by how much rounding and the truth's error do move it, where a study of releases has
-measured that; see `bodycheck.site.changes`. `cases` has the SHA-256 of each case file, under which `data/cases.json` has its
-text.
+that is not empty, and the `commands` that reproduce its rows. A row has the same index, from 0, in all lists; `null` is an
+empty entry. A table of runs also has `roundings` and `allowances` for the error in the quantity of the scene. A rounding is the
+error change that rounding may cause if nothing amplifies it. An allowance is the change that rounding and the truth's error do
+cause, if a study of releases has measured it; see `bodycheck.site.changes`. `cases` has the SHA-256 of each case file;
+`data/cases.json` has the texts of the case files by SHA-256.
 
 `data/changes/ENGINE.json` has the differences between any two results of an engine; see `bodycheck.site.pages.compare`.
 """
@@ -51,7 +53,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def index(catalogue: Catalogue) -> dict[str, Any]:
-    """Return what data/index.json has besides cells."""
+    """Return the content of data/index.json without `cells`."""
     return {
         "format": FORMAT,
         "submissions": [_listed(source) for source in catalogue.submissions],
@@ -110,7 +112,7 @@ def submission(catalogue: Catalogue, source: Submission) -> dict[str, Any]:
 
 
 def _table(catalogue: Catalogue, source: Submission, name: str) -> dict[str, Any]:
-    """Return a table with rows."""
+    """Return a table of a submission, which has at least one row, in its JSON form."""
     rows = source.tables[name]
     there = [column for column in rows[0] if any(row[column] is not None for row in rows)]
     made: dict[str, Any] = {
@@ -126,13 +128,13 @@ def _table(catalogue: Catalogue, source: Submission, name: str) -> dict[str, Any
 
 
 def _allowance(catalogue: Catalogue, entry: Entry) -> float | None:
-    """Return by how much rounding and the truth's error move the error of a run, in the quantity of its scene."""
+    """Return by how much rounding and the truth's error change the error of a run; None if no study has measured this."""
     scene = catalogue.scenes.get(entry.row["case"])
     return changes.allowance(catalogue, entry, scene.quantity.name) if scene is not None else None
 
 
 def _listed(source: Submission) -> dict[str, Any]:
-    """Return what the list says of a submission."""
+    """Return the entry of a submission in data/index.json."""
     return {
         "key": source.key,
         "date": source.date,
@@ -150,7 +152,7 @@ def _listed(source: Submission) -> dict[str, Any]:
 
 
 def _cell(engine: str, scene: str, cell: Cell) -> dict[str, Any]:
-    """Return a cell of the front page."""
+    """Return a cell of the front page in its JSON form."""
     best = cell.best
     return {
         "engine": engine,
@@ -174,7 +176,7 @@ def _cell(engine: str, scene: str, cell: Cell) -> dict[str, Any]:
 
 
 def _place(entry: Entry | None) -> list[Any] | None:
-    """Return where a row is: the key of its submission, its table and its place."""
+    """Return the location of a row: the key of its submission, its table and its index."""
     return None if entry is None else [entry.source.key, entry.table, entry.place]
 
 

@@ -1,4 +1,4 @@
-"""The page of each engine: everything that is known of it."""
+"""The page of each engine, with all its results."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,11 +29,11 @@ class Trend:
     scene
         The scene.
     rows
-        For each integrator and time step with runs in several releases, its runs, with None for a release without one.
+        The runs of each integrator and time step with runs in several releases, by release; None for a release without a run.
     chart
-        The lines of some of them; empty where there is no number.
+        A chart of the errors of some rows; empty if no row has a number.
     drawn
-        The number of the lines in the chart.
+        The number of lines in the chart.
     """
 
     scene: Scene
@@ -78,9 +78,9 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def trends(ran: Sequence[Release], found: Mapping[str, Upgrade]) -> Iterator[Trend]:
-    """Yield the errors by release in one scene of each kind: that with the most severe change, if any changed.
+    """Yield the errors by release in one scene of each kind: the scene with the most severe change of an error, if any.
 
-    ran: the releases of an engine of which there are runs, the oldest first. found: the upgrades between them.
+    ran: the releases of an engine that have runs, the oldest first. found: the upgrades between them.
     """
     worst: dict[str, tuple[float, Scene]] = {}
     for upgrade in found.values():
@@ -105,7 +105,7 @@ def _trend(ran: Sequence[Release], scene: Scene) -> Trend:
         )
         for (name, timestep), runs in rows.items()
     ]
-    # Where there are too many, those are drawn whose errors change most.
+    # If there are too many lines, only the lines whose errors change most are drawn.
     lines = sorted((line for line in values if any(line.values)), key=_spread, reverse=True)[: trend.MOST_LINES]
     title = f"{scene.quantity.title} in {scene.name} by release; the table has the numbers"
     made = trend.chart(title, scene.quantity.label, [one.version for one in ran], lines) if lines else Markup()

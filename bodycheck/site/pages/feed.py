@@ -1,7 +1,7 @@
 """The feed of changes (Atom, RFC 4287): an entry for each engine and submission in which something changed beyond rounding.
 
-A feed needs no address of the site: identifiers are made of contents, and its links are relative references, which are resolved
-against the address from which the feed was read.
+The feed does not contain the address of the site: identifiers are made from contents, and links are relative references, which
+readers resolve against the address of the feed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,10 +18,10 @@ from bodycheck.site.telling import Sentence
 
 ATOM, XHTML = "http://www.w3.org/2005/Atom", "http://www.w3.org/1999/xhtml"
 
-#: The name space of the identifiers of feeds and entries: a random number, which stays.
+#: The name space for the identifiers of the feed and its entries: a random number that must never change.
 IDENTIFIERS = UUID("6d1f5bd1-66c5-4c1b-9f0c-3f2b8c0a7e55")
 
-#: The date of a feed without submissions, which must have one.
+#: The date of a feed without submissions; a feed must have a date.
 NEVER = "1970-01-01T00:00:00+00:00"
 
 TITLE = "bodycheck: changes of physics engines beyond rounding"
@@ -43,14 +43,14 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def releases_of(source: Submission) -> Sequence[tuple[str, str]]:
-    """Return the engines and versions that a submission has runs or changes of, in alphabetical order."""
+    """Return the engines and versions for which a submission has runs or measured changes, in alphabetical order."""
     runs = {(entry.engine, entry.version) for entry in _entries(source, "results.csv")}
     studied = {(entry.engine, entry.row["to_version"]) for entry in _entries(source, "changes.csv")}
     return sorted(runs | studied)
 
 
 def _entry(feed: ElementTree.Element, catalogue: Catalogue, source: Submission, engine: str, version: str) -> None:
-    """Add an entry, if anything changed beyond rounding."""
+    """Add an entry about a release in a submission to the feed, if anything changed beyond rounding."""
     found, compared = _changes(catalogue, source, engine, version)
     studied = [
         entry for entry in _entries(source, "changes.csv") if (entry.engine, entry.row["to_version"]) == (engine, version)
@@ -70,7 +70,7 @@ def _entry(feed: ElementTree.Element, catalogue: Catalogue, source: Submission, 
 
 
 def _changes(catalogue: Catalogue, source: Submission, engine: str, version: str) -> tuple[list[tuple[Scene, Change]], int]:
-    """Return what changed in the runs of a submission from those before them, and the number of runs that have one before."""
+    """Return the changes of runs of a submission from earlier runs, and the number of runs that have an earlier run."""
     found, compared = [], 0
     for entry in _entries(source, "results.csv"):
         if (entry.engine, entry.version) != (engine, version):
@@ -85,7 +85,7 @@ def _changes(catalogue: Catalogue, source: Submission, engine: str, version: str
 
 
 def _title(found: Sequence[tuple[Scene, Change]], orders: Sequence[Sentence]) -> str:
-    """Return what an entry is about, in a few words."""
+    """Return the title of an entry, which counts its changes."""
     numbers = {"smaller error": False, "larger error": True}
     told = [
         count(amount, word)
@@ -100,7 +100,7 @@ def _title(found: Sequence[tuple[Scene, Change]], orders: Sequence[Sentence]) ->
 
 
 def _origin(source: Submission) -> Sentence:
-    """Return the sentence that says where an entry comes from."""
+    """Return the sentence about the submission from which an entry comes."""
     return (
         telling.Piece("Submission "),
         telling.Piece(source.key, f"{links.data(source)}.json"),
@@ -123,7 +123,7 @@ def _paragraph(parent: ElementTree.Element, sentence: Sentence) -> None:
 
 
 def _add(parent: ElementTree.Element, name: str, text: str | None = None, **attributes: str) -> ElementTree.Element:
-    """Add an element."""
+    """Add an element to its parent and return it."""
     made = ElementTree.SubElement(parent, name, attributes)
     made.text = text
     return made

@@ -1,6 +1,6 @@
-"""The pages that exist once: the front page, the page of a raw row, and the page of what the site leaves out.
+"""The front page, the page of a raw row, and the page of the paths that the site leaves out.
 
-No other page shows anything of what is left out.
+No other page mentions the paths that are left out.
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from bodycheck.site.render import File, page
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
-    """Yield the pages."""
+    """Yield the three pages."""
     front = Front(catalogue)
     best = [_best(line) for group in front.groups for line in group.lines]
     yield page(links.INDEX, "index.html.jinja", front=front, catalogue=catalogue, best=best)
@@ -21,7 +21,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def _best(line: Line) -> dict[int, list[str]]:
-    """Return the cells of a line that are others for the best methods, by their columns."""
+    """Return the cells of a line for the best methods that differ from the cells for the own methods, by column."""
     pairs = enumerate(zip(line.own, line.best, strict=True))
     return {column: _fields(best) for column, (usual, best) in pairs if usual != best}
 

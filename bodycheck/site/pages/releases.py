@@ -1,4 +1,4 @@
-"""The page of each release of an engine: what changed from the release before, and what was run."""
+"""The page of each release of an engine: its changes from the previous release, and its runs."""
 
 from collections.abc import Iterator
 
@@ -33,7 +33,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def _unmeasured(catalogue: Catalogue, release: Release) -> tuple[str, ...]:
-    """Return why a study of releases could not measure a release, each reason once."""
+    """Return the reasons why studies of releases could not measure a release, each reason once."""
     found = {
         str(entry.get("reason") or entry.row["status"]): None
         for entry in catalogue.entries("releases.csv")

@@ -1,4 +1,4 @@
-"""The page of each robot: what engines make of its model; and the table of all robots and engines."""
+"""The page of each robot, with the readings of its model by engines, and the table of all robots and engines."""
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +13,7 @@ from bodycheck.studies.parity.wording import SAYS, name_of
 
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
-    """Yield the pages of all robots, and the table of all."""
+    """Yield the pages of all robots, and the page with the table of all robots."""
     read = {model: robot_tables.readings(entries) for model, entries in catalogue.robots.items()}
     yield _list({model: (newest, len(faults)) for model, (newest, _, faults) in read.items()})
     for model, (newest, older, faults) in read.items():
@@ -35,14 +35,14 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 
 def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
-    """Return the table of all robots. read: the newest readings of each, and the number of faults of its file."""
+    """Return the page with all robots. read: the newest readings of each robot, and the number of faults in its file."""
     engines = sorted({one.engine for own, _ in read.values() for one in own})
     rows = [(model, {one.engine: one for one in own}, faults) for model, (own, faults) in sorted(read.items())]
     return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows)
 
 
 def _commands(model: str, entries: Sequence[Entry]) -> list[str]:
-    """Return the commands that compare a model, with the name of its file where the command of a submission tells it."""
+    """Return the commands that compare a model, with its file name if the command of a submission contains it."""
     sources = dict.fromkeys(entry.source for entry in entries if entry.get("engine") != FILE)
     files = [word for source in sources for word in source.header.command if PurePosixPath(word).stem == model]
     name = next(iter(files), model)

@@ -1,4 +1,4 @@
-"""The page of each scene: its physics, its truth, what all engines make of it, and the motions; and the list of scenes."""
+"""The page of each scene, with its physics, its truth, the results of all engines and the motions; and the list of scenes."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -44,7 +44,7 @@ def case_file(name: str) -> str:
 
 
 def _list(catalogue: Catalogue) -> File:
-    """Return the list of scenes by kind, with how many engines have which verdict."""
+    """Return the page that lists scenes by kind, with the number of engines for each verdict."""
     rows = []
     for scene in catalogue.scenes.values():
         verdicts = Counter[Verdict](cell(catalogue, engine, scene).verdict for engine in catalogue.engines)
@@ -83,7 +83,7 @@ def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
 
 
 def _newest(catalogue: Catalogue, table: str, scene: Scene) -> list[Entry]:
-    """Return the rows of a table about a scene, of each engine those of its newest version in the newest submission."""
+    """Return the rows of a table about a scene; for each engine, the rows of its newest version in the newest submission."""
     found: dict[str, list[Entry]] = {}
     own = [entry for entry in catalogue.entries(table) if entry.get("case") == scene.name]
     for entry in sorted(own, key=lambda entry: entry.order):

@@ -1,8 +1,8 @@
-"""Submissions: results folders of anyone, packed as files that can be read without trust.
+"""Submissions: results folders from anyone, packed as files that can be read without trust in their authors.
 
-A `submission` has rows of known `tables`, the texts of `cases`, a header (`headers`) and motions (`tracks`, made by `tracing`
-of each engine's own method, see `own_methods`). `packing` makes its contents of a results folder, without what is `personal`,
-and is the work of the command `bodycheck submit`. `contents` checks them, where `texts` and `plausible` say what cannot be.
-`cases` keeps apart cases of several people that have one name. `archive` writes and reads the zip file, and `gathering` finds
-all submissions at paths.
+A `submission` has rows of known `tables`, the texts of `cases`, a header (`headers`) and motions (`tracks`); `tracing` makes
+motions for the method that each engine itself chooses (`own_methods`). `packing` implements the command `bodycheck submit`: it
+makes the contents of a submission from a results folder, without `personal` data. `contents` checks them; `texts` and
+`plausible` have the rules for texts and for rows. `cases` distinguishes cases of the same name from several people. `archive`
+writes and reads the zip file, and `gathering` finds all submissions at paths.
 """

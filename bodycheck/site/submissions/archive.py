@@ -1,4 +1,4 @@
-"""Submissions as zip files: written the same way each time, and read with a limit for everything."""
+"""Submissions as zip files: equal contents give equal files, and reading has limits for all sizes and numbers."""
 
 import io
 import json
@@ -12,16 +12,16 @@ from bodycheck.site.submissions.contents import FORMAT, Contents, checked, manif
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.submissions.tables import TABLES
 
-#: The file with the header and the digests of all others.
+#: The file with the header and the digests of all other files.
 MANIFEST = "submission.json"
 
-#: Most bytes of a zip file, of one file in it, of all files in it, and of submission.json.
+#: The most bytes of a zip file, of one file in it, of all files in it, and of submission.json.
 MOST_PACKED, MOST_OF_ONE, MOST_OF_ALL, MOST_OF_MANIFEST = 1 << 24, 1 << 25, 1 << 26, 1 << 21
 
-#: Most files in a zip file.
+#: The most files in a zip file.
 MOST_FILES = 1000
 
-#: What the entry of a file in the directory of a zip file begins with.
+#: The bytes with which the entry of a file in the directory of a zip file begins.
 ENTRY = b"PK\x01\x02"
 
 #: The names that files may have.
@@ -36,12 +36,12 @@ NAME = re.compile(
     )
 )
 
-#: The date of every file in a zip file, so that the same contents give the same bytes: the first that the format knows.
+#: The date of every file in a zip file, so that the same contents give the same bytes: the first date of the format.
 DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def zipped(contents: Contents) -> bytes:
-    """Return the bytes of a zip file with all files and submission.json."""
+    """Return the bytes of a zip file with submission.json and all files of the contents."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, content in [(MANIFEST, manifest(contents)), *sorted(contents.files.items())]:
@@ -79,10 +79,10 @@ def _told(content: bytes) -> tuple[dict[str, Any], dict[str, str]]:
 
 
 def _files(content: bytes) -> dict[str, bytes]:
-    """Return the files of a zip file, none of which is larger than allowed."""
+    """Return the files in a zip file by name. Raises `BadInput` if a name, a size or the number of files is not allowed."""
     found: dict[str, bytes] = {}
     room = MOST_OF_ALL
-    if content.count(ENTRY) > 2 * MOST_FILES:  # before the directory is read, which takes memory for each entry
+    if content.count(ENTRY) > 2 * MOST_FILES:  # checked before the directory is read, since each entry takes memory
         raise BadInput(f"has too many files; at most {MOST_FILES} are allowed")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:

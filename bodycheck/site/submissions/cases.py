@@ -1,8 +1,8 @@
-"""The cases of submissions, and the names that those which do not come with bodycheck have on the site.
+"""The cases of submissions, and their names on the site.
 
-Each case is read once: most submissions have the same ones, those that come with bodycheck. Another case has its own name,
-unless submissions give one name to different files. Then each of these has a part of the digest of its text in its name, such
-as `my-case.1f0c9a3b5d7e`, so that nobody pushes out the results of another.
+Each case is read once, since most submissions have the same cases, which come with bodycheck. Any other case keeps its name on
+the site, unless submissions use this name for different files. Then a part of the digest of each file is added to the name,
+such as `my-case.1f0c9a3b5d7e`, so that no results replace the results of another case.
 """
 
 from collections import defaultdict
@@ -18,10 +18,10 @@ from bodycheck.casefile.identity import identity
 from bodycheck.errors import BadInput
 from bodycheck.site.submissions.submission import Row, Submission
 
-#: Names that pages of the site have themselves.
+#: The names of cases that would collide with pages of the site.
 TAKEN = {"index"}
 
-#: Characters of the digest of a case file in the name of a case.
+#: The number of characters of the digest of a case file in the name of a case.
 MARK_LENGTH = 12
 
 
@@ -33,7 +33,7 @@ def shipped(name: str) -> Case | None:
 
 @lru_cache(maxsize=2048)
 def read(name: str, text: str) -> Case:
-    """Return the case of a submission. Raises `BadInput` if the text is that of no case."""
+    """Return the case with this name and text. Raises `BadInput` if the text is not a valid case."""
     own = shipped(name)
     if own is not None and own.text == text:
         return own
@@ -45,12 +45,12 @@ def read(name: str, text: str) -> Case:
 
 @lru_cache(maxsize=2048)
 def physics(name: str, text: str) -> str:
-    """Return a digest of what affects the motion of the case of a submission. Raises `BadInput` if the text is that of none."""
+    """Return a digest of everything in a case that affects its motion. Raises `BadInput` if the text is not a valid case."""
     return identity(read(name, text))
 
 
 def apart(submissions: Sequence[Submission]) -> tuple[Submission, ...]:
-    """Return submissions in which no two cases with different files have one name."""
+    """Return the submissions with cases renamed where different files have the same name; see the module."""
     texts: dict[str, set[str]] = defaultdict(set)
     for submission in submissions:
         for name, text in submission.cases.items():
@@ -67,7 +67,7 @@ def _marked(name: str, text: str) -> str:
 
 
 def _renamed(submission: Submission, names: Mapping[str, str]) -> Submission:
-    """Return a submission with other names of cases."""
+    """Return a submission with renamed cases. names: the new names by the old ones."""
     if not names:
         return submission
     without = {

@@ -1,4 +1,4 @@
-"""What a submission contains as files, and their check, which makes a `Submission` of them."""
+"""The files of a submission, and the check that makes a `Submission` from them."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -19,20 +19,20 @@ from bodycheck.site.submissions.tracks import Tracks
 #: The version of the format.
 FORMAT = 1
 
-#: The names of files.
+#: The folders and files in a submission, and the end of the names of case files.
 TABLES, CASES, TRACKS = "tables/", "cases/", "tracks.json"
 CASE_END = SUFFIX
 
-#: Characters of the digest that name a submission: so many that nobody finds other contents with the same ones.
+#: The number of characters of the digest in a key: so many that nobody can find other contents with the same key.
 KEY_LENGTH = 20
 
-#: Most cases that do not come with bodycheck, most bytes of one case, and of all that do not come with bodycheck.
+#: The most cases that do not come with bodycheck, the most bytes of one case, and the most characters of all such cases.
 MOST_OWN_CASES, LONGEST_CASE, LONGEST_CASES = 100, 1 << 19, 1 << 20
 
 
 @dataclass(frozen=True)
 class Contents:
-    """A header, and files by their names inside the submission."""
+    """The header of a submission, and the contents of its files by their names inside the submission."""
 
     header: Mapping[str, Any]
     files: Mapping[str, bytes]
@@ -50,15 +50,12 @@ def manifest(contents: Contents) -> bytes:
 
 
 def checked(contents: Contents) -> Submission:
-    """Return the submission that files make.
-
-    A case that does not come with bodycheck has, in the submission, its name with a part of the digest of its text, such as
-    `my-case.1f0c9a3b5d7e`: cases of two strangers are never taken for each other, and none can take the name of another.
+    """Return the submission with these contents, after all checks.
 
     Raises
     ------
     BadInput
-        Something is not as bodycheck writes it; the text says what and where.
+        The contents are not as bodycheck writes them; the message says what is wrong, and where.
     """
     header = headers.checked(_sorted(contents.header))
     files = dict(sorted(contents.files.items()))
@@ -84,7 +81,7 @@ def checked(contents: Contents) -> Submission:
 
 
 def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) -> Tracks:
-    """Return what a submission says of motions."""
+    """Return the tracks of a submission. rows: the rows of its results.csv."""
     if TRACKS not in contents.files:
         return tracks.NO_TRACKS
     runs = [tuple(row[column] for column in tracks.RUN) for row in rows if row["status"] == Completed.status]
@@ -92,7 +89,7 @@ def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) 
 
 
 def _sorted(value: Any) -> Any:
-    """Return a value of JSON whose objects are sorted, so that the site does not depend on how a submission was written."""
+    """Return a JSON value with sorted objects, so that the site does not depend on the order in a submission."""
     if isinstance(value, Mapping):
         return {key: _sorted(value[key]) for key in sorted(value)}
     return value
@@ -108,7 +105,10 @@ def _text(name: str, content: bytes) -> str:
 
 
 def _cases(texts: Mapping[str, str]) -> dict[str, Case]:
-    """Return the cases of a submission by name. Raises `BadInput` if one is none, or another than its name says."""
+    """Return the cases of a submission by name. texts: the texts of the case files by name.
+
+    Raises `BadInput` if a text is not a valid case or has another name, or if there are too many or too large cases.
+    """
     own = [name for name in texts if case_texts.shipped(name) is None]
     if len(own) > MOST_OWN_CASES:
         raise BadInput(f"there are {len(own)} cases that do not come with bodycheck; at most {MOST_OWN_CASES} are allowed")

@@ -1,4 +1,4 @@
-"""Submissions from paths: zip files, results folders, and folders of both. What is not as it should be is left out."""
+"""Submissions from paths: zip files, results folders, and folders of both. Paths that cannot be read are left out."""
 
 import os
 from collections.abc import Sequence
@@ -12,25 +12,25 @@ from bodycheck.site.submissions.submission import LeftOut, Submission
 from bodycheck.site.submissions.tables import TABLES
 from bodycheck.site.submissions.texts import shown
 
-#: What reading a stranger's files may raise besides `BadInput`.
+#: The exceptions, apart from `BadInput`, that reading a stranger's file may raise.
 DAMAGE = (OSError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 
-#: Most characters of a reason.
+#: The most characters of a reason.
 LONGEST = 500
 
 
 def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftOut, ...]]:
-    """Return the submissions at paths from the oldest to the newest, and what is left out.
+    """Return the submissions at paths, the oldest first, and the paths that are left out with their reasons.
 
     Parameters
     ----------
     paths
-        Zip files of `bodycheck submit`, results folders, and folders that contain such.
+        Zip files of `bodycheck submit`, results folders, and folders that contain either.
 
     Raises
     ------
     BadInput
-        There is nothing at a path.
+        A path does not exist.
     """
     found: dict[str, Submission] = {}
     left_out = []
@@ -51,7 +51,7 @@ def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftO
 
 
 def read(path: Path) -> Submission:
-    """Return the submission in a zip file or results folder. Raises `BadInput`, and those of `DAMAGE`."""
+    """Return the submission in a zip file or results folder. Raises `BadInput` or one of `DAMAGE` if it cannot be read."""
     if path.is_dir():
         return checked(packing.contents(path))
     try:
@@ -62,7 +62,10 @@ def read(path: Path) -> Submission:
 
 
 def _places(path: Path) -> list[Path]:
-    """Return the zip files and results folders at a path, or the path itself if it is neither and has none."""
+    """Return the path itself if it is a file or a results folder, or else the zip files and folders in it.
+
+    If the folder contains neither, return the path itself.
+    """
     if not path.is_dir() or any(os.path.lexists(path / name) for name in TABLES):
         return [path]
     inner = [path / name for name in sorted(reading.names_in(path)) if not name.startswith(".")]
@@ -75,5 +78,5 @@ def _name(path: Path) -> str:
 
 
 def _reason(text: str, path: Path) -> str:
-    """Return a reason on one line, without the folders of a path."""
+    """Return a reason on one line, without `path` at its beginning and without the folders of other paths."""
     return shown(personal.Cleaning().text(" ".join(text.removeprefix(f"{path}: ").split())), LONGEST)

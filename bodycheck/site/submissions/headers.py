@@ -12,24 +12,24 @@ from bodycheck.results.records import HeaderRecord
 from bodycheck.site.submissions import tables
 from bodycheck.site.submissions.texts import text
 
-#: The entries of a header.
+#: The names of the entries of a header.
 KNOWN = tuple(field.name for field in fields(HeaderRecord))
 
-#: An instant as bodycheck writes it, in the years in which there can be results.
+#: An instant as bodycheck writes it, limited to years in which results are possible.
 STARTED = re.compile(r"20[2-9][0-9]-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}\+00:00")
 
 #: The name of a package or of a property of a machine.
 WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._=+!-]{0,119}")
 
-#: Most entries of a table of the header, and most words of the command.
+#: The most entries of a mapping in the header, and the most words of the command.
 MOST_ENTRIES, MOST_WORDS = 500, 300
 
-#: Most characters of a value and of a reason.
+#: The most characters of a value and of a reason.
 LONGEST, LONGEST_REASON = 300, 4000
 
 
 def checked(header: Mapping[str, Any]) -> HeaderRecord:
-    """Return a header. Raises `BadInput` if it is not as bodycheck writes it; the text says where and why."""
+    """Return a header with checked entries. Raises `BadInput` if it is invalid; the message says where and why."""
     try:
         if unknown := sorted(header.keys() - set(KNOWN)):
             raise ValueError(f"has {unknown[0][:60]!r}; allowed: {', '.join(KNOWN)}")
@@ -55,12 +55,12 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
 
 
 def as_record(header: HeaderRecord) -> dict[str, Any]:
-    """Return a header as an object of JSON."""
+    """Return a header as a JSON object."""
     return asdict(header)
 
 
 def _check_by_engine(name: str, told: Mapping[str, Any]) -> None:
-    """Raise `ValueError` if a table with something for each engine is not as bodycheck writes it."""
+    """Raise `ValueError` if a mapping by engine, the header entry `name`, is not as bodycheck writes it."""
     _check_size(name, told)
     for engine, value in told.items():
         _engine(name, engine)

@@ -1,6 +1,6 @@
-"""A results folder as a submission and as a zip file for others, without what is personal.
+"""Conversion of a results folder to a submission and a zip file for others, without personal data.
 
-Tables of robot models are condensed: most of their rows say that two numbers agree, and would only be counted.
+Tables of robot models are condensed, because the site only counts their many rows in which two numbers agree.
 """
 
 import csv
@@ -25,16 +25,16 @@ from bodycheck.site.submissions.personal import Cleaning
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.submissions.texts import shown
 
-#: Most bytes of a table, and of the file beside it.
+#: The most bytes of a table, and of the file beside it.
 MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
 
 #: Tables of studies that the site has no pages for.
 UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv")
 
-#: Columns whose texts are names of parts of models, which may look like paths.
+#: Columns of names of models and their parts, which may look like paths.
 PARTS = ("subject", "model")
 
-#: The columns by which rows are about the same.
+#: The columns of parity.csv whose values are equal in rows about the same quantity.
 SAME = ("model", "engine", "version", "quantity")
 
 
@@ -47,9 +47,9 @@ class Packed:
     content
         The bytes of the zip file.
     submission
-        The submission, as the site reads it from them.
+        The submission, as the site reads it from the zip file.
     removed
-        How many things of each kind were removed because they may be personal, by words for the kind.
+        The number of items of each kind that were removed because they may be personal, by the name of the kind.
     """
 
     content: bytes
@@ -58,7 +58,7 @@ class Packed:
 
 
 def packed(folder: Path) -> Packed:
-    """Return a results folder as a submission. Raises `BadInput` if the folder is not as bodycheck writes it."""
+    """Return a results folder as a packed submission. Raises `BadInput` if the folder is not as bodycheck writes it."""
     cleaning = personal.Cleaning(personal.own_names())
     try:
         content = archive.zipped(contents(folder, cleaning))
@@ -71,7 +71,7 @@ def packed(folder: Path) -> Packed:
 
 
 def told(submission: Packed) -> Iterator[str]:
-    """Yield what a submission has, and what was removed, as lines."""
+    """Yield lines of text that list the content of a submission and the removed items."""
     source = submission.submission
     for name, rows in source.tables.items():
         yield f"{name}: {count(len(rows), 'row')} ({tables.TABLES[name].title})"
@@ -85,19 +85,19 @@ def told(submission: Packed) -> Iterator[str]:
 
 
 def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
-    """Return what a submission of a results folder contains.
+    """Return the contents of a submission from a results folder.
 
     Parameters
     ----------
     folder
         A folder that `--out` of a command wrote.
     cleaning
-        What removes personal parts of texts; by default one that knows no names.
+        The `Cleaning` that removes personal data from texts; by default a `Cleaning` without names.
 
     Raises
     ------
     BadInput
-        The folder has no table of bodycheck, or a damaged one.
+        The folder has no table that the site knows, contains a symbolic link, or is damaged.
     """
     clean = cleaning or Cleaning()
     names = [name for name in tables.TABLES if (folder / name).is_file()]
@@ -121,7 +121,7 @@ def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
 
 
 def _content(path: Path, most: int) -> bytes:
-    """Return the content of a file. Raises `BadInput` if it cannot be read, is too large or no regular file."""
+    """Return the content of a file. most: the most bytes. Raises `BadInput` if it is too large or cannot be read."""
     try:
         return reading.content(path, most)
     except FileNotFoundError:
@@ -131,14 +131,14 @@ def _content(path: Path, most: int) -> bytes:
 
 
 def _nothing(folder: Path) -> str:
-    """Return why a folder without any of the tables makes no submission."""
+    """Return why a folder that has none of the tables cannot be a submission."""
     if other := next((name for name in UNKNOWN if (folder / name).is_file()), None):
         return f"has {other}, which the site has no pages for; allowed: {', '.join(tables.TABLES)}"
     return f"has none of the tables {', '.join(tables.TABLES)}; `bodycheck run --out DIR` and studies write them"
 
 
 def _table(path: Path, clean: Cleaning) -> bytes:
-    """Return a table whose texts have nothing personal, and nothing that a submission must not have."""
+    """Return the content of a table without personal data and without characters that a submission must not have."""
     content = _content(path, MOST_BYTES)
     try:
         rows = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
@@ -170,7 +170,7 @@ def _written(rows: Iterable[list[str]]) -> bytes:
 
 
 def _cleaned(value: Any, clean: Cleaning) -> Any:
-    """Return a value of JSON whose texts have nothing personal."""
+    """Return a JSON value with all personal data removed from its texts."""
     if isinstance(value, dict):
         return {shown(clean.text(key)): _cleaned(one, clean) for key, one in value.items()}
     if isinstance(value, list):
@@ -179,7 +179,7 @@ def _cleaned(value: Any, clean: Cleaning) -> Any:
 
 
 def _note(paths: list[Path]) -> Mapping[str, Any]:
-    """Return where the numbers of the tables of a folder come from, which is the same for all."""
+    """Return the origin of the numbers in tables. Raises `BadInput` unless it is the same for all of them."""
     notes = [_note_of(path) for path in paths]
     for path, note in zip(paths, notes, strict=True):
         if note != notes[0]:
@@ -188,7 +188,7 @@ def _note(paths: list[Path]) -> Mapping[str, Any]:
 
 
 def _note_of(table: Path) -> Mapping[str, Any]:
-    """Return where the numbers of a table come from."""
+    """Return the origin of the numbers in a table, from the file beside it."""
     beside = table.with_name(table.name + BESIDE)
     try:
         (note, *more) = json.loads(_content(beside, MOST_BESIDE))["notes"]
@@ -202,7 +202,7 @@ def _note_of(table: Path) -> Mapping[str, Any]:
 
 
 def _cases(folder: Path, note: Mapping[str, Any], clean: Cleaning) -> dict[str, str]:
-    """Return the texts of the cases of a folder by name: those stored in it, or those that come with bodycheck."""
+    """Return the texts of the cases of a folder by name: as stored in the folder, or else as they come with bodycheck."""
     stored = _stored(folder)
     found: dict[str, str] = {}
     for key, digest_of in (("cases_sha256", _digest), ("cases_physics_sha256", case_texts.physics)):
@@ -221,7 +221,7 @@ def _cases(folder: Path, note: Mapping[str, Any], clean: Cleaning) -> dict[str, 
 
 
 def _stored(folder: Path) -> dict[str, str]:
-    """Return the texts of the cases that a folder has by name: those in its journal, and the case file of an ensemble."""
+    """Return the texts of the cases in a folder by name: from its journal, or from case files if there is no journal."""
     path = folder / store.RECORDS
     if path.is_file():
         return {str(case["name"]): str(case["text"]) for case in journal.header(path).get("cases", ())}
@@ -234,7 +234,10 @@ def _digest(name: str, text: str) -> str:
 
 
 def _without_personal(name: str, text: str, clean: Cleaning) -> str:
-    """Return the text of a case that does not come with bodycheck without personal parts, which are no part of its physics."""
+    """Return the text of a case that does not come with bodycheck, without personal data.
+
+    Raises `BadInput` if the removal changes the physics of the case.
+    """
     lines = [clean.text(line) for line in text.split("\n")]
     cleaned = "\n".join(lines)
     if cleaned != text and case_texts.physics(name, cleaned) != case_texts.physics(name, text):
@@ -244,11 +247,11 @@ def _without_personal(name: str, text: str, clean: Cleaning) -> str:
 
 
 def condensed(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
-    """Return the rows of parity.csv, with its head as the first, without most of those that agree.
+    """Return the rows of parity.csv without most rows in which the engine agrees with the file. rows: the head is the first.
 
-    Of the bodies or joints of a robot of which an engine has the same as the file, the one with the largest relative difference
-    stays for each quantity. All rows of what differs, is refused or is not modelled stay, in their order. A table that lacks
-    columns, or with a row that is no row, is returned as it is.
+    Of the rows with the status "agrees" about one quantity of one robot in one engine, only the row with the largest relative
+    difference is kept. All other rows are kept, in their order. If the table lacks columns, or a row has another length than
+    the head, all rows are returned.
     """
     head = list(rows[0]) if rows else []
     if not {*SAME, "status", "relative"} <= set(head) or any(len(row) != len(head) for row in rows):
@@ -265,7 +268,7 @@ def condensed(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
 
 
 def _size(text: str) -> float:
-    """Return a number, or less than any where a text is none, as of what is compared as words."""
+    """Return the number in a text, or -1 if the text is not a number, as for quantities that are compared as words."""
     try:
         return float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What may be personal in results, and its removal: paths, e-mail addresses, and the names of a machine and its user."""
+"""The removal of personal data from results: paths, e-mail addresses, and the names of a machine and its user."""
 
 import getpass
 import re
@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-#: An e-mail address. What follows the @ of an engine's name is a version, which begins with a digit.
+#: An e-mail address. ENGINE@VERSION does not match, because a version begins with a digit.
 MAIL = re.compile(r"[\w.+-]{1,64}@(?=[A-Za-z])[\w-]{1,63}(?:\.[\w-]{1,63}){0,5}?\.[A-Za-z]{2,24}(?![\w@])")
 
 #: A home folder, with the name of its owner.
@@ -18,31 +18,31 @@ HOME = re.compile(
     r"|(?<![\w./\\])~[\w.-]{1,64}(?=[/\\])"
 )
 
-#: A path from a root up to its last part. A scheme and a unit such as m/s are no paths.
+#: The folders of an absolute path, without its last part. The scheme of a URL and units such as m/s do not match.
 PATH = re.compile(r"(?<![\w.:/])(?:file:/{1,3}|[A-Za-z]:[/\\]{1,2}|[/\\]{1,2}|~[/\\])(?:[^\s/\\:;,'\"<>|]{1,255}[/\\]{1,2})+")
 
-#: What stands for an address and for a name.
+#: The replacements of an e-mail address and of a name.
 NO_MAIL, NO_NAME = "(e-mail address)", "(name)"
 
-#: Names of users and machines that say nothing of anyone.
+#: Names of users and machines that are not personal.
 COMMON = frozenset({"root", "user", "admin", "runner", "ubuntu", "debian", "guest", "home", "localhost", "build", "nobody"})
 
-#: Options of commands whose value is a path or concerns the machine alone.
+#: Options of commands whose value is a path or concerns only the machine.
 LEFT_OUT = ("--out", "--junit", "--save", "--jobs", "--package-path")
 
 
 class Cleaning:
-    """The removal of what is personal, which counts what it removes.
+    """The removal of personal data, with a count of the removed items.
 
     Parameters
     ----------
     names
-        Names of the machine and its user, which are removed from texts as well.
+        The names of the machine and its user, which are also removed from texts.
 
     Attributes
     ----------
     removed
-        How many things of each kind were removed, by words for the kind.
+        The number of removed items of each kind, by the name of the kind.
     """
 
     def __init__(self, names: Collection[str] = ()) -> None:
@@ -51,9 +51,9 @@ class Cleaning:
         self._names = re.compile(rf"(?<![\w-])(?:{listed})(?![\w-])", re.IGNORECASE) if listed else None
 
     def text(self, value: str) -> str:
-        """Return a text without paths up to their last parts, e-mail addresses, and the names."""
+        """Return a text without the folders of paths, e-mail addresses, and the names."""
         before, cleaned = "", value
-        while before != cleaned:  # what is removed may join parts of another one; each removal leaves fewer separators
+        while before != cleaned:  # a removal may join parts of another path or address; each leaves fewer separators
             before = cleaned
             if "@" in cleaned:
                 cleaned = self._without(MAIL, NO_MAIL, "e-mail addresses", cleaned)
@@ -64,7 +64,7 @@ class Cleaning:
         return cleaned
 
     def command(self, words: Sequence[str]) -> list[str]:
-        """Return the words of a command without paths up to their last parts, and without options of the machine alone."""
+        """Return the words of a command without the folders of paths, and without the options `LEFT_OUT`."""
         kept: list[str] = []
         left = iter(words[1:])
         for word in left:
@@ -87,7 +87,7 @@ class Cleaning:
 
 
 def first(value: str) -> str | None:
-    """Return what is personal in a text without doubt, in words and with the part itself; None if nothing is."""
+    """Return a description of the first e-mail address in a text, or else of the first home folder; None if it has neither."""
     for pattern, kind in ((MAIL, "an e-mail address"), (HOME, "the path of a home folder")):
         found = pattern.search(value) if "@" in value or "/" in value or "\\" in value else None
         if found is not None:
@@ -96,7 +96,7 @@ def first(value: str) -> str | None:
 
 
 def own_names() -> tuple[str, ...]:
-    """Return the names of this machine and of its user that say something of them."""
+    """Return the names of this machine and of its user, without short and common names."""
     host = socket.gethostname()
     found = {host, host.partition(".")[0], Path.home().name}
     with suppress(OSError, KeyError):  # a user without a name, as in some containers
@@ -105,5 +105,5 @@ def own_names() -> tuple[str, ...]:
 
 
 def _last(word: str) -> str:
-    """Return the last part of what may be a path."""
+    """Return the last part of a path, or a word that is no path as it is."""
     return re.split(r"[/\\]", word.rstrip("/\\"))[-1]

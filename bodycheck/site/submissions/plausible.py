@@ -1,4 +1,4 @@
-"""Whether the rows of a table can be what bodycheck measured: known words, sizes in their bounds, each run once."""
+"""Checks that bodycheck can have measured the rows of a table: known words, numbers within bounds, and each run once."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,42 +14,42 @@ from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.releases.rows import UNOBTAINABLE
 
-#: The words for how a run ends, by table.
+#: The words for the status of a run, by table.
 STATUSES: dict[str, frozenset[str]] = {
     **dict.fromkeys(("results.csv", "tradeoff.csv", "contact.csv"), frozenset(ENDS)),
     "releases.csv": frozenset((*ENDS, UNOBTAINABLE)),
 }
 
-#: The largest size of a number: no engine computes with larger ones before a run counts as diverged.
+#: The largest absolute value of a number. Before numbers become larger, a run counts as diverged.
 LARGEST = 1e200
 
-#: How far a figure may be above the largest value that it can have, because of rounding.
+#: The factor by which rounding may raise a figure above its largest possible value.
 ROUNDING = 1 + 1e-9
 
-#: The tables with a row for each run, and the columns of what was measured in it.
+#: The tables with a row for each run, and their columns of measured figures and costs.
 RUNS = ("results.csv", "tradeoff.csv", "releases.csv")
 MEASURED = (*FIGURES, *(column.name for column in COST_COLUMNS))
 
-#: The figures that have a largest value, such as angles.
+#: The figures with a largest possible value, such as angles.
 LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)
 
-#: The tables whose rows are all of the versions that the header names.
+#: The tables whose rows all have the engine versions of the header.
 OF_ONE_VERSION = ("results.csv", "tradeoff.csv", "orders.csv", "attribution.csv", "contact.csv", "audit.csv", "ensemble.csv")
 
 
 def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Mapping[str, str]) -> None:
-    """Raise `BadInput` if the rows of a table cannot be what bodycheck measured; the text says which row, and why.
+    """Raise `BadInput` if bodycheck cannot have measured the rows of a table; the message says which row, and why.
 
     Parameters
     ----------
     name
         The file name of the table.
     rows
-        Its rows, whose entries are of their kinds.
+        The rows of the table, whose entries have the kinds of their columns.
     cases
-        The cases that the rows may be of, by name.
+        The cases that rows may name, by name.
     engines
-        The versions of the engines by name, as the header has them.
+        The versions of the engines by name, as given in the header.
     """
     known = {adapter_of(engine) for engine in engines} | ({"file"} if name == "parity.csv" else set())
     table = TABLES[name]
@@ -76,7 +76,7 @@ def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Ma
 
 
 def fault(name: str, line: int, column: str, read: Any, allowed: str) -> BadInput:
-    """Return the error of an entry: the file, the line, the column, what was read, and what is allowed."""
+    """Return the error for an entry; it gives the file, line and column, the value that was read, and the allowed values."""
     shown = repr(read)
     return BadInput(f"{name}:{line}: {column}: read {shown if len(shown) <= 80 else shown[:79] + '…'}; allowed: {allowed}")
 
@@ -113,7 +113,7 @@ def _check_run(name: str, line: int, row: Row, case: Case) -> None:
 
 
 def _check_once(name: str, rows: Iterable[Row], columns: Sequence[str]) -> None:
-    """Raise `BadInput` if two rows are of the same run. columns: those that identify a run."""
+    """Raise `BadInput` if two rows are about the same run. columns: the columns that identify a run."""
     lines: dict[tuple[Any, ...], int] = {}
     for line, row in enumerate(rows, start=2):
         key = tuple(row.get(column) for column in columns)

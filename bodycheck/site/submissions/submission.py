@@ -1,4 +1,4 @@
-"""A submission: the tables of a results folder with all that says where their numbers come from."""
+"""A submission: the tables of a results folder, with the origin of their numbers."""
 
 import re
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from bodycheck.site.submissions.tracks import NO_TRACKS, Tracks
 #: A row of a table: its values by column. None stands for an empty entry.
 Row = Mapping[str, Any]
 
-#: What differs between the systems of machines that are the same for a reader: build numbers, patches.
+#: Matches the name of a system. Its groups are the system and the architecture, without build numbers and patches.
 SYSTEM = re.compile(r"^([A-Za-z]+)-.*?((?:x86_64|aarch64|arm64|AMD64)?)(?:-.*)?$")
 
 
@@ -23,15 +23,15 @@ class Submission:
     Parameters
     ----------
     key
-        The first characters of the SHA-256 of all that it contains. It names the submission in addresses.
+        The first characters of the SHA-256 of the whole content. Addresses identify the submission by its key.
     header
         Versions, machine, command and start. The command has no paths.
     tables
-        The rows of each table, by its file name such as "results.csv". The row with index k stands in line k + 2 of the file.
+        The rows of each table, by its file name such as "results.csv". The row with index k is in line k + 2 of the file.
     cases
         The text of each case file, by the name of the case.
     tracks
-        How truths were found, and motions of truths and of the engines' own methods.
+        How truths were computed, and the motions of truths and of the methods that engines themselves choose.
     """
 
     key: str
@@ -47,7 +47,7 @@ class Submission:
 
     @cached_property
     def machine(self) -> str:
-        """Return the machine in a few words: processor, cores and system."""
+        """Return the processor, the number of cores and the system of the machine, as far as they are known."""
         told = self.header.machine
         system = SYSTEM.sub(r"\1 \2", told.get("system", "")).strip()
         parts = (told.get("processor", ""), f"{told['cores']} cores" if "cores" in told else "", system)
@@ -55,13 +55,13 @@ class Submission:
 
     @property
     def command(self) -> str:
-        """Return the command."""
+        """Return the command as one line."""
         return " ".join(self.header.command)
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A path of which the site shows nothing, and why, as one sentence."""
+    """A path that the site leaves out: its name, and the reason as one sentence."""
 
     name: str
     reason: str

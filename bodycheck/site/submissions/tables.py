@@ -1,4 +1,4 @@
-"""The tables that a submission may have: their columns, and what may stand in each.
+"""The tables that a submission may have: their columns, and the entries that each column may have.
 
 Submissions come from strangers. A table has the columns that bodycheck writes and no others, names are names, numbers are
 finite, and texts can be printed and load nothing.
@@ -33,16 +33,16 @@ from bodycheck.studies.parity.rows import READINGS
 from bodycheck.studies.releases.rows import CHANGES, RELEASES
 from bodycheck.studies.tradeoff.rows import RUNS
 
-#: What may stand in a column. A "case" is the name of one, a "method" the spelling of an integrator with its options.
+#: The kinds of entries in a column. "case": the name of a case. "method": an integrator with its options as text.
 Kind = Literal["case", "engine", "version", "method", "text", "number", "integer", "boolean", "number or text"]
 
-#: Most rows of a table. That of robot models has a row for each part of each model in each engine.
+#: The most rows of a table. The table of robot models has a row for each part of each model in each engine.
 MOST_ROWS, MOST_ROWS_OF = 30_000, {"parity.csv": 200_000}
 
-#: Most bytes of a line, and most characters of the spelling of a method.
+#: The most bytes of a line, and the most characters of a method.
 LONGEST_LINE, LONGEST_METHOD = 100_000, 300
 
-#: How many entries of each kind are remembered with their values, as tables have the same ones in many rows.
+#: How many parsed entries of each kind are cached, since tables repeat the same entries in many rows.
 CACHED = 4096
 
 #: A decimal number as Python writes it.
@@ -69,12 +69,12 @@ TABLES: dict[str, Table[Any]] = {
     table.file: table for table in (RESULTS, PARTS, RUNS, ORDERS, RELEASES, CHANGES, SHEET, READINGS, AUDIT, ENSEMBLE)
 }
 
-#: What every table of runs must have. Any other table must have all its columns.
+#: The columns that every table of runs must have. Any other table must have all its columns, except its `later` columns.
 RUN = ("case", "engine", "version", "integrator", "timestep", "status")
 
 
 def kind(column: Column) -> Kind:
-    """Return what may stand in a column."""
+    """Return the kind of entries in a column."""
     plain: dict[ColumnKind, Kind] = {"string": "text", "number": "number", "integer": "integer", "boolean": "boolean"}
     return NAMED.get(column.name) or plain[column.kind]
 
@@ -85,14 +85,14 @@ def read(name: str, content: bytes) -> tuple[Row, ...]:
     Parameters
     ----------
     name
-        The name of its file, one of `TABLES`.
+        The file name of the table, a key of `TABLES`.
     content
         The content of the file.
 
     Raises
     ------
     BadInput
-        The table is not as bodycheck writes it; the text says where and why.
+        The table is not as bodycheck writes it; the message says where and why.
     """
     if max(map(len, content.split(b"\n"))) > LONGEST_LINE:
         raise BadInput(f"{name}: has a line of more than {LONGEST_LINE} bytes, which is the most that is allowed")
@@ -121,12 +121,12 @@ def read(name: str, content: bytes) -> tuple[Row, ...]:
 
 
 def plain(entry: str) -> str:
-    """Return the text of an entry, which may have an apostrophe before it so that no spreadsheet takes it for a formula."""
+    """Return an entry without the apostrophe that keeps spreadsheets from reading it as a formula, if it has one."""
     return entry[1:] if entry[0] == "'" and entry[1:].lstrip("'").startswith(FORMULA) else entry
 
 
 def _check_columns(name: str, columns: list[str]) -> None:
-    """Raise `BadInput` unless a table has the columns that it must have, and no others than it may have."""
+    """Raise `BadInput` if a table lacks a required column, has an unknown column, or has a column twice."""
     table = TABLES[name]
     if not columns:
         raise BadInput(f"{name}: is empty")
@@ -154,7 +154,7 @@ def _case(entry: str) -> str:
 
 @lru_cache(maxsize=CACHED)
 def engine(entry: str) -> str:
-    """Return the name of an engine, maybe with a version. Raises `ValueError` or `BadInput` for any other text."""
+    """Return the name of an engine, which may have a version. Raises `ValueError` or `BadInput` for any other text."""
     if len(entry) > 60 or not re.fullmatch(r"[a-z0-9_]+(@[0-9A-Za-z.!+]+)?", entry):
         raise ValueError("is not the name of an engine: small letters, digits and _, maybe with @VERSION")
     if entry != "file":
@@ -209,7 +209,7 @@ def _number_or_text(entry: str) -> float | str:
         return _text(entry)
 
 
-#: How entries are read.
+#: The functions that parse the entries of each kind.
 PARSERS: dict[Kind, Callable[[str], Any]] = {
     "case": _case,
     "engine": engine,

@@ -1,34 +1,34 @@
-"""What a text from a stranger may have, so that it can stand on a page without changing what stands around it."""
+"""Rules for texts from strangers, so that they can be shown on a page without effect on the rest of the page."""
 
 import re
 import unicodedata
 
 from bodycheck.site.submissions import personal
 
-#: Most characters of a text.
+#: The most characters of a text.
 LONGEST = 4000
 
-#: What a text must not have, since a browser would load or run it. Pages escape texts; this is the second wall. Each part has
-#: bounded length, so that the time is linear in that of the text.
+#: Markup that a text must not contain, since a browser would load or run it. Pages also escape all texts. Each part of the
+#: pattern has a bounded length, so the time of a search is linear in the length of the text.
 LOADING = re.compile(
     r"<[\s/]{0,9}(?:script|img|iframe|object|embed|style|svg|math|form|input|video|audio|meta\s+http)\b"
     r"|<[^<>]{0,300}\bon[a-z]{3,30}\s{0,9}=|javascript\s{0,9}:",
     re.IGNORECASE,
 )
 
-#: Classes of characters that change the direction of the text around them, and categories of those that are drawn over others.
+#: Bidirectional classes of characters that change the direction of text, and categories of characters drawn over others.
 TURNING = frozenset({"R", "AL", "AN", "RLE", "LRE", "RLO", "LRO", "PDF", "RLI", "LRI", "FSI", "PDI"})
 OVER = frozenset({"Mn", "Me", "Mc"})
 
 
 def text(value: str, longest: int = LONGEST) -> str:
-    """Return a text if it may stand on a page.
+    """Return a text unchanged if it may be shown on a page.
 
     Raises
     ------
     ValueError
-        It is too long, has characters that cannot be printed or change those around them, markup that a browser would load or
-        run, or something personal: a path, or an e-mail address.
+        The text is too long, or contains characters that cannot be printed or that affect the text around them, markup that a
+        browser would load or run, the path of a home folder, or an e-mail address.
     """
     if len(value) > longest:
         raise ValueError(f"has {len(value)} characters; at most {longest} are allowed")
@@ -44,7 +44,7 @@ def text(value: str, longest: int = LONGEST) -> str:
 
 
 def shown(value: str, longest: int = LONGEST) -> str:
-    """Return a text of one's own machine as `text` allows it: "?" stands for other characters, and what is too long is cut."""
+    """Return a text from this machine as `text` allows it: with "?" for characters that are not allowed, and cut to length."""
     allowed = "".join(letter if _allowed(letter) else " " if letter.isspace() else "?" for letter in value)
     return allowed if len(allowed) <= longest else f"{allowed[: longest - 1]}…"
 

@@ -1,4 +1,4 @@
-"""The tracks of a results folder: its truths, and the motions of each engine with the method that it chooses itself."""
+"""The tracks of a results folder: how truths were computed, and the motions of engines with the methods they choose."""
 
 import contextlib
 import math
@@ -30,12 +30,15 @@ from bodycheck.site.submissions.own_methods import own_method
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.tracks import Motion, Tracks
 
-#: Most characters of the motions of a case: a chain of twenty bodies in eleven engines has half of it.
+#: The most characters of the motions of a case; a chain of twenty bodies in eleven engines needs half of them.
 MOST_CHARACTERS = 800_000
 
 
 def traced(folder: Path, rows: Sequence[Row]) -> Tracks:
-    """Return the tracks of a results folder. rows: the rows of its results.csv. Raises `BadFolder` if it is damaged."""
+    """Return the tracks of a results folder. rows: the rows of its results.csv.
+
+    Raises `BadFolder` if the folder is damaged or contains a symbolic link.
+    """
     motions_at = folder / TRAJECTORIES
     if motions_at.is_symlink():
         raise BadFolder(f"{motions_at}: is a symbolic link; a results folder must not contain any, remove it")
@@ -68,7 +71,7 @@ def _motions(results: Results, case: Case, rows: Sequence[Row]) -> Iterator[Moti
 
 
 def _motion(results: Results, case: Case, exact: Trajectory, rows: Sequence[Row]) -> Motion | None:
-    """Return the motion of a truth and the motions of runs with one time step; None if no motion of a run can be shown."""
+    """Return the motions of the truth and of runs with one time step; None if no run has a motion that can be shown."""
     by_label = {}
     for row in rows:
         if (shown := _shown(results, case, exact, row)) is not None:
@@ -90,13 +93,13 @@ def _motion(results: Results, case: Case, exact: Trajectory, rows: Sequence[Row]
         "momentum": played.data.get("momentum", 0.0),
         "frame": None if played.frame is None else asdict(played.frame),
     }
-    with contextlib.suppress(ValueError):  # lengths and rates that no picture can show
+    with contextlib.suppress(ValueError):  # some lengths or rates are too large for any picture
         return records.typed(Motion, made)
     return None
 
 
 def _shown(results: Results, case: Case, exact: Trajectory, row: Row) -> Shown | None:
-    """Return the motion of a run and of the truth at the instants of the run; None if they cannot be shown together."""
+    """Return the motions of a run and of the truth at the instants of the run; None if they cannot be shown together."""
     key = RunKey.of_row(row)
     run = results.run(key)
     if run is None or not isinstance(run.outcome, Completed):
@@ -116,7 +119,7 @@ def _named(row: Row) -> dict[str, Any]:
 
 
 def _parts(entry: Mapping[str, Any], several: bool) -> list[dict[str, Any]]:
-    """Return the parts of a motion from its entry in the data of the player."""
+    """Return the parts of a motion from its entry in the data of the player. several: whether the entry lists bodies."""
     if several:
         return list(entry.get("parts", ()))
     return [{name: entry[name] for name in ("turning", "course") if name in entry}]

@@ -1,7 +1,7 @@
-"""What a submission says of motions: how each truth was found, and how its bodies and those of the engines move.
+"""The tracks of a submission: how each truth was computed, and the motions of bodies in the truth and in engines.
 
-Engines move with the method that each chooses itself. Motions are stored as the player of reports reads them: at few instants,
-in 16 bits. They stand in a file of JSON, which is bounded by its size before it is read, as no compressed table is.
+The motion of an engine is from the method that it chooses itself. Motions are stored as the player of reports reads them: at
+few instants, with 16 bits per number. They are in a JSON file, whose size is checked before it is read.
 """
 
 import json
@@ -27,22 +27,22 @@ from bodycheck.site.submissions.texts import text
 #: The version of the format.
 FORMAT = 1
 
-#: Most bytes of the file, and most motions.
+#: The most bytes of the file, and the most motions in it.
 MOST_BYTES, MOST_MOTIONS = 1 << 24, 2000
 
-#: The largest length, time and rate.
+#: The largest absolute value of a length, time or rate.
 LARGEST = 1e15
 
-#: The largest last instant of a track as a share of that of the motion: rounding.
+#: The largest ratio of the last instant of a track to the last instant of the motion; above 1 because of rounding.
 LATEST = 1 + 1e-6
 
-#: Bytes of an instant, and of three numbers of 16 bits.
+#: The bytes of an instant, and of three numbers of 16 bits.
 INSTANT, TRIPLE = 8, 6
 
-#: The columns of results.csv that name a run.
+#: The columns of results.csv that identify a run.
 RUN = ("case", "engine", "version", "integrator", "timestep")
 
-#: What a record of a truth says in words.
+#: The entries of the record of a truth that are texts.
 TEXTS = ("reason", "why", "model", "backend")
 
 Text = Annotated[str, Field(strict=True, max_length=16 * MOST_INSTANTS)]
@@ -53,7 +53,7 @@ Place = Annotated[Finite, Field(ge=-LARGEST, le=LARGEST)]
 
 @dataclass(frozen=True)
 class Turning:
-    """How a body turns; see `bodycheck.reports.runs.motions.tracks.Turning.encoded`."""
+    """The rotation of a body; see `bodycheck.reports.runs.motions.tracks.Turning.encoded`."""
 
     t: Text
     turn: Text
@@ -63,7 +63,7 @@ class Turning:
 
 @dataclass(frozen=True)
 class Course:
-    """Where a body goes; see `bodycheck.reports.runs.motions.tracks.Course.encoded`."""
+    """The path of a body; see `bodycheck.reports.runs.motions.tracks.Course.encoded`."""
 
     t: Text
     place: Text
@@ -73,7 +73,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Part:
-    """How one body moves; None for what is as that of the truth, or what the player does not show."""
+    """The motion of one body; an entry is None if it equals that of the truth, or if the player does not show it."""
 
     turning: Turning | None = None
     course: Course | None = None
@@ -86,9 +86,9 @@ class RunMotion:
     Parameters
     ----------
     engine, version, integrator
-        The run, as results.csv has it; case and time step are those of its motion.
+        The run, as given in results.csv; the `Motion` that contains it gives the case and the time step.
     parts
-        How each body moves; none of several bodies where all move as those of the truth do.
+        The motion of each body; empty for a scene of several bodies if all bodies move as in the truth.
     """
 
     engine: str
@@ -99,7 +99,7 @@ class RunMotion:
 
 @dataclass(frozen=True)
 class FrameRecord:
-    """What pictures of several bodies show; see `bodycheck.reports.runs.motions.playback.Frame`."""
+    """The region that pictures of several bodies show; see `bodycheck.reports.runs.motions.playback.Frame`."""
 
     middle: tuple[Place, Place, Place]
     extent: Size
@@ -118,13 +118,13 @@ class Motion:
     end
         The last instant (s).
     truth
-        How each body of the truth moves.
+        The motion of each body in the truth.
     runs
-        The runs.
+        The motions of the runs.
     momentum
-        The largest angular momentum of a single body, in a unit of its own; 0 of several bodies.
+        The largest angular momentum of a single body, in an arbitrary unit; 0 for several bodies.
     frame
-        What the pictures show; None of a single body, whose pictures follow from the case.
+        The region that the pictures show; None for a single body, whose pictures follow from the case.
     """
 
     case: Name
@@ -137,18 +137,18 @@ class Motion:
 
     @property
     def shown(self) -> Frame | None:
-        """Return what the pictures show."""
+        """Return the region that the pictures show; None for a single body."""
         return None if self.frame is None else Frame(**asdict(self.frame))
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """All that a submission says of motions.
+    """The truths and the motions of a submission.
 
     Parameters
     ----------
     truths
-        How the truth of each case was found, as the record of a journal says it, or why there is none; by case.
+        The record of the truth of each case by case: how it was computed, or the reason why there is no truth.
     motions
         The motions.
     """
@@ -157,7 +157,7 @@ class Tracks:
     motions: Sequence[Motion] = ()
 
     def renamed(self, names: Mapping[str, str]) -> "Tracks":
-        """Return them with other names of cases."""
+        """Return the tracks with renamed cases. names: the new names by the old ones; other cases keep their names."""
         truths = {names.get(case, case): record for case, record in self.truths.items()}
         return Tracks(truths, [replace(one, case=names.get(one.case, one.case)) for one in self.motions])
 
@@ -167,13 +167,13 @@ NO_TRACKS = Tracks()
 
 
 def written(tracks: Tracks) -> bytes:
-    """Return the content of the file; see `read`."""
+    """Return the content of the file of tracks; see `read`."""
     told = {"format": FORMAT, "truths": list(tracks.truths.values()), "motions": [_bare(asdict(one)) for one in tracks.motions]}
     return (json.dumps(told, separators=(",", ":"), sort_keys=True, ensure_ascii=True, allow_nan=False) + "\n").encode()
 
 
 def read(content: bytes, cases: Mapping[str, Case], runs: Collection[tuple[Any, ...]]) -> Tracks:
-    """Return what a submission says of motions.
+    """Return the tracks of a submission from the content of its file.
 
     Parameters
     ----------
@@ -182,12 +182,12 @@ def read(content: bytes, cases: Mapping[str, Case], runs: Collection[tuple[Any, 
     cases
         The cases of the submission by name.
     runs
-        The columns `RUN` of each completed run in its results.csv.
+        The entries in the columns `RUN` for each completed run in the results.csv of the submission.
 
     Raises
     ------
     BadInput
-        The file is not as bodycheck writes it, or tells of cases or runs that the submission does not have.
+        The file is not as bodycheck writes it, or contains cases or runs that the submission does not have.
     """
     if len(content) > MOST_BYTES:
         raise BadInput(f"tracks: are larger than {MOST_BYTES} bytes, which is the most that is allowed")
@@ -210,9 +210,10 @@ def read(content: bytes, cases: Mapping[str, Case], runs: Collection[tuple[Any, 
 
 
 def arrays(part: Turning | Course) -> tuple[Any, ...]:
-    """Return the instants (k,), s, of a part, and its columns of three shares (k, 3) in 16 bits.
+    """Return the instants (k,), in s, of a rotation or path, and its arrays (k, 3) of 16-bit integers.
 
-    Raises `ValueError` if they are not so.
+    A rotation (`Turning`) has the arrays `turn` and `rate`, and a path (`Course`) has the array `place`. Raises `ValueError` if
+    the data do not have this form.
     """
     names = ("turn", "rate") if isinstance(part, Turning) else ("place",)
     instants = b64decode(part.t, validate=True)
@@ -231,14 +232,14 @@ def arrays(part: Turning | Course) -> tuple[Any, ...]:
 
 
 def _bare(value: Any) -> Any:
-    """Return a value of JSON without what is None."""
+    """Return a JSON value without the entries of objects that are None."""
     if isinstance(value, dict):
         return {name: _bare(one) for name, one in value.items() if one is not None}
     return [_bare(one) for one in value] if isinstance(value, list | tuple) else value
 
 
 def _truth(record: dict[str, Any]) -> Mapping[str, Any]:
-    """Return the record of a truth without what is not read of it. Raises `ValueError` if it is none."""
+    """Return the known entries of the record of a truth. Raises `ValueError` if the record is invalid."""
     kind = records.NoTruthRecord if "reason" in record else records.TruthRecord
     records.typed(kind, record)
     known = {name: record[name] for name in kind.__dataclass_fields__ if name in record}
@@ -248,7 +249,7 @@ def _truth(record: dict[str, Any]) -> Mapping[str, Any]:
 
 
 def _check_runs(motions: Sequence[Motion], runs: Collection[tuple[Any, ...]]) -> None:
-    """Raise `ValueError` if a motion is that of no run, or if there are two of a case or a run."""
+    """Raise `ValueError` if a motion is of an unknown run, or if a run or a case with its time step occurs twice."""
     known = set(runs)
     told = [(one.case, run.engine, run.version, run.integrator, one.timestep) for one in motions for run in one.runs]
     if other := [key for key in told if key not in known]:
@@ -258,7 +259,7 @@ def _check_runs(motions: Sequence[Motion], runs: Collection[tuple[Any, ...]]) ->
 
 
 def _check(motion: Motion, case: Case) -> None:
-    """Raise `ValueError` unless a motion has what the player reads of the case."""
+    """Raise `ValueError` unless a motion has all data that the player needs for the case."""
     scene = case.scene
     several = isinstance(scene, Mechanism) or touches(scene)
     if several != (motion.frame is not None):
@@ -273,7 +274,10 @@ def _check(motion: Motion, case: Case) -> None:
 
 
 def _check_parts(motion: Motion, parts: Sequence[Part], bodies: int, *, turns: bool, goes: bool) -> None:
-    """Raise `ValueError` unless there are so many bodies, each with what it must have: a turning, a course."""
+    """Raise `ValueError` unless there is a part for each of the bodies, with the rotation and path that it must have.
+
+    turns, goes: whether each part must have a rotation and a path.
+    """
     if len(parts) != bodies:
         raise ValueError(f"have {len(parts)} bodies of {motion.case}, which has {bodies}")
     for part in parts:

@@ -1,4 +1,4 @@
-// Shows two results of an engine, run by run. Which runs differ is in data/changes/ENGINE.js, and is not decided here.
+// Shows two results of an engine, run by run. The script reads from data/changes/ENGINE.js which runs differ.
 "use strict";
 (() => {
   const form = document.getElementById("choice");
@@ -7,7 +7,7 @@
   const marks = site.json("marks");
   const { engine, left, right, all } = form.elements;
 
-  // The results of an engine that can be compared, the newest first: a submission, a version and a table.
+  // Returns the results of an engine that can be compared, the newest first; each is a submission, a version and a table.
   const sides = (name) =>
     site.index.submissions
       .flatMap((source) =>
@@ -41,7 +41,7 @@
     return rows;
   };
 
-  /** The function from two runs to what differs between them: nothing, the status, or the quantity of the scene. */
+  /** Resolves to a function from two runs to the column that differs: "status" or a quantity, or "" if neither differs. */
   const differences = async (one, other) => {
     const { results, pairs } = await site.changes(one.engine);
     const [before, after] = [one, other].map((side) =>
@@ -50,7 +50,7 @@
     if (before < 0 || after < 0) throw new Error("of a submission with very many versions, only some are compared");
     const listed = (first, second) => pairs.find((pair) => pair.before === first && pair.after === second)?.differences;
     const forwards = listed(before, after);
-    // The runs are listed by their places in the table of the older results of the two.
+    // Runs are listed by their indices in the table of the older results.
     const known = Object.entries(forwards ?? listed(after, before) ?? {});
     const what = new Map(known.flatMap(([quantity, places]) => places.map((place) => [place, quantity])));
     return (then, now) => what.get((forwards ? then : now).place) ?? "";

@@ -1,4 +1,4 @@
-// Filters of the front page, whose state is in the address, and keys that lead from cell to cell.
+// The filters of the front page, whose state is kept in the address, and moving from cell to cell with keys.
 "use strict";
 (() => {
   const form = document.getElementById("filters");
@@ -11,10 +11,10 @@
     [...body.rows].slice(1).map((row) => ({ row, body, head: row.cells[0], cells: [...row.cells].slice(1) })),
   );
   const best = site.json("best");
-  let own = null; // the cells of the engines' own methods, kept when others are first shown
+  let own = null; // the cells of the engines' own methods, stored when the best methods are first shown
   let method = "";
 
-  // The state: what is chosen, by name. Nothing stands for everything.
+  // Returns the state: the choices of the reader by name. An empty choice means everything.
   const read = () => {
     const state = site.state();
     const list = (name) => new Set((state.get(name) ?? "").split(",").filter(Boolean));
@@ -50,7 +50,7 @@
       for (const box of form.querySelectorAll(`[name=${name}]`)) box.checked = state[name].has(box.value);
   };
 
-  // What stands in a cell: text, verdict in words, sign of a change, classes, explanation, address.
+  // The content of a cell: text, verdict in words, sign of a change, classes, explanation, address.
   const fields = (cell) => {
     const link = cell.firstElementChild;
     const word = link.querySelector(".unseen")?.textContent.trim() ?? "";
@@ -112,7 +112,7 @@
     if (!usable(current)) enter(lines.find((line) => !line.row.hidden)?.head ?? null);
   };
 
-  // One stop of the Tab key for the whole matrix: the current cell. Arrow keys move it.
+  // The whole matrix is one stop of the Tab key, at the current cell. Arrow keys move the current cell.
   let current = null;
   const target = (cell) => cell.querySelector("a") ?? cell;
   const usable = (cell) => cell !== null && !cell.hidden && !cell.parentElement.hidden && !cell.parentElement.parentElement.hidden;
@@ -154,7 +154,7 @@
     );
   };
 
-  // On a narrow screen the matrix comes before what is seldom chosen.
+  // On a narrow screen, filters that are seldom used are folded, so that the matrix comes first.
   const narrow = matchMedia("(max-width: 40rem)");
   const more = document.getElementById("more");
   const fold = () => (more.open = !narrow.matches || read().verdicts.size + read().engines.size > 0);
@@ -164,7 +164,7 @@
   table.setAttribute("role", "grid");
   table.setAttribute("aria-readonly", "true");
   for (const link of table.querySelectorAll("a")) link.tabIndex = -1;
-  table.closest(".scroll").removeAttribute("tabindex"); // the cell that can be focused makes the region reachable by keys
+  table.closest(".scroll").removeAttribute("tabindex"); // not needed, since a cell in the region can be focused
   table.addEventListener("keydown", (event) => {
     const cell = event.target.closest("th, td");
     if (!cell || event.altKey || event.metaKey) return;

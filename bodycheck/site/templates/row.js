@@ -1,4 +1,4 @@
-// Shows the row that the address names as #KEY/TABLE/PLACE.
+// Shows the row that the address gives as #KEY/TABLE/PLACE.
 "use strict";
 (() => {
   const told = document.getElementById("told");
@@ -7,7 +7,7 @@
 
   const head = (id, text) => element("h2", { id }, text);
   const fact = (name, ...values) => [element("dt", {}, name), element("dd", {}, ...values)];
-  /** A value with all digits that identify it. Small and large numbers have an exponent. */
+  /** Returns a value as text with all significant digits. Small and large numbers have an exponent. */
   const shown = (value) => {
     if (typeof value === "boolean") return value ? "yes" : "no";
     const size = Math.abs(value);
@@ -76,7 +76,7 @@
     ];
   };
 
-  /** The columns that say what a row is about, beside the version: the same row elsewhere has the same values in them. */
+  /** The columns, apart from engine and version, that identify what a row is about. Rows to compare have equal values there. */
   const SUBJECTS = [
     ...["case", "scene", "model", "integrator", "timestep", "quantity", "subject", "figure", "setting", "property", "batch"],
     ...["from_version", "to_version"],

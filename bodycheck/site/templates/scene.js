@@ -1,4 +1,4 @@
-// The page of a scene: the player gets the motions when the reader asks for them, and texts can be copied.
+// The page of a scene: loads motions into the player when the reader requests them, and adds buttons that copy texts.
 "use strict";
 const start = document.getElementById("play");
 start?.addEventListener("click", async () => {

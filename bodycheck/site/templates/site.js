@@ -1,8 +1,8 @@
-// What all pages share. Pages without scripts show the same results; scripts add filters, comparisons and raw rows.
+// Functions that all pages share. Pages show the same results without scripts, which add filters, comparisons and raw rows.
 "use strict";
 document.documentElement.classList.add("scripts");
 
-// The link that skips to the content leaves the address as it is, since the address has the state of the page.
+// The link that skips to the content does not change the address, since the address has the state of the page.
 addEventListener("click", (event) => {
   if (!event.target.closest?.(".skip")) return;
   event.preventDefault();
@@ -10,13 +10,13 @@ addEventListener("click", (event) => {
 });
 
 const site = {
-  /** Data of submissions by key, which the files data/KEY.js add. */
+  /** The data of submissions by key, added by the files data/KEY.js. */
   data: {},
 
-  /** The list of submissions, engines, scenes and tables, which the file data/index.js sets. */
+  /** The lists of submissions, engines, scenes and tables, set by the file data/index.js. */
   index: null,
 
-  /** Loads a script of the site once. From disk a page may not fetch a file, but it may run one. Resolves when it has run. */
+  /** Loads a script once and resolves when it has run. A page opened from disk cannot fetch files, but can run scripts. */
   load(address) {
     site.loading[address] ??= new Promise((done, fail) => {
       const script = document.createElement("script");
@@ -36,14 +36,14 @@ const site = {
     return site.data[key];
   },
 
-  /** Resolves to which runs of two results of an engine differ, of all pairs of its results. */
+  /** Resolves to the differing runs of all pairs of results of an engine. */
   async changes(engine) {
     const { changes } = site.index.engines.find(({ name }) => name === engine);
     await site.load(`${changes}.js`);
     return site.differences[engine];
   },
 
-  /** Differences between results by engine, which the files data/changes/ENGINE.js add. */
+  /** The differences between results by engine, added by the files data/changes/ENGINE.js. */
   differences: {},
 
   /** Resolves to the case files of all submissions, by their SHA-256. */
@@ -52,17 +52,17 @@ const site = {
     return site.texts;
   },
 
-  /** The JSON of an element. */
+  /** Returns the value of the JSON in an element, given by its id. */
   json(id) {
     return JSON.parse(document.getElementById(id).textContent);
   },
 
-  /** The state in the address: what follows # as NAME=VALUE, joined by &. */
+  /** Returns the state in the address: the part after #, as NAME=VALUE pairs joined by &. */
   state() {
     return new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : "");
   },
 
-  /** Puts a state into the address. A step in the history is made unless `replace` says otherwise. */
+  /** Writes a state into the address, as a new step in the browser history unless `replace` is true. */
   keep(state, replace = false) {
     const text = String(state);
     const now = location.hash.includes("=") ? location.hash.slice(1) : "";
@@ -72,7 +72,7 @@ const site = {
     else history.pushState(null, "", address);
   },
 
-  /** An element with attributes and children, which are elements or texts. */
+  /** Returns an element with attributes and children, which are elements or texts. */
   element(name, attributes = {}, ...children) {
     const made = document.createElement(name);
     for (const [key, value] of Object.entries(attributes)) if (value !== null) made.setAttribute(key, value);
@@ -80,7 +80,7 @@ const site = {
     return made;
   },
 
-  /** A number with so many significant digits, as bodycheck writes it: without an exponent from 1e-4 to 1e4. */
+  /** Returns a number as text with `digits` significant digits, without an exponent from 1e-4 to 1e4, as bodycheck writes it. */
   number(value, digits = 4) {
     if (value === null || value === undefined || Number.isNaN(value)) return "–";
     if (value === 0) return "0";
@@ -89,7 +89,7 @@ const site = {
     return String(Number(`${mantissa}e${exponent}`));
   },
 
-  /** A button that copies a text, and says so. */
+  /** Returns a button that copies a text and then says so. */
   copier(title, text) {
     const button = site.element("button", { type: "button" }, title);
     const told = site.element("span", { role: "status", class: "note" });

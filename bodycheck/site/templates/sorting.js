@@ -1,4 +1,4 @@
-// Sorts the rows of tables of class "sortable" by the column whose head is pressed: numbers by data-value, others as texts.
+// Sorts the rows of tables of class "sortable" by the column whose head is pressed: numbers by data-value, others as text.
 "use strict";
 for (const table of document.querySelectorAll("table.sortable")) {
   const heads = [...table.tHead.rows[0].cells];
@@ -12,7 +12,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
       heads.forEach((other) => other.removeAttribute("aria-sort"));
       head.setAttribute("aria-sort", descends ? "descending" : "ascending");
       const keyed = [...body.rows].map((row) => ({ row, ...keyOf(row.cells[column]) }));
-      // What has no number stands last in both directions.
+      // Cells without a number come last in both directions.
       keyed.sort((a, b) => a.lacks - b.lacks || (descends ? -1 : 1) * compare(a.key, b.key));
       body.append(...keyed.map(({ row }) => row));
     });

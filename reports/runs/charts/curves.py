@@ -1,4 +1,4 @@
-"""The curves of one case, with few enough points to be stored in a page: the datasets of `time_charts`."""
+"""The curves of one case as datasets for `time_charts`, with few enough points to be stored in a page."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,28 +19,29 @@ from bodycheck.reports.runs.charts.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.results.outcome import Completed
 
-#: Most instants of the curves of the angular momentum.
+#: The most instants of the curves of the angular momentum.
 MOST_CORNERS = 800
 
-#: Instants of a curve of a joint: a part of those of the angular momentum, as there are several, and at least so many.
+#: The curves of joints have 1/`SHARE` of the instants of the angular momentum, but at least `FEWEST_CORNERS` instants.
 SHARE, FEWEST_CORNERS = 4, 40
 
-#: About the most points of one chart that the pointer can find: each is an element of the page and takes time to draw.
+#: About the most points of a chart with a tooltip. Each is an element of the page and takes time to draw.
 MOST_FOUND = 600
 
-#: Significant digits of instants.
+#: The significant digits of instants.
 INSTANT_DIGITS = 7
 
-#: The truth's own error is drawn where the largest error of a run is below this multiple of it; attitudes always have it.
+#: The truth's own error is drawn if the largest error of any run is below this multiple of it; for attitudes it is always
+#: drawn.
 FAR = 1e4
 
-#: Smaller values, which are far below the rounding of any scene, are drawn as zero so that they do not stretch a log scale.
+#: Smaller values, far below the rounding of any scene, count as zero so that they do not stretch a logarithmic scale.
 SMALLEST = 1e-20
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A chart of errors over time in words: `alt` describes it for readers who do not see it, `notes` say what is left out."""
+    """A chart over time in words: `alt` describes it for readers who cannot see it, and `notes` say what is left out."""
 
     alt: str
     notes: tuple[str, ...] = ()
@@ -53,13 +54,13 @@ class Curves:
     Parameters
     ----------
     datasets
-        Datasets by the names that `time_charts` uses.
+        The datasets by the names that `time_charts` uses.
     drawn
         Descriptions of the charts that have a curve, by the name of the quantity.
     blank
-        Quantities that are always zero in every run.
+        The quantities that are always zero in every run.
     momentum
-        What the charts of the angular momentum show; empty if there are none.
+        A description of the charts of the angular momentum; empty if there are none.
     joints
         Descriptions of the charts of the joints of a mechanism, by the kind of coordinate; empty if there are none.
     """
@@ -76,7 +77,7 @@ def draw(
 ) -> Curves:
     """Return the curves of completed runs and of their truths.
 
-    The trajectory of each run is read and compared with its truth again, one run at a time, as verdicts keep no series.
+    The trajectory of each run is read and compared with its truth again, one run at a time, since verdicts store no series.
 
     Parameters
     ----------
@@ -85,9 +86,9 @@ def draw(
     known
         The truths of the case, by the label of their set of results and the time step (s).
     points
-        Most points of one curve.
+        The most points of a curve.
     instants
-        Most instants of the curves of the angular momentum.
+        The most instants of the curves of the angular momentum.
     """
     truths = {timestep: truth for (_, timestep), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
@@ -133,7 +134,7 @@ def _joints(
     truth: Truth,
     instants: int,
 ) -> list[dict[str, Any]]:
-    """Return the curves of the joints of a mechanism and its truth, which is that at the smallest time step."""
+    """Return the curves of the joints of a mechanism in runs and truth. truth: the truth at the smallest time step."""
     runs = {
         label: (verdict.run.outcome.trajectory, known[verdict.label, verdict.run.method.timestep].trajectory)
         for label, verdict in verdicts.items()
@@ -143,9 +144,9 @@ def _joints(
 
 
 def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) -> dict[str, Any]:
-    """Return the truth's own error in each plotted quantity, empty where all errors are so large that it would only take room.
+    """Return the error bound of the truth in each plotted quantity; empty if all errors of runs are much larger (see `FAR`).
 
-    `peaks` are the largest values of the quantities by name and by the label of the method.
+    peaks: the largest values by the name of the quantity and the label of the method.
     """
     t, bounds = truth.trajectory.t, truth_bounds(truth)
     row: dict[str, Any] = {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)}
@@ -166,7 +167,7 @@ def _momentum(truth: Truth, seen: Observables, instants: int) -> dict[str, Any]:
 
 
 def _constancy(seen: Observables) -> str:
-    """Return a description of how much the components of the angular momentum vary in either frame."""
+    """Return a description of the variation of the angular momentum's components in the body frame and the inertial frame."""
     body, inertial = (float(np.ptp(momentum, axis=0).max()) for momentum in (seen.body_angular_momentum, seen.angular_momentum))
     size = float(np.linalg.norm(seen.angular_momentum[0]))
     return (
@@ -177,7 +178,7 @@ def _constancy(seen: Observables) -> str:
 
 
 def _words(name: str, peaks: Mapping[str, float], gaps: Sequence[str]) -> Drawn:
-    """Return the description of a chart. `peaks`: largest finite values by label, `gaps`: labels with other values."""
+    """Return the description of a chart. peaks: the largest finite values by label. gaps: the labels with other values."""
     quantity = QUANTITIES[name]
     worst, best = max(peaks, key=lambda label: peaks[label]), min(peaks, key=lambda label: peaks[label])
     zero = [label for label, peak in peaks.items() if peak == 0 and label not in gaps]

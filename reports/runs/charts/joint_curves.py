@@ -1,7 +1,7 @@
-"""The coordinates of joints over time: of the truth, and of the runs that are seen to differ from it, as the dataset `joints`.
+"""The coordinates of joints over time, in the truth and in runs that differ visibly from it, as the dataset `joints`.
 
-A row is one curve: `joint`, `kind` ("angle" in rad or "slide" in m), `method`, and the arrays `t` and `value`. The curve of a
-ball, and that of the attitude of a free joint, is the angle of one rotation. `time_charts.joints` draws them.
+A row is one curve: `joint`, `kind` ("angle" in rad or "slide" in m), `method`, and the arrays `t` and `value`. For a spherical
+joint, and for the attitude of a free joint, the value is the angle of the rotation. `time_charts.joints` draws the curves.
 """
 
 from collections import Counter
@@ -17,39 +17,39 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.quantities import listing
 from bodycheck.reports.series import corners, rounded
 
-#: The two kinds of coordinates, and what their charts are called.
+#: The two kinds of coordinates, and the titles of their charts.
 Kind = Literal["angle", "slide"]
 TITLES: dict[Kind, str] = {"angle": "Angles of the joints", "slide": "Displacements of the joints"}
 
 #: The name of the truth among the methods.
 TRUTH = "the truth"
 
-#: Most coordinates of each kind that have curves, and most runs besides the truth.
+#: The most coordinates of each kind that have curves, and the most runs that have curves.
 MOST_COORDINATES, MOST_RUNS = 8, 4
 
-#: Most coordinates of one joint.
+#: The most coordinates of a joint.
 MOST_OF_A_JOINT = max(COORDINATES.values())
 
-#: Difference from the truth, relative to the range of a coordinate, from which a curve is seen beside that of the truth.
+#: The difference from the truth, relative to the range of a coordinate, above which a curve differs visibly.
 SEEN = 0.005
 
-#: Significant digits of instants, and of values that are some thousand times as large as what is seen of them.
+#: The significant digits of instants and values; values may be some thousand times as large as the visible differences.
 DIGITS = 6
 
 
 def rows(
     mechanism: Mechanism, truth: Trajectory, runs: Mapping[str, tuple[Trajectory, Trajectory]], most: int
 ) -> list[dict[str, Any]]:
-    """Return the rows of the dataset.
+    """Return the rows of the dataset `joints`.
 
     Parameters
     ----------
     mechanism, truth
-        The mechanism, and its truth.
+        The mechanism and its truth.
     runs
         The trajectories of the runs, each with the truth at the same instants, by the labels of their methods.
     most
-        Most instants of one curve.
+        The most instants of a curve.
     """
     exact = _curves(mechanism, truth)
     found = [_row(name, kind, TRUTH, truth.t, values, most) for (name, kind), values in exact.items()]
@@ -64,7 +64,7 @@ def rows(
 
 
 def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return by the kind of coordinate a description for readers who do not see its chart, and notes on what it shows."""
+    """Return a description for readers who cannot see the chart, and notes below the chart, by the kind of coordinate."""
     counts = Counter(kind for joint in mechanism.joints for _, kind, _ in _of_joint(joint, np.empty((0, MOST_OF_A_JOINT))))
     told: dict[str, tuple[str, tuple[str, ...]]] = {}
     for kind in TITLES:
@@ -80,7 +80,7 @@ def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tup
 
 
 def _differs(values: Array, exact: Array) -> bool:
-    """Return whether a curve is seen beside another; values that are no numbers are not seen."""
+    """Return whether a curve differs visibly from the exact curve. Values that are not finite are ignored."""
     finite = np.isfinite(values)
     size = float(np.ptp(exact)) or 1.0
     return bool((np.abs(values - exact)[finite] > SEEN * size).any())
@@ -98,7 +98,7 @@ def _row(joint: str, kind: str, method: str, t: Array, values: Array, most: int)
 
 
 def _curves(mechanism: Mechanism, trajectory: Trajectory) -> dict[tuple[str, str], Array]:
-    """Return the curves (n,) of the first coordinates of each kind, by the name of the coordinate and the kind."""
+    """Return the curves (n,) of the first `MOST_COORDINATES` coordinates of each kind, by name and kind."""
     motion = kinematics.joints(mechanism, trajectory).position
     counts: dict[str, int] = dict.fromkeys(TITLES, 0)
     found: dict[tuple[str, str], Array] = {}
@@ -111,7 +111,7 @@ def _curves(mechanism: Mechanism, trajectory: Trajectory) -> dict[tuple[str, str
 
 
 def _of_joint(joint: Joint, q: Array) -> Iterator[tuple[str, Kind, Array]]:
-    """Yield the names, kinds and curves of a joint's coordinates (n, c)."""
+    """Yield the name, kind and curve (n,) of each shown coordinate of a joint. q: the coordinates (n, c) of the joint."""
     match joint.type:
         case "revolute":
             yield joint.name, "angle", q[:, 0]

@@ -1,4 +1,4 @@
-"""Charts of the largest error of each run over its time step, for cases that were run with several."""
+"""Charts of the largest error of runs over the time step, for cases that were run with several time steps."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -10,18 +10,18 @@ from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing
 from bodycheck.reports.study import Chart
 from bodycheck.results.key import RunKey
 
-#: The quantities that are drawn: a chart each.
+#: The quantities that are drawn, each in its own chart.
 DRAWN = ("attitude_error", "position_error")
 
-#: Smaller errors, which are far below the rounding of any scene, would stretch the log scale.
+#: Smaller errors, far below the rounding of any scene, are left out, since they would stretch the logarithmic scale.
 SMALLEST = 1e-20
 
-#: Longest label, in characters, of which two fit side by side above a chart.
+#: The longest label, in characters, for which two labels fit side by side above a chart.
 SHORT_LABEL = 28
 
 
 def over_steps(verdicts: Sequence[Verdict]) -> tuple[Chart, ...]:
-    """Return a chart for each quantity in which a method of one case has errors at two time steps or more."""
+    """Return a chart for each quantity in which any method has errors at two or more time steps. verdicts: on one case."""
     lines = assign(verdict.key.over_cases.over_steps for verdict in verdicts)
     charts = []
     for name in DRAWN:
@@ -32,7 +32,7 @@ def over_steps(verdicts: Sequence[Verdict]) -> tuple[Chart, ...]:
 
 
 def _errors(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], name: str) -> dict[Line, dict[float, float]]:
-    """Return the errors of each method by time step (s), without those that the truth's own error hides."""
+    """Return the errors of each method by time step (s), without errors within the error bound of the truth."""
     found: dict[Line, dict[float, float]] = {}
     for verdict in verdicts:
         maxima = {} if verdict.discrepancy is None else verdict.discrepancy.maxima()
@@ -56,7 +56,7 @@ def _chart(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> 
 
 
 def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> Spec:
-    """Return the chart: both scales are logarithmic, so that a method of order p has the slope p."""
+    """Return the chart. Both scales are logarithmic, so the curve of a method of order p has the slope p."""
     lines = list(errors)
     rows = [
         {"method": line.label, "step": step * 1e3, "error": float(f"{error:.4g}")}

@@ -1,16 +1,16 @@
-"""Charts over time in a report of runs: Vega-Lite specifications that name their datasets and hold no data.
+"""Charts over time in a report of runs: Vega-Lite specifications that refer to datasets by name and contain no data.
 
 Each specification is stored once in a page and drawn with the datasets of every case, which `curves` makes:
 
-- `series`: one row for each method, with `method`, `timestep`, one array for each quantity, and `every`, the stride of the
-  points that the pointer can find.
+- `series`: one row for each method, with `method`, `timestep`, one array for each quantity, and `every`, the stride between
+  points with a tooltip.
 - `times`: one row for each time step, with the array `t`.
 - `floor`: one row with the array `t` and one array for each quantity, empty where its floor is not drawn.
-- `joints`: one row for each curve of a joint, as `joint_curves` says.
+- `joints`: one row for each curve of a joint; see `joint_curves`.
 - `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
 
-With `datasets` set to these, a specification is complete. Its parameter `hidden` holds the names of the methods that the
-reader has switched off, and `chosen` the name of the one that stands out, empty if none does.
+A specification is complete if its entry `datasets` is set to these datasets. Its parameter `hidden` is the list of the methods
+that the reader has switched off, and `chosen` is the name of the highlighted method; it is empty if no method is highlighted.
 """
 
 from collections.abc import Sequence
@@ -21,19 +21,19 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity
 from bodycheck.reports.runs.charts import joint_curves
 
-#: Axes of each frame.
+#: The axes of each frame.
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
-#: Opacity of the curves of all other methods where one stands out.
+#: The opacity of the curves of all other methods if a method is highlighted.
 FADED = 0.2
-#: Dashes of the three components: lengths on and off, in pixels.
+#: The dash patterns of the three components: lengths on and off, in pixels.
 COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 
 
 def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
-    """Return the chart of a quantity over time on a log scale, with one line for each method.
+    """Return the chart of a quantity over time on a logarithmic scale, with one line for each method.
 
-    A log scale has no place for zeros, which are left out. The truth's own error is a grey area where the errors
-    come near it.
+    Zeros are left out, because they have no place on a logarithmic scale. The truth's own error is a grey area, if the dataset
+    `floor` contains it.
     """
     scale = {"type": "log", "nice": False}
     y = {
@@ -113,7 +113,7 @@ def momentum(frame: str) -> Spec:
 
 
 def joints(kind: str) -> Spec:
-    """Return the chart of the coordinates of joints of one kind: a colour for each, and dashes but for the truth."""
+    """Return the chart of the joint coordinates of one kind: a colour for each coordinate, solid for the truth, else dashed."""
     title, unit = {"angle": ("Angle", "rad"), "slide": ("Displacement", "m")}[kind]
     is_truth = f"datum.method === '{joint_curves.TRUTH}'"
 
@@ -190,7 +190,7 @@ def _time() -> Spec:
 def _tooltip(field: str, reading: str, unit: str) -> Spec:
     """Return the tooltip of a point: the value of `field`, the time, and the reading with its unit.
 
-    In its expression `datum` is either the row or the point, which has the row as its own `datum`.
+    In its expression, `datum` is either the row or the point, whose entry `datum` is the row.
     """
     row = "(datum.datum || datum)"
     suffix = f" + ' {unit}'" if unit else ""

@@ -1,4 +1,4 @@
-"""The animation of a case of any scene."""
+"""The animation of a case, for all kinds of scenes."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,9 +14,9 @@ from bodycheck.reports.runs.motions.playback import Frame, Playback, none_becaus
 
 
 def animated(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """Return the animation of one case, or None if no run has a truth to be compared with.
+    """Return the animation of one case; None if no run has a truth with which it can be compared.
 
-    It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
+    The animation shows the time step of most runs. If not all its runs fit, the runs that are shown first have priority.
 
     Parameters
     ----------
@@ -27,23 +27,23 @@ def animated(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[floa
     truths
         The truths of the case, by time step (s).
     most
-        Most characters of the data.
+        The most characters of the data.
     """
     shown = cast(runs, truths)
     return None if shown is None else animation(scene, shown, most)
 
 
 def animation(scene: AnyScene, shown: Cast, most: int) -> Playback:
-    """Return the animation of a truth and runs in at most so many characters; see `animated`."""
+    """Return the animation of a truth and runs. most: the most characters of the data; see `animated`."""
     if not shown.runs:
         return none_because("the errors of no run are finite numbers")
     # A body in flight is drawn about its own centre of mass, with its axes, its angular momentum and its polhode, which several
-    # bodies do not have. A body that slides is drawn in the same way on the plane.
+    # bodies do not have. A sliding body is drawn in the same way on the plane.
     several = isinstance(scene, Mechanism) or touches(scene)
     stage = several_bodies.stage_of(scene, shown) if several else single_body.stage_of(scene, shown)
     return none_because(stage) if isinstance(stage, str) else played(stage, shown, most)
 
 
 def described(scene: AnyScene, frame: Frame | None) -> dict[str, Any]:
-    """Return what the player reads of a scene whatever moves in it. frame: that of its animation; None of a single body."""
+    """Return the data of a scene for the player that do not depend on motions. frame: see `Playback`."""
     return single_body.described(scene) if frame is None else several_bodies.described(scene, frame)

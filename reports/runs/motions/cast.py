@@ -1,4 +1,4 @@
-"""What an animation shows: the truth, and the completed runs that are compared with it at one time step."""
+"""The content of an animation: the truth, and the completed runs that are compared with it at one time step."""
 
 import json
 import math
@@ -13,10 +13,10 @@ from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line
 from bodycheck.results.outcome import Completed
 
-#: Most runs that are shown at once beside the truth.
+#: The most runs that are shown at once beside the truth.
 MOST_SHOWN = 3
 
-#: The errors of a run, where it has them, without which it cannot be shown as numbers.
+#: The errors of a run that must be finite if they were measured, so that the run can be shown.
 ERRORS = ("attitude_error", "angular_velocity_error", "position_error")
 
 
@@ -37,13 +37,13 @@ class Cast:
     Parameters
     ----------
     timestep
-        The time step (s) of all of them.
+        The time step (s) of the truth and of all runs.
     exact
         The truth at the instants of this time step.
     runs
         The runs that can be shown.
     compared
-        The lines of all runs with this time step that have a discrepancy, among them those of `runs`.
+        The lines of all runs with this time step that have a discrepancy; they include the lines of `runs`.
     several
         Whether there are runs at other time steps.
     """
@@ -56,7 +56,7 @@ class Cast:
 
 
 def cast(runs: Mapping[Line, Verdict], truths: Mapping[float, Truth]) -> Cast | None:
-    """Return what an animation shows: the time step that most runs have; None if no run has a truth to be compared with.
+    """Return the content of an animation, at the time step of most runs; None if no run can be compared with a truth.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def cast(runs: Mapping[Line, Verdict], truths: Mapping[float, Truth]) -> Cast | 
 
 
 def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
-    """Return a run that can be shown; None if it did not complete, or if an error that it has is not finite."""
+    """Return a run for an animation; None if it did not complete, has no discrepancy, or has an error that is not finite."""
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return None
     trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
@@ -91,14 +91,14 @@ def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
 
 
 def common_step(lines: Sequence[Line]) -> float | None:
-    """Return the time step (s) that most of the lines have, the first of equals, or None without lines."""
+    """Return the most frequent time step (s) of lines, the first of equally frequent ones; None if there are no lines."""
     return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
 
 
 def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
-    """Return the MOST_SHOWN runs that are shown first: the worst of each engine, then the best of all.
+    """Return at most `MOST_SHOWN` runs to show first: the worst runs of the engines, and the best of the other runs.
 
-    `reach` (m) is the position error that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
+    reach: the position error (m) that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
     """
 
     def badness(run: Shown) -> float:
@@ -112,7 +112,10 @@ def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
 
 
 def fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
-    """Return the entries that have room in so many characters, the first ones first, and those that are left out."""
+    """Return the entries that fit into `room` characters, with priority for the first entries, and the runs left out.
+
+    Entries that are None belong to neither.
+    """
     kept, left_out = dict[Shown, dict[str, Any]](), list[Shown]()
     for one, entry in entries.items():
         if entry is None:
@@ -130,5 +133,5 @@ def name_of(line: Line) -> str:
 
 
 def as_json(value: Any) -> str:
-    """Return what the player reads as text."""
+    """Return data for the player as JSON text."""
     return json.dumps(value, separators=(",", ":"))

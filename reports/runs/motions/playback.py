@@ -1,4 +1,4 @@
-"""What the animations of all scenes have in common: their pictures, which runs have room, and sentences on what is left out."""
+"""The common parts of the animations of all scenes: pictures, the choice of runs that fit, and notes about omissions."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -12,16 +12,16 @@ from bodycheck.reports.quantities import listing, milliseconds
 from bodycheck.reports.runs.motions import tracks
 from bodycheck.reports.runs.motions.cast import Cast, Shown, as_json, choose, fitting, name_of
 
-#: Most characters of all playback data of a report, shared evenly by its cases.
+#: The most characters of all playback data of a report; each case has an equal share.
 MOST_CHARACTERS = 1_500_000
 
-#: Most methods that one note names.
+#: The most methods that a note names.
 MOST_NAMES = 6
 
-#: Largest deviation of a position from its sample, relative to the body's reach or to the extent of the pictures.
+#: The largest deviation of a position from its sample, relative to the body's reach or to the extent of the pictures.
 PLACE_TOLERANCE = 0.01
 
-#: Why a rotation cannot be stored, for sentences that begin with what turns.
+#: Why a rotation cannot be stored, for sentences such as "a body turns by ...".
 TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or more than {tracks.MOST_INSTANTS} stored instants can show"
 
 
@@ -38,7 +38,8 @@ class Frame:
     azimuth
         The direction (rad) from which the bodies are seen.
     known
-        The instant (s) until which mechanics gives a motion, negative if it gives none; None for bodies that touch nothing.
+        The instant (s) until which mechanics determines the motion; negative if it never does; None for bodies that touch
+        nothing.
     """
 
     middle: Vector
@@ -56,7 +57,7 @@ class Playback:
     data
         The data that the player reads; None if there is no animation, in which case a note says why.
     alt
-        Description for readers who do not see it.
+        Description for readers who cannot see the animation.
     notes
         Sentences below the animation.
     frame
@@ -76,21 +77,21 @@ class Stage:
     Parameters
     ----------
     described
-        The data on the scene that the player reads, which do not depend on the motions.
+        The data of the scene for the player, which do not depend on the motions.
     truth
         The motion of the truth as the player reads it.
     run
-        Function from a run to its data for the player, except its name and errors; it returns None if the run cannot be drawn.
+        A function from a run to its data for the player, without name and errors; it returns None if the run cannot be drawn.
     extent
         The position error (m) that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
     alt
-        Description for readers who do not see the animation.
+        Description for readers who cannot see the animation.
     undrawn
-        A phrase for what is left out because it cannot be drawn.
+        A phrase for the methods that are left out because they cannot be drawn.
     unseen
-        Names of methods that are left out for this reason because they have no finite errors.
+        The names of methods that cannot be drawn because they have no finite errors.
     notes
-        Sentences on the pictures.
+        Sentences about the pictures.
     frame
         The frame of the pictures of several bodies; None for a single body.
     """
@@ -107,12 +108,12 @@ class Stage:
 
 
 def none_because(reason: str) -> Playback:
-    """Return that there is no animation, and why."""
+    """Return a playback without an animation, and with a note that gives the reason."""
     return Playback(None, "", (f"There is no animation because {reason}.",))
 
 
 def played(stage: Stage, shown: Cast, most: int) -> Playback:
-    """Return the animation of a truth and of runs, of which there is at least one, in at most so many characters."""
+    """Return the animation of a truth and at least one run. most: the most characters of the motions."""
     if (room := most - len(as_json(stage.truth))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     first = choose(shown.runs, stage.extent)
@@ -132,7 +133,7 @@ def played(stage: Stage, shown: Cast, most: int) -> Playback:
 
 
 def _entry(stage: Stage, run: Shown) -> dict[str, Any] | None:
-    """Return a run as the player reads it; None if it cannot be drawn. It has no errors where mechanics gives no motion."""
+    """Return a run as the player reads it; None if it cannot be drawn. Errors that are unknown or not finite are None."""
     if (motion := stage.run(run)) is None:
         return None
     errors = {f"{name}_error": run.maxima.get(f"{name}_error", math.nan) for name in ("attitude", "position")}
@@ -152,7 +153,7 @@ def course_of(t: Array, place: Array, tolerance: float) -> dict[str, Any]:
 
 
 def solid_of(shape: Shape) -> tuple[str, Vector]:
-    """Return the kind of solid that a shape is drawn as, and its half-lengths along its axes (m)."""
+    """Return the kind of solid as which a shape is drawn, and its half-lengths along its axes (m)."""
     match shape:
         case Brick(semi_axes):
             return "brick", semi_axes
@@ -165,7 +166,7 @@ def solid_of(shape: Shape) -> tuple[str, Vector]:
 
 
 def _notes(stage: Stage, shown: Cast, undrawn: Sequence[str], left_out: Sequence[str]) -> list[str]:
-    """Return sentences on which runs the animation shows and leaves out."""
+    """Return sentences about the runs that the animation shows and the methods that it leaves out."""
     notes = []
     if shown.several:
         notes.append(f"The animation shows the runs with a time step of {milliseconds(shown.timestep)}.")

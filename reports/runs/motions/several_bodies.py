@@ -1,8 +1,8 @@
 """The animation of bodies on joints, and of bodies that touch, as `templates/player/mechanism.js` shows them.
 
-A body is drawn in its shape, and without one as sticks: from its own joint to its centre of mass, and from there to the joints
-and loops that it carries; as a point if it has neither. Where mechanics gives inequalities alone, the bodies of the truth are
-not drawn.
+A body with a shape is drawn as the shape. A body without a shape is drawn as sticks from its centre of mass to its own joint
+and to the joints and loops that it carries, or as a point if it has none of these. While mechanics only gives inequalities, the
+bodies of the truth are not drawn.
 """
 
 import math
@@ -31,19 +31,19 @@ from bodycheck.reports.runs.motions.playback import (
     turning_of,
 )
 
-#: Points between two samples of a path, which is a cubic curve with the velocities of both.
+#: The number of pieces into which a path is divided between two samples; it is a cubic curve with the velocities of both.
 FINER = 4
 
-#: Half the size (m) of bodies that have none, such as one point at rest.
+#: The least extent (m) of pictures, for bodies without a size, such as a point at rest.
 SMALLEST = 1e-3
 
-#: Lines of the grid of the plane to either side of the middle, and half of its width in extents.
+#: The number of lines of the grid on either side of the middle, and half the width of the grid in extents.
 GRID, WIDE = 6, 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """What all pictures of a motion follow: the path (n, 3), m, of their middle at instants (n,), s, and what they show."""
+    """The view of the pictures: the path (n, 3), m, that they follow at instants (n,), s, and their frame."""
 
     scene: AnyScene
     t: Array
@@ -53,7 +53,7 @@ class _View:
     def parts(self, trajectory: Trajectory) -> list[dict[str, Any]] | None:
         """Return the motions of all bodies as the player reads them; None if one cannot be stored.
 
-        Those of a truth are at rest after it is known.
+        At instants where the motion of a truth is not known, the bodies are at rest.
         """
         whole, parts = _filled(of_bodies(trajectory), self.scene), []
         for index in range(len(whole.position)):
@@ -68,7 +68,7 @@ class _View:
     def run(self, run: Shown) -> dict[str, Any] | None:
         """Return the motion of a run as the player reads it, or None if it cannot be drawn.
 
-        It has no parts of its own if it moves as the truth does.
+        The motion is empty if the run moves as the truth does.
         """
         attitude, position = (run.maxima.get(f"{name}_error", math.nan) for name in ("attitude", "position"))
         near = attitude <= tracks.TOLERANCE and position <= PLACE_TOLERANCE * self.frame.extent
@@ -79,7 +79,7 @@ class _View:
 
 
 def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
-    """Return the pictures of bodies on joints or of bodies that touch, or why there are none."""
+    """Return the pictures of bodies on joints or of bodies that touch, or the reason why there are none."""
     view = _on_plane(scene, shown) if scene.plane is not None else _in_space(scene, shown)
     if (parts := view.parts(shown.exact)) is None:
         return f"a body turns by {TOO_FAST}"
@@ -95,7 +95,7 @@ def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
 
 
 def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
-    """Return what the player reads of the bodies, of what stands still, and of the side that they are seen from."""
+    """Return the data of the bodies, the fixed points, the grid and the view for the player."""
     on_plane = {} if scene.plane is None else {"ground": _ground(scene.plane, frame), "known": frame.known}
     return {
         "bodies": [_drawn(body, _points(scene, index), frame.extent) for index, body in enumerate(bodies(scene))],
@@ -109,9 +109,10 @@ def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
 
 
 def _in_space(scene: AnyScene, shown: Cast) -> _View:
-    """Return what the pictures of bodies on joints follow.
+    """Return the view of bodies on joints.
 
-    Where nothing holds them, it is the centre of mass of the truth. They are seen across their widest horizontal extent.
+    If nothing holds or pushes the bodies, the pictures follow the centre of mass of the truth. They look at right angles to the
+    widest horizontal extent of the motion.
     """
     exact = of_bodies(shown.exact)
     centre = _centre(scene, exact) if _follows(scene) else np.zeros((len(exact), 3))
@@ -123,7 +124,10 @@ def _in_space(scene: AnyScene, shown: Cast) -> _View:
 
 
 def _on_plane(scene: AnyScene, shown: Cast) -> _View:
-    """Return what the pictures of bodies on a plane follow: the middle of the truth, as far as it is known, or of the runs."""
+    """Return the view of bodies on a plane, which is fixed.
+
+    It contains the truth as far as it is known, and the runs if the truth is not known at all instants.
+    """
     exact = of_bodies(shown.exact)
     count = _known(exact)
     seen = [exact.position[:, :count], initial(scene).position]
@@ -135,7 +139,7 @@ def _on_plane(scene: AnyScene, shown: Cast) -> _View:
 
 
 def _frame(scene: AnyScene, seen: Sequence[Array], azimuth: float, known: float | None = None) -> Frame:
-    """Return what pictures show that contain the bodies at all positions (b, n, 3), m."""
+    """Return the frame of pictures that contain the bodies at all positions. seen: arrays of positions (b, n, 3), m."""
     radii = np.array([_radius(body, _points(scene, index)) for index, body in enumerate(bodies(scene))])[:, None, None]
     low = np.min([(positions - radii).min(axis=(0, 1)) for positions in seen], axis=0)
     high = np.max([(positions + radii).max(axis=(0, 1)) for positions in seen], axis=0)
@@ -154,7 +158,7 @@ def _centre(scene: AnyScene, exact: Trajectory) -> Array:
 
 
 def _known(trajectory: Trajectory) -> int:
-    """Return at how many instants, from the first one on, mechanics gives a motion."""
+    """Return the number of instants, from the first on, for which mechanics determines the motion."""
     known = np.asarray(np.isfinite(trajectory.position).all(axis=(0, 2)))
     return len(known) if known.all() else int(np.argmin(known))
 
@@ -172,13 +176,13 @@ def _drawn(body: AnyBody, joints: Sequence[Vector], extent: float) -> dict[str, 
 
 
 def _turned(body: AnyBody) -> tuple[float, ...]:
-    """Return the quaternion w, x, y, z from the axes of a body's shape to those of the body."""
+    """Return the quaternion (w, x, y, z) that turns components along the axes of a body's shape into components in the body."""
     inertia = body.given.inertia if isinstance(body.given, JointedBody) else None
     return nearest_turn(inertia.attitude) if isinstance(inertia, Solid) else (1.0, 0.0, 0.0, 0.0)
 
 
 def _fixed(scene: AnyScene, frame: Frame) -> list[list[float]]:
-    """Return the points of the world where joints and loops are, in units of the extent."""
+    """Return the points of joints and loops that are fixed in the world, in units of the extent."""
     if not isinstance(scene, Mechanism) or floats(scene):
         return []
     joints = [joint.position for joint in scene.joints if joint.parent == WORLD]
@@ -195,9 +199,9 @@ def _radius(body: AnyBody, joints: Sequence[Vector]) -> float:
 
 
 def _points(scene: AnyScene, index: int) -> list[Vector]:
-    """Return the points (m) of a body's own joint, and of the joints and loops that it carries, from its centre of mass.
+    """Return the points (m) of a body's own joint, and of the joints and loops that it carries.
 
-    They are along the axes of the body.
+    They are relative to the centre of mass of the body, along its axes.
     """
     if not isinstance(scene, Mechanism):
         return []
@@ -210,7 +214,7 @@ def _points(scene: AnyScene, index: int) -> list[Vector]:
 
 
 def _ground(plane: Plane, frame: Frame) -> list[list[list[float]]]:
-    """Return the ends of the lines of a grid on the plane, in units of the extent."""
+    """Return the end points of the lines of a grid on the plane, in units of the extent."""
     normal, middle = np.array(plane.normal), np.array(frame.middle)
     along, across = np.array([normal[2], 0.0, -normal[0]]), np.array([0.0, 1.0, 0.0])
     under = middle - (middle @ normal) * normal
@@ -223,7 +227,7 @@ def _ground(plane: Plane, frame: Frame) -> list[list[list[float]]]:
 
 
 def _filled(trajectory: Trajectory, scene: AnyScene) -> Trajectory:
-    """Return states (b, n, ...) of which those that are not known are the last known ones, at rest."""
+    """Return states (b, n, ...) in which unknown states are replaced by the last known or initial state, at rest."""
     known = np.asarray(np.isfinite(trajectory.position).all(axis=(0, 2)))
     if known.all():
         return trajectory
@@ -243,8 +247,8 @@ def _filled(trajectory: Trajectory, scene: AnyScene) -> Trajectory:
 
 
 def finer_path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
-    """Return a path at more instants, between which straight lines follow it better: a cubic curve through the samples."""
-    from scipy.interpolate import CubicHermiteSpline  # takes as long to import as most reports without mechanisms take
+    """Return instants and positions of a path at `FINER` times as many points, on a cubic curve through the samples."""
+    from scipy.interpolate import CubicHermiteSpline  # its import takes as long as most reports without mechanisms
 
     shares = np.arange(len(t) * FINER - FINER + 1) / FINER
     instants = np.interp(shares, np.arange(len(t)), t)

@@ -1,4 +1,4 @@
-"""The animation of a single body: in flight about its own centre of mass, and on the plane where it slides."""
+"""The animation of a single body: in flight, about its own centre of mass, or sliding on a plane."""
 
 import math
 from collections.abc import Sequence
@@ -16,24 +16,24 @@ from bodycheck.reports.runs.motions import tracks
 from bodycheck.reports.runs.motions.cast import MOST_SHOWN, Cast, Shown, name_of
 from bodycheck.reports.runs.motions.playback import PLACE_TOLERANCE, TOO_FAST, Stage, course_of, solid_of, turning_of
 
-#: Largest deviation of a body rate from its sample, relative to the largest rate: the width of a line on the polhode.
+#: The largest deviation of a body rate from its sample, relative to the largest rate: the width of a line on the polhode.
 RATE_TOLERANCE = 0.01
 
-#: Largest deviation of the position of a body that is farther than its reach from the truth, relative to that distance.
+#: The largest deviation of the offset of a body from the truth, relative to the largest offset.
 SHIFT_TOLERANCE = 0.003
 
-#: Positions farther than this many reaches are not drawn, because 16 bits could not resolve the body there.
+#: The distance, in reaches, beyond which positions are not drawn, because 16 bits cannot resolve the body there.
 FARTHEST = 1e9
 
-#: Smallest semi-axis that is drawn, relative to the longest, so that even a needle is visible.
+#: The smallest drawn semi-axis, relative to the longest, so that even a needle is visible.
 THINNEST = 0.02
 
-#: The note on a body that is drawn as another.
+#: The note about a body without a shape, which is drawn as an ellipsoid.
 NO_SHAPE = "The case gives no shape. The animation shows the solid ellipsoid that has the same mass and moments of inertia."
 
 
 def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
-    """Return the pictures of a single body, or why there are none."""
+    """Return the pictures of a single body, or the reason why there are none."""
     scene = alone(scene)
     trajectory, runs, reach, slides = shown.exact, shown.runs, reach_of(scene.body), scene.plane is not None
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
@@ -61,14 +61,14 @@ def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
 
 
 def described(scene: AnyScene) -> dict[str, Any]:
-    """Return what the player reads of the scene of a single body whatever moves in it."""
+    """Return the data of a scene with a single body for the player, which do not depend on motions."""
     scene = alone(scene)
     body = _drawn(scene.body, reach_of(scene.body))
     return {"body": body, "plane": scene.plane is not None, "within": tracks.TOLERANCE}
 
 
 def _largest_momentum(body: Body, trajectory: Trajectory) -> float:
-    """Return the largest angular momentum of a motion, in a unit of its own: only its direction and ratios are drawn."""
+    """Return the largest angular momentum of a motion in an arbitrary unit, since only directions and ratios are drawn."""
     relative = replace(body, moments=_relative(body))
     return float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
 
@@ -76,7 +76,7 @@ def _largest_momentum(body: Body, trajectory: Trajectory) -> float:
 def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any] | None:
     """Return the motion of a run as the player reads it, or None if it cannot be drawn.
 
-    It has no rotation of its own if it turns as the truth does.
+    The motion has no rotation if the run turns as the truth does.
     """
     motion: dict[str, Any] = {}
     if run.maxima["attitude_error"] > tracks.TOLERANCE or run.maxima["angular_velocity_error"] > rates:
@@ -97,7 +97,8 @@ def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any]
 def _drawn(body: Body, reach: float) -> dict[str, Any]:
     """Return a body as the player reads it.
 
-    Lengths are in units of its reach (m). Moments are along the principal axes, which the quaternion `axes` takes to the body.
+    Lengths are in units of its reach (m). Moments are about the principal axes; the quaternion `axes` turns components along
+    these axes into components in the body.
     """
     kind, semi_axes = _solid(body)
     turned = body.axes if body.shape is None else (1.0, 0.0, 0.0, 0.0)
@@ -107,7 +108,7 @@ def _drawn(body: Body, reach: float) -> dict[str, Any]:
 
 
 def _relative(body: Body) -> Vector:
-    """Return the moments in units of the largest, so that no product overflows."""
+    """Return the principal moments of a body divided by the largest, so that no product overflows."""
     a, b, c = (moment / max(body.moments) for moment in body.moments)
     return a, b, c
 
@@ -117,7 +118,7 @@ def _too_far(trajectory: Trajectory, reach: float) -> bool:
 
 
 def _solid(body: Body) -> tuple[str, Vector]:
-    """Return the kind of solid that a body is drawn as, and its half-lengths along its axes (m)."""
+    """Return the kind of solid as which a body is drawn, and its half-lengths along its axes (m)."""
     if body.shape is not None:
         return solid_of(body.shape)
     a, b, c = body.moments
@@ -127,7 +128,7 @@ def _solid(body: Body) -> tuple[str, Vector]:
 
 
 def reach_of(body: Body) -> float:
-    """Return the distance (m) of the farthest point of a body, as it is drawn, from its centre of mass."""
+    """Return the distance (m) of the farthest point of a drawn body from its centre of mass."""
     kind, (a, b, c) = _solid(body)
     return {"brick": math.hypot(a, b, c), "cylinder": math.hypot(a, c), "ellipsoid": max(a, b, c)}[kind]
 

@@ -1,8 +1,8 @@
 """Motions that are small enough to be stored in a page: few instants, between which the player interpolates.
 
-Between two instants the attitude follows a cubic rotation vector that has the body's angular velocity at both ends, and the
-position a straight line. Values are first rounded to 16 bits and then checked against the samples, so that the tolerances
-hold for what the reader sees.
+Between two instants, the attitude follows a cubic rotation vector that has the body's angular velocity at both ends, and the
+position follows a straight line. Values are first rounded to 16 bits and then compared with the samples, so the tolerances hold
+for the motion that the reader sees.
 """
 
 import math
@@ -18,28 +18,28 @@ from bodycheck.reference.robots.rotations import rotation_vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.series import corners
 
-#: Largest angle (rad) between a sample and the interpolated attitude: less than the eye can see between two bodies.
+#: The largest angle (rad) between a sample and the interpolated attitude: too small to be visible between two bodies.
 TOLERANCE = 2e-3
 
-#: Most instants of one track, some 10 kB.
+#: The most instants of a track, about 10 kB.
 MOST_INSTANTS = 400
 
-#: Most samples that a track is checked at, evenly spread over all samples.
+#: The most samples with which a track is compared, evenly spread over all samples.
 MOST_CHECKED = 4001
 
-#: Largest rotation (rad) from one instant to the next: less than half a turn, so that its direction is never in doubt.
+#: The largest rotation (rad) from one instant to the next: less than half a turn, so that its direction is unambiguous.
 WIDEST = 2.5
 
-#: Largest rotation (rad) from one sample to the next; samples that are farther apart do not show the motion between them.
+#: The largest rotation (rad) from one sample to the next; samples farther apart do not determine the motion between them.
 COARSEST = 1.0
 
-#: Steps of a 16-bit number from zero to its largest size.
+#: The largest 16-bit integer: the number of steps from zero to the scale.
 LEVELS = 32767
 
-#: Largest deviation of the norm of an attitude from 1, far above the rounding of a normalised quaternion.
+#: The largest deviation of the norm of a quaternion from 1, far above the rounding of a normalised quaternion.
 UNIT = 1e-6
 
-#: Angle (rad) below which the first terms of a series are exact enough.
+#: The angle (rad) below which the first terms of a series are accurate enough.
 SMALL = 1e-2
 
 
@@ -62,7 +62,7 @@ class Turning:
     rate: Array
 
     def encoded(self) -> dict[str, Any]:
-        """Return it as the player reads it: numbers as base64, rates as shares of the `fastest` component."""
+        """Return the rotation as the player reads it: numbers as base64, and rates relative to the `fastest` component."""
         fastest = _largest_component(self.rate)
         return {
             "t": _text(self.t),
@@ -91,17 +91,17 @@ class Course:
     within: float
 
     def encoded(self) -> dict[str, Any]:
-        """Return it as the player reads it: numbers as base64, positions as shares of the `farthest` component."""
+        """Return the path as the player reads it: numbers as base64, and positions relative to the `farthest` component."""
         farthest = _largest_component(self.place)
         within = float(f"{self.within:.2g}")
         return {"t": _text(self.t), "place": _shares(self.place, farthest), "farthest": farthest, "within": within}
 
 
 def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> Turning | None:
-    """Return a rotation at few instants from which `played` finds every checked sample within the tolerances.
+    """Return a rotation at few instants from which `played` reproduces every checked sample within the tolerances.
 
-    Returns None if this takes more than MOST_INSTANTS, if the body turns too far between samples, or if an attitude or a
-    rate is no number.
+    Return None if more than `MOST_INSTANTS` instants would be necessary, if the body turns too far between samples, if a rate
+    is not finite, or if an attitude is not a unit quaternion.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
     rate
         Angular velocities (n, 3) along the body's axes, rad/s.
     rate_tolerance
-        Largest deviation of a rate (rad/s); that of an attitude is TOLERANCE.
+        The largest deviation of a rate (rad/s); the largest deviation of an attitude is `TOLERANCE`.
     """
     rows = checked(len(t))
     t, quaternion, rate = t[rows], quaternion[rows], rate[rows]
@@ -149,8 +149,8 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
 def course(t: Array, place: Array, tolerance: float) -> Course:
     """Return a path at few instants, with straight lines between them.
 
-    No component deviates from a sample by more than the tolerance, except for rounding, and except for paths that would take
-    more than MOST_INSTANTS.
+    No component deviates from a sample by more than the tolerance, apart from rounding. For paths that would need more than
+    `MOST_INSTANTS` instants, the deviation can be larger.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def course(t: Array, place: Array, tolerance: float) -> Course:
     place
         Positions (n, 3).
     tolerance
-        Largest deviation, in the unit of the positions.
+        The largest deviation, in the unit of the positions.
     """
     rows = checked(len(t))
     t, place = t[rows], place[rows]
@@ -184,7 +184,7 @@ def played(track: Turning, t: Array) -> tuple[Array, Array]:
 
 
 def checked(samples: int) -> NDArray[np.intp]:
-    """Return the ascending indices of the samples that a track is checked at, with the first and the last among them."""
+    """Return the ascending indices of the samples with which a track is compared; they include the first and the last."""
     stride = math.ceil((samples - 1) / (MOST_CHECKED - 1))
     return np.union1d(np.arange(0, samples, max(1, stride)), samples - 1)
 
@@ -215,12 +215,12 @@ def _derivative(vector: Array, rate: Array) -> Array:
 
 
 def _largest_component(values: Array) -> float:
-    """Return the largest size of a component, or 1 if all are zero."""
+    """Return the largest absolute value of a component, or 1 if all components are zero."""
     return float(np.abs(values).max()) or 1.0
 
 
 def _rounded(values: Array, scale: float) -> Array:
-    """Return values as they are read after being stored as shares of a scale."""
+    """Return values with the rounding that results from storing them as 16-bit integers relative to a scale."""
     return np.asarray(np.rint(values / scale * LEVELS) / LEVELS * scale)
 
 

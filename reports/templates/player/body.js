@@ -1,10 +1,10 @@
 // The picture of one body: its faces, its axes I, J and K, the trail of the tip of K, its angular momentum, and the truth's
-// body for comparison. On a plane also the grid and the courses.
+// body for comparison. On a plane, also the grid and the paths of the bodies.
 // Uses vectors.js, view.js and elements.js.
 
-// The direction of the light, by its components to the right, up and toward the eye.
+// The direction of the light, with components to the right, up and toward the eye.
 const LIGHT = unit([-0.35, 0.8, 0.5]);
-// Lengths in units of the body's reach: of an axis outside the body, and of the truth's angular momentum at the beginning.
+// Lengths in units of the body's reach: of an axis outside the body, and of the arrow for the truth's largest angular momentum.
 const [AXIS, ARROW] = [0.3, 1.5];
 
 const shaded = (colour, light, tone) => {
@@ -15,7 +15,7 @@ const shaded = (colour, light, tone) => {
 };
 const flat = ([x, y]) => [x, y, 0];
 
-// The body that is drawn stands between two layers: what sticks out of it is drawn behind it or before it.
+// The body is drawn between two layers: the parts that stick out of it are drawn behind it or in front of it.
 const bodyPicture = (solid, onPlane) => {
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "drawing scene" });
   const layer = () => picture.appendChild(svg("g", {}));
@@ -31,7 +31,7 @@ const bodyPicture = (solid, onPlane) => {
   const [ghost, truthMomentum, offset] = ["ghost", "momentum other", "offset"].map((kind) => addPath(before, kind));
   const letters = [..."IJK"].map((letter) => before.appendChild(svg("text", { class: "letter" }, letter)));
 
-  // Faces of one colour share a path, and paths are used again for the next picture.
+  // Faces of the same colour share a path, and paths are reused for the next picture.
   const paths = [];
   const drawFaces = (view, attitude, world, colour) => {
     const fills = new Map();
@@ -53,7 +53,7 @@ const bodyPicture = (solid, onPlane) => {
 
   const drawWhatSticksOut = (view, body, centre, world, trail) => {
     const parts = sides.map(() => ({ axes: "", old: "", trail: "", arrow: "" }));
-    // Before the body (1) if the face that a direction leaves it by is seen, else behind it (0).
+    // In front of the body (1) if the face through which a direction leaves it is visible, else behind it (0).
     const leave = (direction) => {
       const { at, normal } = solid.exit(direction);
       return { at, side: Number(isSeen(view, world(times(at, direction)), rotate(body.attitude, normal))) };
@@ -99,8 +99,8 @@ const bodyPicture = (solid, onPlane) => {
     assign(offset, { d: pointer });
   };
 
-  // body, truth: states; truth is null in the truth's own picture. extras: colour of the body, `isTurned` if it is seen to be
-  // turned against the truth, the trail, and on a plane the grid, courses, and places where the body has been.
+  // body, truth: states; truth is null in the truth's own picture. extras: the colour of the body, `isTurned` if it differs visibly
+  // from the truth's attitude, the trail and, on a plane, the grid, the paths, and past positions of the body.
   const draw = (view, body, truth, extras) => {
     const centre = onPlane ? body.place : [0, 0, 0];
     const world = (v) => add(centre, rotate(body.attitude, v));

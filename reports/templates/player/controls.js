@@ -1,4 +1,4 @@
-// The controls of a player: play and pause, the time, the speed, and the side that the bodies are seen from.
+// The controls of a player: play and pause, the time, the speed, and the direction of view.
 // Uses vectors.js and elements.js.
 
 // The time (s) between two pictures on most screens.
@@ -19,7 +19,7 @@ const controlsOf = (end, fastest) => {
   const rates = [];
   for (let rate = nice(end / 2000); rate <= end; rate = nice(1.5 * rate)) rates.push(rate);
   speed.append(...rates.map((rate) => html("option", { value: rate }, rate === 1 ? "real time" : `${number(rate)} × real time`)));
-  // At first the fastest at which eyes can follow and it takes at least six seconds, but not above real time.
+  // The initial speed is the largest that eyes can follow and that takes at least six seconds, but at most real time.
   const steady = rates.filter((rate) => rate <= 1 && fastest * rate * FRAME < 0.3);
   speed.value = steady.filter((rate) => end / rate >= 6).pop() ?? steady[0] ?? rates[0];
 
@@ -39,7 +39,7 @@ const controlsOf = (end, fastest) => {
   return { element, slider, clock, button, speed, side, showTime, showSide, showPlaying };
 };
 
-// Calls the functions of a player when its controls are used, by the pointer or by keys.
+// Connects the controls, used with the pointer or with keys, to the functions of a player.
 const connect = ({ slider, button, speed, side }, end, { toggle, moveTo, moveBy, turnTo, changeSpeed }) => {
   button.addEventListener("click", toggle);
   slider.addEventListener("input", () => moveTo(Number(slider.value)));
@@ -55,14 +55,14 @@ const connect = ({ slider, button, speed, side }, end, { toggle, moveTo, moveBy,
   side.addEventListener("input", () => turnTo((side.value * Math.PI) / 180));
 };
 
-// Playing: while it plays, `advance` is called before each picture with the time (s) that has gone by on the page.
-// `changed` is called when it starts or stops. Of all players of the page only one plays at a time.
+// Playing: while a player plays, `advance` is called before each picture with the time (s) that has passed on the page.
+// `changed` is called when it starts or stops. Only one player of a page plays at a time.
 const stops = new Set();
 const playing = (advance, changed) => {
   let [isPlaying, before] = [false, 0];
   const tick = (stamp) => {
     if (!isPlaying) return;
-    const elapsed = Math.min(0.5, (stamp - before) / 1000); // a page that was hidden goes on where it was
+    const elapsed = Math.min(0.5, (stamp - before) / 1000); // a page that was hidden continues where it stopped
     before = stamp;
     advance(elapsed);
     requestAnimationFrame(tick);

@@ -1,4 +1,4 @@
-// Elements of the page, and numbers as they are written in it.
+// Elements of the page, and numbers as text.
 const assign = (element, attributes) => {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
   return element;
@@ -14,7 +14,7 @@ const addPath = (parent, kind, attributes = {}) => parent.appendChild(svg("path"
 const number = (value, digits = 3) => String(Number(value.toPrecision(digits)));
 const atMost = (value) => (value ? `≤ ${number(value, 2)}` : "0");
 const seconds = (t, end) => `${t.toFixed(Math.max(0, 3 - Math.ceil(Math.log10(end))))} s`;
-// The least of 1, 2, 5, 10, 20, ... that is not below a value.
+// Returns the least number of the form 1, 2 or 5 times a power of ten that is not below a value.
 const nice = (value) => {
   const power = Math.floor(Math.log10(value) + 1e-9);
   return Number(`${[1, 2, 5, 10].find((digit) => digit * 10 ** power >= value * (1 - 1e-9))}e${power}`);

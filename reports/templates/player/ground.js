@@ -1,11 +1,11 @@
-// The plane under sliding bodies: the piece of it that pictures show, its grid of squares, and the courses of the bodies.
+// The plane under sliding bodies: the part of it that pictures show, its grid of squares, and the paths of the bodies.
 // Uses vectors.js, view.js, elements.js and body.js.
 
-// In reaches: half of the widest piece that is shown whole, and half of the piece that a picture shows that goes with its body.
+// Half the width, in reaches, of the largest part that is shown whole, and of the part that a picture following its body shows.
 const [WIDEST_WHOLE, FOLLOWING] = [8, 5];
 
-// All pictures show the same piece of the plane, in which all bodies stay, unless they would be too small there: then
-// `follows` is true, and each picture goes with its body. step: the side of a square of the grid.
+// All pictures show the same part of the plane, which contains the paths of all bodies, unless the bodies would look too small:
+// then `follows` is true, and each picture follows its body. step: the side of a square of the grid.
 const groundFrame = (view, bodies, reach) => {
   const places = bodies.flatMap((body) => body.course.places);
   const [[left, right], [low, high]] = [view.right, view.up].map((axis) => {

@@ -1,4 +1,4 @@
-// Lets a page make a player of a `figure` when it has the data.
+// Adds the function `play`, with which a page makes a player in a `figure` when it has loaded the data.
 // Uses player.js.
 window.play = (figure, data) => {
   build(figure, data);

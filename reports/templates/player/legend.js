@@ -1,7 +1,7 @@
-// The legend under the pictures: what their lines mean.
+// The legend under the pictures, which explains their lines.
 // Uses view.js and elements.js.
 
-// trail: its length (s), or 0. squares: an element that says what the grid shows.
+// trail: the length of the trail (s), or 0. squares: an element that explains the grid.
 const legendOf = ({ momentum, plane, within }, trail, polhode, squares) => {
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, ...words) => {

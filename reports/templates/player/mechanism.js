@@ -1,21 +1,21 @@
-// A player of a mechanism: the pictures of all its bodies in motion, beside each other those of the truth and of the runs. It is
-// made in a `figure` from the data that reports/runs/motions/several_bodies.py stores. Lengths are in units of the mechanism's extent.
-// Uses all other files of this folder but player.js.
+// The player of a mechanism: pictures of all its bodies in motion, with the truth and the runs side by side. It is made in a
+// `figure` from the data that reports/runs/motions/several_bodies.py stores. Lengths are in units of the extent of the pictures.
+// Uses all other files of this folder except player.js.
 
-// The part of the extent by which places differ visibly.
+// The distance, in extents, at which places differ visibly.
 const APART = 0.01;
 
 const statesAt = (parts, t) => parts.map(({ turning, course }) => ({ ...turningAt(turning, t), place: placeAt(course, t) }));
 const partsOf = (entry) => entry.parts?.map(({ turning, course }) => ({ turning: readTurning(turning), course: readCourse(course) }));
 const largestOf = (values) => Math.max(0, ...values);
 
-// How far the bodies of two motions are apart at most: in attitude (rad) and in place.
+// Returns the largest difference between the bodies of two motions: in attitude (rad) and in place.
 const mechanismDifference = (states, exact) => ({
   angle: largestOf(states.map(({ attitude }, k) => angleBetween(attitude, exact[k].attitude))),
   shift: largestOf(states.map(({ place }, k) => length(minus(place, exact[k].place)))),
 });
 
-// The picture of a mechanism: solids, or sticks where a body has no shape, the farthest first; joints; and the truth as a ghost.
+// The picture of a mechanism: solids, or sticks for bodies without a shape, the farthest first; joints; and the truth as a ghost.
 const mechanismPicture = (data) => {
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "drawing scene" });
   const [below, skin, over] = [0, 1, 2].map(() => picture.appendChild(svg("g", {})));
@@ -44,7 +44,7 @@ const mechanismPicture = (data) => {
   const sticksOf = (view, sticks, { attitude, place }) =>
     sticks.map((ends) => path(ends.map((p) => project(view, add(place, rotate(attitude, p)))))).join("");
 
-  // states, truth: of all bodies; truth is null in the truth's own picture and where it looks the same.
+  // states, truth: the states of all bodies; truth is null in the truth's own picture and if it looks the same.
   const draw = (view, states, truth, colour) => {
     assign(grid, { d: (data.ground ?? []).map((line) => path(line.map((p) => project(view, p)))).join("") });
     const order = states.map((_, k) => k).sort((a, b) => dot(states[a].place, view.toward) - dot(states[b].place, view.toward));
@@ -86,7 +86,7 @@ const mechanismLegend = ({ within, bodies, follows, known, end }) => {
 
 const buildMechanism = (figure, data) => {
   const truth = { label: "the truth", colour: TRUTH, parts: partsOf(data.truth) };
-  // A run without parts of its own moves as the truth does.
+  // A run without its own parts moves as the truth does.
   const runs = data.runs.map((run) => ({ ...run, isAlike: !run.parts, parts: partsOf(run) ?? truth.parts }));
   const shown = data.shown.map((k) => runs[k]);
   const all = () => [truth, ...shown];

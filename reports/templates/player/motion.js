@@ -1,4 +1,4 @@
-// The bodies of one case, the truth's and those of the runs, and the state that each has at a time.
+// The bodies of a case in the truth and in the runs, and the state of each at a time.
 // Uses vectors.js and tracks.js.
 const TRUTH = "#8b939d";
 
@@ -6,15 +6,15 @@ const motionOf = (data) => {
   const { moments, axes } = data.body;
   const read = (run) => ({ ...run, turning: run.turning && readTurning(run.turning), course: run.course && readCourse(run.course) });
   const truth = { ...read(data.truth), label: "the truth", colour: TRUTH };
-  // A run without a turning of its own turns as the truth does.
+  // A run without its own rotation turns as the truth does.
   const runs = data.runs.map(read).map((run) => ({ ...run, turnsAlike: !run.turning, turning: run.turning ?? truth.turning }));
 
-  // The angular momentum along the axes of the body, in units of the size that the truth's has at the beginning.
+  // The angular momentum along the axes of the body, in units of the truth's largest angular momentum.
   const momentumOf = (rate) => {
     const along = rotate(conjugate(axes), rate);
     return times(1 / (data.momentum || Infinity), rotate(axes, along.map((x, i) => x * moments[i])));
   };
-  // `place` is where the body is on the plane; in flight, where it is relative to the truth's body.
+  // `place` is the position of the body on the plane or, in flight, its position relative to the truth's body.
   const stateOf = (body, t) => {
     const { attitude, rate } = turningAt(body.turning, t);
     const momentumInBody = momentumOf(rate);

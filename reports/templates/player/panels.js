@@ -1,12 +1,12 @@
-// The panels: beside each other the truth's body and those of the runs, each with its name, its picture and its readings.
+// The panels of the truth and of the shown runs, side by side, each with its name, its picture and its readings.
 // Uses elements.js.
 
-// shown: the runs that are shown, changed in place when the reader chooses another, after which `chosen` is called.
+// shown: the shown runs. When the reader chooses another run, the list is changed in place, and `chosen` is called.
 // made: makes the picture of a panel.
 const panelsOf = ({ truth, runs }, shown, made, chosen) =>
   [truth, ...shown].map((body, k) => {
     const { picture, draw } = made();
-    picture.setAttribute("aria-label", body.label); // until it stands still and is described
+    picture.setAttribute("aria-label", body.label); // until the picture is described
     const words = html("p", { class: "reading" });
     const swatch = html("i", { class: "swatch" });
     const head = html("div", { class: "head" }, swatch);

@@ -1,8 +1,8 @@
-// A player: the pictures of one case in motion, with their controls. It is made in a `figure` from the data that
+// A player: the moving pictures of a case, with their controls. It is made in a `figure` from the data that
 // reports/runs/motions/single_body.py stores.
 // Uses all other files of this folder.
 
-// The trail of the tip of K: how far (rad) the body turns along it at its fastest, and in how many pieces it is drawn.
+// The trail of the tip of K: the angle (rad) by which the body turns along it at the largest speed, and its number of pieces.
 const [TRAIL, PIECES] = [16, 120];
 
 const firstAzimuth = (data, { truth, stateOf }) => {
@@ -14,7 +14,7 @@ const firstAzimuth = (data, { truth, stateOf }) => {
   return Math.hypot(momentum[0], momentum[1]) > 0.35 * length(momentum) ? Math.atan2(momentum[1], momentum[0]) - 1.1 : -1;
 };
 
-// The first time at which the runs shown are farthest from the truth, or 0 if they cannot be distinguished from it.
+// Returns the first time at which the shown runs are farthest from the truth, or 0 if they cannot be distinguished from it.
 const firstTime = (data, { truth, stateOf }, shown) => {
   const apart = (t) => {
     const exact = stateOf(truth, t);
@@ -28,7 +28,7 @@ const firstTime = (data, { truth, stateOf }, shown) => {
   return apart(worst) > 4 * indistinct(data.within) ? worst : 0;
 };
 
-// Where the tip of K has been for the last `trail` seconds, and where on the plane the centre of mass has been.
+// Return the positions of the tip of K in the last `trail` seconds, and the past positions of the centre of mass on the plane.
 const trailOf = (body, now, trail, tip) =>
   Array.from({ length: trail ? PIECES + 1 : 0 }, (_, i) => now - trail * (1 - i / PIECES))
     .filter((t) => t >= 0)
@@ -55,7 +55,7 @@ const build = (figure, data) => {
   if (polhode) stage.append(polhodePanel(polhode));
   figure.prepend(stage, controls.element, warning, legendOf(data, trail, polhode, squares), status);
 
-  // What all pictures have in common, and how they show the plane.
+  // The common part of all pictures, and the frame in which they show the plane.
   let [common, frame] = [null, null];
   const look = (azimuth, elevation) => {
     const view = viewFrom(azimuth, elevation);

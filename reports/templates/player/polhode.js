@@ -1,5 +1,5 @@
 // The picture of the polhodes: the paths of the angular momentum along the axes of the body, on the sphere whose radius is the
-// size of the truth's angular momentum at the beginning.
+// magnitude of the truth's angular momentum.
 // Uses vectors.js, tracks.js, view.js, elements.js and motion.js.
 const polhodePicture = ({ moments, axes }, { truth, momentumOf }) => {
   const name = "Polhodes: the angular momentum along the axes of the body";
@@ -9,7 +9,7 @@ const polhodePicture = ({ moments, axes }, { truth, momentumOf }) => {
       Array.from({ length: 9 }, (_, part) => momentumOf(turningAt({ instants, spans }, instants[k] + (h * part) / 8).rate)),
     );
 
-  // Seen from where the truth's polhode is widest open, and begins on the near side.
+  // The direction of view is the one in which the truth's polhode encloses the largest area and begins on the near side.
   const truthPath = polhode(truth.turning);
   const area = truthPath.reduce((sum, p, k) => (k ? add(sum, cross(truthPath[k - 1], p)) : sum), [0, 0, 0]);
   const corners = [[1, 0.75, 0.7], [-1, 0.75, 0.7], [1, -0.75, 0.7], [-1, -0.75, 0.7]].map(unit);
@@ -18,7 +18,7 @@ const polhodePicture = ({ moments, axes }, { truth, momentumOf }) => {
   const right = unit(cross([0, 0, 1], toward));
   const view = { right, up: cross(toward, right), toward, focus: [0, 0, 0], scale: 88, distance: 1e6 };
 
-  // The path of points on the far side of the sphere, and that of those on the near side.
+  // Returns the SVG paths through the points on the far side and on the near side of the sphere.
   const halves = (points) => {
     const d = ["", ""];
     points.forEach((p, k) => k && (d[Number(dot(p, toward) > 0)] += path([project(view, points[k - 1]), project(view, p)])));
@@ -28,7 +28,7 @@ const polhodePicture = ({ moments, axes }, { truth, momentumOf }) => {
     halves(points).forEach((d, near) => addPath(parent, `${kind}${near ? "" : " back"}`, { d, ...attributes }));
 
   picture.append(svg("circle", { class: "ball", cx: MIDDLE, cy: MIDDLE, r: view.scale }));
-  // Two circles through the axis of the intermediate moment separate the polhodes about the two others.
+  // Two circles through the axis of the intermediate moment separate the polhodes about the other two axes.
   const [low, middle, high] = [0, 1, 2].sort((i, j) => moments[i] - moments[j]);
   const [below, above] = [1 / moments[low] - 1 / moments[middle], 1 / moments[middle] - 1 / moments[high]];
   const hasSeparatrices = Math.min(below, above) * moments[middle] > 0.01;
@@ -47,7 +47,7 @@ const polhodePicture = ({ moments, axes }, { truth, momentumOf }) => {
 
   const curves = picture.appendChild(svg("g", {}));
   const dots = picture.appendChild(svg("g", {}));
-  // Draws the polhodes of these bodies, of which the truth is the first, with a dot for each.
+  // Draws the polhodes of bodies, with a dot for each body; the truth is the first body.
   const choose = (bodies) => {
     curves.replaceChildren();
     dots.replaceChildren();

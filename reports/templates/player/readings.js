@@ -1,10 +1,10 @@
 // Texts under the pictures, and descriptions of the pictures for screen readers.
 // Uses vectors.js and elements.js.
 
-// Angle (rad) below which the attitudes of two bodies cannot be distinguished, as each is drawn to `within` rad.
+// The angle (rad) below which the attitudes of two bodies cannot be distinguished, since each has an error of up to `within` rad.
 const indistinct = (within) => 2.5 * within;
 
-// How far a run is from the truth: the difference of attitudes (rad), and the words.
+// Returns the difference of a run from the truth: the angle between the attitudes (rad), and the words below the picture.
 const differenceOf = (run, state, truth, { plane, within, body: { reach } }) => {
   const angle = angleBetween(state.attitude, truth.attitude);
   const least = indistinct(within);
@@ -17,7 +17,7 @@ const differenceOf = (run, state, truth, { plane, within, body: { reach } }) => 
 const turningWords = (state) => `turning at\n${number(length(state.rate))} rad/s`;
 
 // Describes the pictures, and lets screen readers announce the descriptions if the reader is using this player.
-// panels: of the truth, then of the runs shown. status: the element that screen readers announce.
+// panels: the panel of the truth, then the panels of the shown runs. status: the element that screen readers announce.
 const announce = (figure, panels, shown, time, status) => {
   const attitude = panels[0].picture.dataset.quaternion.split(",").map(Number);
   const axis = rotate(attitude, AXES[2]).map((x) => number(x, 2));

@@ -1,5 +1,5 @@
 // Convex solids. Each has `faces` (points, outward normal, tone: 0 plain or 1 pale), an `outline` of loops for drawing it as
-// a ghost, a `corner` that the tests follow, and `exit`, which says where a ray from the centre leaves the solid.
+// a ghost, a `corner` that the tests follow, and `exit`, which returns where a ray from the centre leaves the solid.
 // Uses vectors.js.
 
 const brick = (half) => {
@@ -11,7 +11,7 @@ const brick = (half) => {
       const square = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
       const loop = sign > 0 ? square : [...square].reverse();
       faces.push({ points: loop.map(corner(1)), normal: times(sign, normal), tone: 0, edge: true });
-      // A pale panel marks the face that K comes out of.
+      // A pale panel marks the face through which K leaves the brick.
       if (sign > 0 && axis === 2) faces.push({ points: loop.map(corner(0.5)), normal, tone: 1, edge: false });
     }
   const exit = (d) => {
@@ -22,7 +22,7 @@ const brick = (half) => {
   return { faces, outline: faces.filter(({ edge }) => edge), exit, corner: half };
 };
 
-// A cylinder about K. Its quarters have alternating tones, so that its spin is seen.
+// A cylinder about K. Its quarters have alternating tones, so that its spin is visible.
 const cylinder = ([radius, , half]) => {
   const n = 32;
   const rim = (z) => (angle) => [radius * Math.cos(angle), radius * Math.sin(angle), z];
@@ -70,7 +70,7 @@ const ellipsoid = (semi) => {
 
 const SOLIDS = { brick, cylinder, ellipsoid };
 
-// The solid of a body; `turned` takes the axes of the solid to those of the body.
+// Returns the solid of a body. The quaternion `turned` turns components along the axes of the solid into components in the body.
 const solidOf = ({ kind, semi_axes, turned }) => {
   const solid = SOLIDS[kind](semi_axes);
   const turn = (v) => rotate(turned, v);

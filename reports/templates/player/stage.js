@@ -1,11 +1,11 @@
-// What players of a body and of a mechanism have in common: the time that is shown, the side that the pictures are seen from,
-// playing, and the description of pictures that stand still.
+// The common part of the players of a body and of a mechanism: the shown time, the direction of view, playing, and the description
+// of pictures while they are not playing.
 // Uses controls.js.
 
-// figure, panels, controls: those of the player. end: of the motion (s). now, azimuth, elevation: shown at first.
-// lowest: the least elevation (rad). look: prepares pictures from a side. paint: draws them at a time.
-// describe: describes them. changeSpeed: is called when the reader chooses another speed.
-// Returns `again`, which prepares and draws the pictures anew.
+// figure, panels, controls: the parts of the player. end: the last instant of the motion (s). now, azimuth, elevation: the initial
+// time (s) and direction of view (rad). lowest: the least elevation (rad). look: prepares the pictures for a direction of view.
+// paint: draws the pictures at a time. describe: describes the pictures. changeSpeed: is called when the reader changes the speed.
+// Returns the function `again`, which prepares and draws the pictures again.
 const staged = ({ figure, panels, controls, end, lowest, look, paint, describe, changeSpeed, ...first }) => {
   let { now, azimuth, elevation } = first;
   let pending = 0;
@@ -13,7 +13,7 @@ const staged = ({ figure, panels, controls, end, lowest, look, paint, describe, 
     paint(now);
     controls.showTime(now);
     if (player.isPlaying()) return;
-    // Pictures are described once they have stood still for half a second.
+    // Pictures are described when they have not changed for half a second.
     clearTimeout(pending);
     pending = setTimeout(describe, 500);
   };

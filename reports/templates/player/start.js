@@ -1,4 +1,4 @@
-// Makes a player when it comes near the window, so that a page of many cases opens at once, and all of them for paper.
+// Makes a player when it comes near the window, so that a page of many cases opens at once, and all players before printing.
 // Uses player.js.
 const ready = (figure) => {
   if (!figure.dataset.ready) build(figure, JSON.parse(document.getElementById(figure.dataset.player).textContent));

@@ -1,7 +1,7 @@
 // Reads the motions that reports/runs/motions/tracks.py stores, and interpolates between their instants by the same formulas.
 // Uses vectors.js.
 
-// Angle (rad) below which a series replaces a quotient of two small numbers.
+// The angle (rad) below which a series replaces a quotient of two small numbers.
 const SMALL = 1e-2;
 
 const bytes = (text) => Uint8Array.from(atob(text), (character) => character.charCodeAt(0)).buffer;
@@ -10,7 +10,7 @@ const rows = (text, scale) => {
   return Array.from({ length: values.length / 3 }, (_, k) => AXES.map((_, i) => (values[3 * k + i] / 32767) * scale));
 };
 
-// How fast a rotation vector changes at a body rate, and the body rate at which it changes so.
+// The derivative of a rotation vector for a given body rate, and its inverse: the body rate for a given derivative.
 const derivative = (vector, rate) => {
   const angle = length(vector);
   const factor = angle > SMALL ? (1 - angle / 2 / Math.tan(angle / 2)) / angle ** 2 : 1 / 12 + angle ** 2 / 720;
@@ -37,7 +37,7 @@ const readTurning = ({ t, turn, rate, fastest }) => {
 };
 const readCourse = ({ t, place, farthest, within }) => ({ instants: new Float64Array(bytes(t)), places: rows(place, farthest), within });
 
-// The number of the span between two instants that holds a time, by bisection.
+// Returns the index of the span between two instants that contains a time, by bisection.
 const spanAt = (instants, t) => {
   let [low, high] = [0, instants.length - 2];
   while (low < high) {

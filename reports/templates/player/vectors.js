@@ -32,5 +32,5 @@ const log = (q) => {
 };
 const angleBetween = (p, q) => length(log(multiply(conjugate(p), q)));
 
-// What a function gives for each of n angles that go evenly round a circle.
+// Returns the values of a function at n angles that are evenly distributed around a circle.
 const around = (n, at) => Array.from({ length: n }, (_, k) => at((2 * Math.PI * k) / n));

@@ -1,8 +1,8 @@
-// Views and what they make of points: a view has the directions `right`, `up` and `toward` the eye, the point in the middle of
+// Views and the projection of points: a view has the directions `right`, `up` and `toward` the eye, the point in the middle of
 // the picture (`focus`), its `scale` (pixels for each unit of length at the focus) and the `distance` of the eye from the focus.
 // Uses vectors.js.
 
-// Pixels: the width and height of a picture, and its middle.
+// The width and height of a picture, and the coordinates of its middle, in pixels.
 const [SIZE, MIDDLE] = [240, 120];
 
 const viewFrom = (azimuth, elevation) => {
@@ -16,10 +16,10 @@ const project = (view, p) => {
   const near = view.distance / (view.distance - dot(d, view.toward));
   return [MIDDLE + view.scale * near * dot(d, view.right), MIDDLE - view.scale * near * dot(d, view.up)];
 };
-// Whether the eye is on the outer side of a face: `at` is one of its points.
+// Returns whether the eye is on the outer side of a face. at: a point of the face.
 const isSeen = (view, at, normal) => dot(normal, minus(add(view.focus, times(view.distance, view.toward)), at)) > 0;
 
-// Paths of SVG through points of the picture.
+// SVG paths through points of the picture.
 const coordinates = ([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 const path = (points, closed = false) => (points.length ? `M${points.map(coordinates).join("L")}${closed ? "Z" : ""}` : "");
 const arrow = (from, to) => {
@@ -31,7 +31,7 @@ const arrow = (from, to) => {
   const wing = (side) => [bx - side * 0.45 * head * uy, by + side * 0.45 * head * ux];
   return path([from, [bx, by]]) + path([to, wing(1), wing(-1)], true);
 };
-// Marks a centre of mass: by a cross, or where that is outside the picture, by a tip at the rim that points to it.
+// Returns the mark of a centre of mass: a cross or, if it is outside the picture, a tip at the edge that points to it.
 const marker = ([x, y]) => {
   if (Math.hypot(x - MIDDLE, y - MIDDLE) < 108)
     return [[[x - 4, y - 4], [x + 4, y + 4]], [[x + 4, y - 4], [x - 4, y + 4]], [[MIDDLE, MIDDLE], [x, y]]].map((ends) => path(ends)).join("");
