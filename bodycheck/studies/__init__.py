@@ -7,7 +7,7 @@
 - `releases`: what changed from one release of an engine to the next?
 - `audit`: what does an engine compute that is not mechanics, and which methods are the same?
 - `ensemble`: how often does a method fail over many members of a case, and which are the worst?
-- `parity`: do engines build the same robot from one robot file?
+- `parity`: does an engine build from a robot file the robot that the file describes?
 
 Several studies use `cost`, which measures the time per step, `timesteps`, which has the time steps that suit a case, and
 `orders`, the rows of the orders of convergence.

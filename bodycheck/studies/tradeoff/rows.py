@@ -20,7 +20,7 @@ COSTS = (
     Column("engine_share", "number", "Engine share", "share of the time that passes in the engine's own calls", counts="share"),
 )
 
-#: Columns after those of costs. Rows of single runs have the last two, and the others are empty in them.
+#: Columns after those of costs. In rows of single runs, all of them are empty except the last two.
 BATCHES = (
     Column("worst_position_error", "number", "Worst position error", "largest position error of all scenes of a batch", "m"),
     Column("worst_attitude_error", "number", "Worst attitude error", "largest attitude error of all scenes of a batch", "rad"),
