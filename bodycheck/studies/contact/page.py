@@ -51,7 +51,7 @@ def present(
 
 
 def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
-    """Return findings about the largest creep and energy gain at each engine's defaults, and about scenes it did not complete."""
+    """Return findings about each engine's largest creep and energy gain at its defaults, and scenes it did not complete."""
     sentences = []
     for engine in dict.fromkeys(line.engine for line in sheet):
         for figure, says in (("creep", "a body that should rest creeps at"), ("energy_gain", "energy grows by a part of")):
