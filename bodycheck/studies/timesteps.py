@@ -12,7 +12,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 #: The largest time step of any ladder.
 LARGEST_STEP_S = 0.02
 
-#: Largest rotation of the body in the largest step; with a larger one, no order of convergence is visible.
+#: Largest rotation of the body in the largest step; with a larger rotation, no order of convergence is visible.
 LARGEST_TURN_RAD = 0.25
 
 #: Largest number of steps of a run. So many steps take some seconds with engines that are stepped from Python.
@@ -56,6 +56,6 @@ def ladder(case: Case) -> tuple[float, ...]:
 
 
 def fitted(wanted: float, interval: float) -> float:
-    """Return the time step (s) closest to a wanted one that divides an interval (s) or is a multiple of it."""
+    """Return the time step (s) closest to a wanted time step (s) that divides an interval (s) or is a multiple of it."""
     step = interval / round(interval / wanted) if wanted < interval else interval * round(wanted / interval)
     return float(f"{step:.12g}")

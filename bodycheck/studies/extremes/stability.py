@@ -1,4 +1,4 @@
-"""Search the largest stable time step of a method, as the product of spin and time step: the angle per step.
+"""Search for the largest stable time step of a method, as the product of spin and time step: the angle per step.
 
 A method is stable at a time step if it completes a hundred turns and its energy of rotation never reaches twice the initial
 value. A loss of energy is an error, but not an instability. The search begins at one full turn per step and halves the step

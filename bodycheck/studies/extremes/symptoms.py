@@ -217,7 +217,7 @@ def _frozen(body: Body, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def _energy(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
-    """Yield a symptom if the energy changes too much: if it grows on a plane, or if it changes at all where it is conserved."""
+    """Yield a symptom if the energy changes too much: if it grows on a plane, or if it changes where it is conserved."""
     change = energy_change(scene, trajectory)
     if scene.plane is not None:
         if change.max() > ENERGY_CHANGE_LIMIT:

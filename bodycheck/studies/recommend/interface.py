@@ -119,7 +119,7 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results.
     engine, integrator, jobs
-        As those of `bodycheck.run`.
+        The same as the parameters of `bodycheck.run`.
     reuse
         A folder with results of `tradeoff` or `run`. The time steps of these runs are not measured again.
     out

@@ -34,9 +34,9 @@ class Probe:
 
 @dataclass(frozen=True)
 class Answer:
-    """The largest measured time step of a method such that this step and all smaller measured steps keep the limit.
+    """The answer for a method: the largest measured time step such that it and all smaller measured steps keep the limit.
 
-    If there is no such time step, it is the measured time step with the smallest error.
+    If there is no such time step, the answer has the measured time step with the smallest error.
     """
 
     engine: str

@@ -1,4 +1,4 @@
-"""Search the largest time step of a method that keeps a limit: pure functions of the errors that were measured so far.
+"""Search for the largest time step of a method that keeps a limit: pure functions of the errors that were measured so far.
 
 The answer is the largest measured step such that it and every smaller measured step keep the limit. All steps that the search
 proposes have two significant digits. It narrows the bracket until the answer and the smallest step that breaks the limit are
@@ -50,7 +50,7 @@ MOST_STEPS = 60
 
 @dataclass(frozen=True)
 class Range:
-    """The range of time steps in which the answer for a method is searched, and the limit that its error should keep.
+    """The range of time steps in which the answer for a method is searched for, and the limit that its error should keep.
 
     Parameters
     ----------

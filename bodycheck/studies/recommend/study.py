@@ -1,4 +1,4 @@
-"""Search the largest time step of every method that keeps an error on a case, and measure what it costs.
+"""Search for the largest time step of every method that keeps an error on a case, and measure the cost of this time step.
 
 Every run is made in a worker process of its engine and recorded when it ends, so that an interrupted search can be resumed.
 """
@@ -45,7 +45,7 @@ SHORT_NAMES = {
     "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
 }
 
-#: The least and the largest number of steps of a run, which limit the searched time steps. The longest run takes seconds in
+#: The least and the largest number of steps of a run, which limit the range of time steps. The longest run takes seconds in
 #: Python.
 LEAST_STEPS, MOST_STEPS = 10, 100_000
 
@@ -56,7 +56,7 @@ FIRST_TURN = 1.0
 #: its arc, which a large step may prevent.
 MOST_UNSEEN = 4
 
-#: Time limit (s) of one run, more than ten times what `MOST_STEPS` steps take in Python.
+#: Time limit (s) of one run, more than ten times the duration of `MOST_STEPS` steps in Python.
 TIME_LIMIT_S = 60.0
 
 

@@ -163,7 +163,7 @@ def rows(
         for batch in batches:
             ran = workers.call(batch)
             truth = results.truth(batch.case.name, batch.method.timestep)
-            assert isinstance(truth, Truth)  # the batch has its trajectory
+            assert isinstance(truth, Truth)  # the batch was made with this truth
             batch_rows.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
             progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · in batches of {batch.scenes}")
     return batch_rows
@@ -193,7 +193,7 @@ def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator
 
 def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]:
     """Return the row of a batch. Its errors are those of the case itself; its times are per step of one scene."""
-    case = replace(batch.case, expectations=())  # they are of single runs
+    case = replace(batch.case, expectations=())  # expectations are about single runs
     run = Run(case.name, batch.engine, engine.version, batch.method, ran.outcome, scene=case.scene)
     (row,) = judgement.records([judgement.verdict(case, truth, run)])
     row |= {**NO_COSTS, **dict.fromkeys(BATCH_COLUMNS)}

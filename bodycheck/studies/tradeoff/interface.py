@@ -24,7 +24,7 @@ from bodycheck.studies.tradeoff.rows import RUNS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeoffResults(StudyResults):
-    """The costs of errors with each method, and the orders at which the errors vanish.
+    """The errors and costs of all runs, and the orders at which the errors of each method vanish.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class TradeoffResults(StudyResults):
 
 
 def carry_out(runs: Ran, timesteps: Sequence[float], batch_sizes: Sequence[int], output: Output) -> TradeoffResults:
-    """Measure what runs cost and how their errors converge, and write the tables and the report.
+    """Measure the costs of runs and the convergence of their errors, and write the tables and the report.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def tradeoff(
     Parameters
     ----------
     cases, engine, integrator, jobs
-        As those of `bodycheck.run`.
+        The same as the parameters of `bodycheck.run`.
     timestep
         Time steps (s). If none are given, each case is run with time steps that suit it. Orders need five or more.
     batch
@@ -101,7 +101,7 @@ def tradeoff(
     Raises
     ------
     BadInput, Failed
-        As `bodycheck.run`.
+        In the same cases as by `bodycheck.run`.
     """
     each = arguments.listed(cases)
     selected = arguments.given_cases(each)

@@ -108,14 +108,14 @@ def _task(case: Case, verdict: Verdict) -> Task:
 
 
 def _stretch(task: Task, verdict: Verdict) -> Stretch:
-    assert isinstance(verdict.outcome, Completed)  # it has a discrepancy
+    assert isinstance(verdict.outcome, Completed)  # only completed runs have a discrepancy
     return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
 
 
 def _claims(engine: Engine, key: RunKey) -> Integrator:
     """Return the integrator of a run, with the order and the evaluations that its engine claims."""
     integrator = integrator_of(engine, key.method)
-    assert integrator is not None  # it was run
+    assert integrator is not None  # the engine ran it
     return integrator
 
 
@@ -195,7 +195,7 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine
     """Yield the orders of one method. verdicts: those on its completed runs, sorted by time step, the largest first."""
     coarsest = verdicts[0].run
     truth = results.truth(case.name, coarsest.method.timestep)
-    assert isinstance(truth, Truth)  # its run has a discrepancy
+    assert isinstance(truth, Truth)  # a run without a truth has no discrepancy
     roundoff = ROUNDOFF[engine.precision]
     named = identify(case, coarsest, truth, roundoff)
     runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]

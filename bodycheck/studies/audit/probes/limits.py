@@ -20,7 +20,7 @@ from bodycheck.studies.audit.probes.scenes import coast
 #: The speed (m/s) and the spin (rad/s) of the faster launch; the other launch has half of both.
 LAUNCH = 1e4
 
-#: The largest limit that is searched. Larger values are not reported, because a launch may lose a tenth to damping.
+#: The largest limit that is searched for. Larger values are not reported, because a launch may lose a tenth to damping.
 LARGEST = 9e3
 
 #: The time step (s) and the number of steps.

@@ -14,7 +14,7 @@ from bodycheck.studies.audit.probe import Finding, not_probed
 from bodycheck.studies.audit.probes.conventions import watch
 from bodycheck.studies.audit.probes.scenes import DIRECTION, coast
 
-#: The speeds (m/s) between which the threshold of sleeping is searched, and the duration (s) for which a body is watched.
+#: The speeds (m/s) between which the threshold of sleeping is searched for, and the duration (s) of a flight.
 SLOWEST, FASTEST = 1e-4, 10.0
 DURATION = 3.0
 
@@ -25,7 +25,7 @@ FIRST, STRIDES = 64, 100
 #: that crawls because of damping lies between them for a while. A body that is put to sleep stops within one stride.
 MOVING, STILL = 1e-2, 1e-3
 
-#: The launch speeds (m/s) between which the threshold is searched above which a body is put back to its start.
+#: The launch speeds (m/s) between which the threshold is searched for, above which a body is put back to its start.
 SLOW, FAST = 1e3, 1e13
 
 #: The number of steps of these launches.
