@@ -1,7 +1,7 @@
 """Measure what a step of a method costs, with the spread of repeated measurements.
 
-Each engine is timed in a process of its own, where it is installed. The methods take turns, whatever their engine, so that
-disturbances of the machine affect all of them equally.
+Each engine is timed in a separate process, in the environment where it is installed. The methods of all engines are timed in
+turn, so that disturbances of the machine affect all of them equally.
 """
 
 import gc
@@ -43,7 +43,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A run whose steps are to be timed. `steps` is the number of steps from the start that are known to complete."""
+    """A run whose steps are timed. `steps` is the number of steps from the start that are known to complete."""
 
     scene: AnyScene
     engine: str
@@ -60,12 +60,12 @@ class Measured:
     times
         The time per step (s) of each round.
     processor_times
-        The time per step (s) for which processors worked, all threads together, of each round.
+        The processor time per step (s) of all threads together, of each round.
     setup
         The time (s) of the first preparation of the simulation in its process, in which some engines compile code.
     engine_share
-        The share of the time that passes in the engine's own calls; the rest is the loop in Python around them. None if the
-        adapter does not name these calls.
+        The share, from 0 to 1, of the time that is spent in calls of the engine; the rest is spent in the Python loop around
+        them. None if the adapter does not name these calls.
     """
 
     times: Array
@@ -76,7 +76,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class _Size:
-    """The number of steps and of repetitions of one measurement of sufficient duration, and the time of the set-up (s)."""
+    """The numbers of steps and of repetitions of a measurement that lasts long enough, and the time (s) of the set-up."""
 
     steps: int
     repeats: int
@@ -84,7 +84,7 @@ class _Size:
 
 
 def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) -> list[Measured | Crashed | TimedOut]:
-    """Return the measurements of each stretch, or why there are none.
+    """Return the measurements of each stretch, or the failure of the call that prevented them, in the order of the stretches.
 
     Set-up is not timed with the steps, and every measurement begins at the start of the scene.
 
@@ -113,7 +113,7 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
 
         sizes: list[_Size | None] = [measured(index, _size) for index in range(len(stretches))]
         for turn in range(rounds):
-            # Every other round is in reverse order, so that no stretch always follows the same other one.
+            # Every second round is in reverse order, so that a stretch does not always follow the same other stretch.
             for index in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
                 if (sample := measured(index, _sample, sizes[index])) is not None:
                     times[index, turn], processor_times[index, turn] = sample
@@ -125,7 +125,7 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
 
 
 def summarise(times: Array) -> Cost:
-    """Return the cost from repeated measurements (rounds,)."""
+    """Return the median, the minimum and the maximum of repeated measurements (rounds,)."""
     return Cost(float(np.median(times)), float(times.min()), float(times.max()))
 
 
@@ -135,7 +135,10 @@ def _apply(call: tuple[Any, ...]) -> Any:
 
 
 def _size(stretch: Stretch) -> _Size:
-    """Return the number of steps, at most those of the stretch, and of repetitions for a measurement of sufficient duration."""
+    """Prepare a simulation, and return the numbers of steps and of repetitions for a measurement that lasts long enough.
+
+    A measurement has at most the steps of the stretch.
+    """
     start = time.perf_counter()
     offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
     setup = time.perf_counter() - start
@@ -156,7 +159,7 @@ def _engine_share(stretch: Stretch, size: _Size) -> float | None:
 
 
 def _seconds(stretch: Stretch, steps: int) -> tuple[float, float]:
-    """Return the time and the processor time (s) of a number of steps from the start of the scene."""
+    """Simulate a number of steps from the start of the scene, and return their time and their processor time (s)."""
     simulation = offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
     strides = np.array([steps], dtype=np.int64)
     gc.disable()

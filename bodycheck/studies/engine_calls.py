@@ -1,4 +1,4 @@
-"""The share of the time of a simulation that passes in the engine's own calls, and that of the loop in Python around them."""
+"""Measure the share of a simulation's time that is spent in calls of the engine, and not in the Python loop around them."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -9,33 +9,33 @@ from typing import Any
 
 from bodycheck.adapters.contract import Adapter, Calls
 
-#: Number of measurements with and without watched calls, in turn.
+#: Number of pairs of measurements, one without and one with watched calls.
 ROUNDS = 5
 
-#: Number of calls of a function that does nothing, by which the time of the watching itself is found.
+#: Number of calls of a function that does nothing, from which the time that a wrapper adds to a call is determined.
 IDLE_CALLS = 20_000
 
 
 @dataclass
 class Watch:
-    """The number of the watched calls and the time (s) that passed in them."""
+    """The number of watched calls and the time (s) spent in them."""
 
     calls: int = 0
     seconds: float = 0.0
 
 
 def share(adapter: Adapter, seconds: Callable[[], float]) -> float | None:
-    """Return the share, from 0 to 1, of a simulation's time that passes in the engine's own calls.
+    """Return the share, from 0 to 1, of a simulation's time that is spent in calls of the engine.
 
-    Each call is timed by a wrapper, whose own time within what it measures is subtracted. The share is of the time without
-    wrappers, and the median of several measurements.
+    Each call is timed by a wrapper. The time that the wrapper itself adds to the measured time is subtracted. The result is the
+    median of several measurements, each divided by the time of a simulation without wrappers.
 
     Parameters
     ----------
     adapter
         The adapter of the engine. If it does not name the engine's calls, the result is None.
     seconds
-        Runs the simulation and returns the time (s) that its steps took.
+        A function that runs the simulation and returns the time (s) that its steps took.
     """
     if not isinstance(adapter, Calls):
         return None
@@ -51,9 +51,9 @@ def share(adapter: Adapter, seconds: Callable[[], float]) -> float | None:
 
 @contextmanager
 def watched(calls: Sequence[tuple[Any, str]]) -> Iterator[Watch]:
-    """Count and time the calls of functions within the context.
+    """Count and time the calls of functions within the context; the provided `Watch` has the sums.
 
-    calls: pairs of an object, which is a module or a class, and the name of a function in it.
+    calls: pairs of a module or a class, and the name of a function in it.
     """
     watch = Watch()
     with ExitStack() as stack:
@@ -79,7 +79,7 @@ def _timed(function: Callable[..., Any], watch: Watch) -> Callable[..., Any]:
 
 
 def _time_of_watching() -> float:
-    """Return the time (s) that a wrapper adds to what it measures."""
+    """Return the time (s) that a wrapper adds to the measured time of one call."""
     watch = Watch()
     idle = _timed(_nothing, watch)
     for _ in range(IDLE_CALLS):

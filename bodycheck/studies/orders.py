@@ -1,4 +1,4 @@
-"""The row of a method's observed order of convergence, with the claimed order and the textbook scheme it agrees with."""
+"""The table of observed orders of convergence, with the claimed orders and the textbook schemes with which methods agree."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -61,7 +61,7 @@ class Order:
 
     @property
     def scheme_in_words(self) -> str:
-        """The scheme, or the one that the method is near; empty if there is neither."""
+        """The name of the scheme, or "near" and the name of the nearest scheme; empty if there is neither."""
         return self.scheme or (f"near {self.nearest_scheme}" if self.nearest_scheme else "")
 
     @property

@@ -28,9 +28,9 @@ class Output:
     folder
         The folder for records, tables and the report; None if nothing is kept.
     figures
-        The formats in which every plot is also written as a file of its own.
+        The formats in which every plot is also written to a separate file.
     quiet
-        Whether no progress is shown.
+        Whether the display of progress is suppressed.
     """
 
     folder: Path | None = None
@@ -39,13 +39,16 @@ class Output:
 
     @contextmanager
     def work(self, label: str, size: int) -> "Iterator[tuple[Path, Advance]]":
-        """Provide the folder for the records of some work, which is temporary if nothing is kept, and show its progress."""
+        """Provide the folder for records, which is temporary if nothing is kept, and a function that advances the progress.
+
+        label: the name of the work in the display of progress. size: the number of its parts.
+        """
         with ExitStack() as stack:
             folder = self.folder or stack.enter_context(temporary_folder())
             yield folder, stack.enter_context(progress(label, size, self.quiet))
 
     def write(self, report: StudyReport, tables: Sequence[tuple[Table[Any], Sequence[Any]]], origins: Origins) -> None:
-        """Write tables, each a description and its rows, and the report, unless nothing is kept."""
+        """Write the report and the tables, each of them a pair of a description and rows, unless nothing is kept."""
         if self.folder is not None:
             for table, rows in tables:
                 csv_tables.write(self.folder, table, rows, origins)

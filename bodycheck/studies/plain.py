@@ -1,11 +1,12 @@
-"""Studies of methods on cases whose folder has only `rows` and `study`: their command, Python function, page and saved results.
+"""Studies whose folder has only the modules `rows` and `study`: their command, Python function, page and saved results.
 
 The module `rows` of such a study has `TABLES`, the descriptions of its tables, and `RECORDS`, the name of the journal in its
 folder. Its module `study` has
 
 - `prepare(cases, engines, integrators)`, which returns the plan of the work; its `size` is the number of parts;
 - `results(plan, folder, header, jobs, progress)`, a context that does the work and provides the rows of each table;
-- `suits(case)`, if it is not for every case: whether it is for a shipped case if the user names none.
+- `suits(case)`, which is needed only if the study is not made of every case. It returns whether the study is made of a shipped
+  case when the user names no case.
 
 The rows of the main table are recorded in the journal, as the entry `row` of records. The docstring of the folder, up to its
 first list, is the help of the command.
@@ -54,7 +55,7 @@ class PlainResults(StudyResults):
 
 
 def suited(name: str, cases: Iterable[Case], *, named: bool) -> list[Case]:
-    """Return the cases that a study is made of: those that the user named, or the shipped ones that it is for."""
+    """Return the cases of a study: all given cases if the user named them (`named`), or else the cases that suit the study."""
     suits: Callable[[Case], bool] = getattr(registry.required(name, "study"), "suits", lambda case: True)
     return [case for case in cases if named or suits(case)]
 
@@ -74,19 +75,21 @@ def carry_out(
     ----------
     name
         The name of the study.
-    cases, engines, integrators
-        What it is made of; all methods of the engines if no integrator is given.
+    cases, engines
+        The cases and the engines of the study.
+    integrators
+        Spellings of methods; all methods of the engines if it is empty.
     command
         The words of the command, for the header of the results.
     jobs
         The number of processes.
     output
-        Where the results go. An interrupted study in its folder is resumed.
+        The folder and the formats of the results, and the display of progress. An interrupted study in the folder is resumed.
 
     Raises
     ------
     BadInput, BadJournal
-        As `prepare` and `results` of the study.
+        As the functions `prepare` and `results` of the study raise them.
     """
     study, described = registry.required(name, "study"), registry.required(name, "rows").TABLES
     planned = study.prepare(cases, engines.records, integrators)
@@ -120,7 +123,10 @@ def function(name: str) -> Callable[..., PlainResults]:
 
 
 def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str | Path | None, jobs: int | None) -> PlainResults:
-    """Make a study with the arguments of its Python function. Raises `BadInput` with the texts of the command line."""
+    """Make a study with the arguments of its Python function.
+
+    Raises `BadInput` with the same messages as the command line.
+    """
     each = arguments.listed(cases)
     named, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
     processes = arguments.jobs_of(jobs)
@@ -131,7 +137,7 @@ def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str |
 
 
 def check_view(name: str, view: View) -> None:
-    """Raise `BadInput` if a view names a column that the tables of a study on the terminal lack."""
+    """Raise `BadInput` if a view names a column that none of the study's tables on the terminal has."""
     printing = registry.part(name, "printing")
     terminal.check(
         view, *(printing.TABLES if printing is not None else map(_terminal_columns, registry.required(name, "rows").TABLES))
@@ -139,7 +145,7 @@ def check_view(name: str, view: View) -> None:
 
 
 def print_tables(name: str, results: PlainResults, view: View) -> None:
-    """Print the tables of a study: as its module `printing` does, or all columns of each."""
+    """Print the tables of a study by its module `printing`, or with all their columns if it has no such module."""
     if (printing := registry.part(name, "printing")) is not None:
         printing.print_rows(*results.rows_by_table, view)
         return
@@ -150,6 +156,6 @@ def print_tables(name: str, results: PlainResults, view: View) -> None:
 
 
 def _terminal_columns(table: Table[Any]) -> list[terminal.Column[Any]]:
-    """Return the columns of a table on the terminal, of which the last ones go first where it is narrow."""
+    """Return the columns of a table on the terminal. If the terminal is narrow, the last columns are left out first."""
     heads = [(column.name, f"{column.name} {column.unit}".rstrip()) for column in table.columns]
     return [terminal.entry(name, head, ".6g", goes=goes) for goes, (name, head) in enumerate(heads)]

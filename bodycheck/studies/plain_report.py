@@ -1,6 +1,6 @@
-"""The report of a study whose folder has only `rows` and `study`, and reading its folder again; see `plain`.
+"""The report of a study whose folder has only the modules `rows` and `study` (see `plain`), also from its saved results.
 
-Nothing here makes a study, so that `bodycheck report` needs no engine and starts no process.
+This module makes no study, so that `bodycheck report` needs no engine and starts no process.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,10 @@ from bodycheck.studies import reading, registry
 
 
 def present(name: str, header: Header, rows: Sequence[Sequence[Any]]) -> StudyReport:
-    """Return the contents of the report of a study: those of its module `page`, or its tables as they are."""
+    """Return the contents of the report of a study: by its module `page`, or with all its tables if it has no such module.
+
+    rows: the rows of each table, in the order of `TABLES`.
+    """
     if (page := registry.part(name, "page")) is not None:
         report: StudyReport = page.present(header, *rows)
         return report
@@ -35,15 +38,15 @@ def present(name: str, header: Header, rows: Sequence[Sequence[Any]]) -> StudyRe
 
 
 def journal(name: str) -> str:
-    """Return the name of the journal in the folder of a study."""
+    """Return the file name of a study's journal."""
     return str(registry.required(name, "rows").RECORDS)
 
 
 def read(name: str, folder: Path) -> StudyReport:
-    """Return the report of a finished study in a folder.
+    """Return the report of a finished study that is saved in a folder.
 
-    Raises `BadFolder` if it was interrupted, or if its main table differs from what its journal records, and errors of damaged
-    files.
+    Raises `BadFolder` if the study was interrupted, or if the rows of its main table differ from those in its journal, and
+    the errors of damaged files.
     """
     rows = registry.required(name, "rows")
     contents, header = reading.finished(folder / rows.RECORDS)

@@ -1,6 +1,6 @@
-"""Reading of saved studies: the checks that all of them share.
+"""Functions and checks that all readers of saved studies share.
 
-A folder comes from anyone. What a table says is compared with the records beside it, and nothing is simulated.
+A folder may come from an unknown source. Therefore its tables are compared with the records in it; nothing is simulated.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -23,7 +23,7 @@ INTERRUPTED = "was interrupted before its report was written; run it again with 
 
 
 def finished(path: Path) -> tuple[Contents, Header]:
-    """Return the records of a finished study, and their header.
+    """Return the contents of the journal of a finished study, and its header.
 
     Raises `BadFolder` if the study was interrupted, and `ValueError` if the header lacks an entry that every report contains.
     """
@@ -35,7 +35,7 @@ def finished(path: Path) -> tuple[Contents, Header]:
 
 
 def finished_runs(folder: Path) -> Results:
-    """Return the runs of a finished study, whose table is beside their records. Raises `BadFolder` if it was interrupted."""
+    """Return the runs that are recorded in the folder of a finished study. Raises `BadFolder` if it was interrupted."""
     results = store.read(folder)
     if not results.complete:
         raise BadFolder(f"{folder}: the study {INTERRUPTED}")
@@ -43,7 +43,10 @@ def finished_runs(folder: Path) -> Results:
 
 
 def check_runs(results: Results, table: str, tabled: set[Any], recorded: set[Any]) -> None:
-    """Raise `BadFolder` if a table does not list the same runs as the records in its folder."""
+    """Raise `BadFolder` if a table is empty or does not list the same runs as the records in its folder.
+
+    table: the file name of the table. tabled, recorded: the keys of the runs in the table and in the records.
+    """
     if not tabled or tabled != recorded:
         raise BadFolder(
             f"{results.folder}: {table} does not list the same runs as {store.RECORDS}: it is damaged, or it belongs to other "
@@ -52,25 +55,28 @@ def check_runs(results: Results, table: str, tabled: set[Any], recorded: set[Any
 
 
 def dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[str]) -> StudyReport:
-    """Return a report that says which of its figures were measured with another definition. figures: those that it has."""
+    """Return a report with a notice for each figure that was measured with a definition that has changed since.
+
+    header: the header of the records. figures: the names of the figures in the report.
+    """
     stored = records.typed(records.RevisionsRecord, header).revisions
     return replace(report, notices=(*report.notices, *(f"{text}." for text in revisions.notices(stored, figures))))
 
 
 def rows(folder: Path, table: Table[Row]) -> list[Row]:
-    """Return the rows of a table, with the present spelling of methods that earlier versions of bodycheck spelled otherwise.
+    """Return the rows of a table in a folder, with the present spelling of methods whose spelling has changed.
 
-    Raises `ValueError` for a row that is not as the description of the table says.
+    Raises `ValueError` for a row that does not match the description of the table.
     """
     return [row(table, record) for record in csv_tables.read(folder, table)]
 
 
 def row(table: Table[Row], record: Mapping[str, Any]) -> Row:
-    """Return the row of a record of a table; see `rows`."""
+    """Return the row of a table that a record, a mapping from column to value, contains; see `rows`."""
     present = table.values(record) | {"integrator": current(record["integrator"])}
     return cast(Row, present) if table.row is None else records.typed(table.row, present)
 
 
 def runs(results: Results) -> Iterator[dict[str, Any]]:
-    """Return the records of the runs among those of some results."""
+    """Return those records of some results that are records of runs."""
     return (record for record in results.records if record["record"] == "run")

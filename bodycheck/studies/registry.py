@@ -1,8 +1,8 @@
 """The studies, each a folder beside this module, whose parts are modules with fixed names.
 
-A folder needs `rows` and `study`, of which `plain` says what they contain. If its options, its page or what it prints differ
-from those of a plain study, it also has `command`, `interface` (its Python function), `page`, `printing` or `saved` (the
-function that reads its folder).
+A folder needs the modules `rows` and `study`, whose contents `plain` describes. If the options, the page or the output of a
+study differ from those of a plain study, its folder also has `command`, `interface` (its Python function), `page`, `printing`
+or `saved` (the function that reads its saved results).
 """
 
 import importlib
@@ -15,7 +15,7 @@ STUDIES = ["tradeoff", "recommend", "extremes", "ensemble", "ablation", "audit",
 
 
 def is_plain(study: str) -> bool:
-    """Return whether a study has the command of all studies; see `plain`."""
+    """Return whether a study has no module `command`, so that its command is made by `plain_command`."""
     return importlib.util.find_spec(f"{__package__}.{study}.command") is None
 
 
@@ -26,14 +26,14 @@ def part(study: str, name: str) -> Any | None:
 
 
 def required(study: str, name: str) -> Any:
-    """Return a module of the folder of a study, which has it."""
+    """Return a module that the folder of a study must have."""
     module = part(study, name)
     assert module is not None, f"the study {study} has no module {name}"
     return module
 
 
 def about(study: str) -> str:
-    """Return what a study is: the docstring of its folder up to the first list."""
+    """Return the description of a study: the docstring of its folder up to the first list."""
     paragraphs = (inspect.getdoc(importlib.import_module(f"{__package__}.{study}")) or "").split("\n\n")
     lists = [number for number, text in enumerate(paragraphs) if text.startswith("- ")]
     return "\n\n".join(paragraphs[: min(lists, default=None)])

@@ -1,4 +1,4 @@
-"""Time steps that suit a case: how fast its bodies turn at the start, and the ladder at which methods are measured."""
+"""Time steps that suit a case: the ladder at which methods are measured, from the angular velocity of its bodies."""
 
 import math
 from itertools import count
@@ -12,10 +12,10 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 #: The largest time step of any ladder.
 LARGEST_STEP_S = 0.02
 
-#: Largest rotation of the body in the largest step; with a larger one, no order of convergence is visible.
+#: Largest rotation of the body in the largest step; with a larger rotation, no order of convergence is visible.
 LARGEST_TURN_RAD = 0.25
 
-#: Largest number of steps of a run, which takes some seconds with engines that are stepped from Python.
+#: Largest number of steps of a run. So many steps take some seconds with engines that are stepped from Python.
 MAX_STEPS = 100_000
 
 #: Smallest number of time steps in a ladder, regardless of the number of steps of a run.
@@ -26,7 +26,7 @@ MANTISSAS = (5.0, 2.0, 1.0)
 
 
 def fastest_spin(scene: AnyScene) -> float:
-    """Return the initial angular velocity (rad/s) of the body, or the largest of the bodies of a mechanism."""
+    """Return the magnitude of the initial angular velocity (rad/s) of the body, or the largest of a mechanism's bodies."""
     if isinstance(scene, Mechanism):
         return float(np.linalg.norm(kinematics.initial(scene).angular_velocity, axis=-1).max())
     return math.hypot(*scene.initial.angular_velocity)
@@ -56,6 +56,6 @@ def ladder(case: Case) -> tuple[float, ...]:
 
 
 def fitted(wanted: float, interval: float) -> float:
-    """Return the time step (s) closest to a wanted one that divides an interval (s) or is a multiple of it."""
+    """Return the time step (s) closest to a wanted time step (s) that divides an interval (s) or is a multiple of it."""
     step = interval / round(interval / wanted) if wanted < interval else interval * round(wanted / interval)
     return float(f"{step:.12g}")

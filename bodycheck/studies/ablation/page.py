@@ -1,4 +1,4 @@
-"""The report of the ablation: what larger models than a scene requires cost and change, model by model."""
+"""The report of the ablation: the cost of models that are larger than a scene requires, and their effect on the motion."""
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from bodycheck.studies.ablation.rows import Change, ModelRow
 #: Lengths below this (m) are given in mm.
 MILLIMETRES_BELOW_M = 0.1
 
-#: Changes of an error below this count as none: relative, and in the unit of the error.
+#: Changes of an error below these limits count as no change: the relative limit, and the limit in the unit of the error.
 ALIKE, ROUNDING = 1e-6, 1e-12
 
 #: What changes are compared with, in sentences.
@@ -51,11 +51,11 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
     Parameters
     ----------
     header
-        Versions, machine and command.
+        The header of the results, with versions, machine and command.
     cases
         The cases, by name.
     rows
-        The rows of the study; those of one case, engine, integrator and time step follow one another.
+        The rows of the study. Rows with the same case, engine, integrator and time step must be adjacent.
     """
     compared = groups(rows)
     by_case: dict[str, list[list[ModelRow]]] = defaultdict(list)
@@ -77,12 +77,15 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
 
 
 def groups(rows: Sequence[ModelRow]) -> list[list[ModelRow]]:
-    """Return the models of each case, engine, integrator and time step, the smallest first."""
+    """Return a group of rows for each case, engine, integrator and time step, from the smallest model to the largest."""
     return [list(models) for _, models in groupby(rows, key=lambda row: (row.case, row.engine, row.integrator, row.timestep))]
 
 
 def findings(rows: Sequence[ModelRow]) -> list[Finding]:
-    """Return what the largest model that ran costs and changes, and the first model with other physics than the smallest."""
+    """Return findings about the cost and effect of the largest model that ran, and the first model with different physics.
+
+    Both models are compared with the smallest model. rows: a group that `groups` returns.
+    """
     smallest, *larger = rows
     before = f"With {named(smallest)} on "
     ran = [row for row in larger if row.relative_cost is not None and row.changes]
@@ -106,12 +109,12 @@ def findings(rows: Sequence[ModelRow]) -> list[Finding]:
 
 
 def named(row: ModelRow) -> str:
-    """Return the method of a row in words."""
+    """Return the engine, the integrator and the time step of a row in words."""
     return f"{row.engine} {row.integrator} at {milliseconds(row.timestep, 4)}"
 
 
 def effect(changes: Mapping[str, Change]) -> str:
-    """Return what a model changes, as the end of a sentence."""
+    """Return the end of a sentence about a model, which says how the model changes the motion."""
     changed = {name: change for name, change in changes.items() if not change.is_rounding}
     if not changed:
         return "does not change the motion"
@@ -124,7 +127,7 @@ def effect(changes: Mapping[str, Change]) -> str:
 
 
 def with_unit(value: float, quantity: str) -> str:
-    """Return a change (m or rad) with its unit, small lengths in mm."""
+    """Return a change (m or rad) with its unit as text; small lengths are given in mm."""
     if quantity == "position" and 0 < value < MILLIMETRES_BELOW_M:
         return f"{number(1e3 * value, 3)} mm"
     return f"{number(value, 3)} {UNITS[quantity]}"
@@ -146,7 +149,7 @@ def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
 
 
 def required(requirements: Requirements | MechanismRequirements) -> str:
-    """Return what a scene requires, as a sentence."""
+    """Return a sentence about the requirements of a scene."""
     names = list(requirements.names())
     if isinstance(requirements, Requirements):
         names = [f"{requirements.rotation} rotation" if name == "rotation" else name for name in names]
@@ -157,7 +160,7 @@ def required(requirements: Requirements | MechanismRequirements) -> str:
 
 
 def chart(rows: Sequence[ModelRow]) -> Chart:
-    """Return the chart of the relative costs."""
+    """Return the chart of the relative costs of a group of models."""
     (line,) = assign([RunKey.of_method(rows[0].engine, rows[0].integrator)]).values()
     drawn = [row for row in rows if row.relative_cost is not None]
     alt = "; ".join(f"{row.model} {number(row.relative_cost, 3)}" for row in drawn)
@@ -169,7 +172,7 @@ def chart(rows: Sequence[ModelRow]) -> Chart:
 
 
 def bars(rows: Sequence[ModelRow], colour: str) -> Spec:
-    """Return a chart with a bar for each model, the spread of its rounds, and its number."""
+    """Return a chart with a bar for the relative cost of each model, the spread of its rounds, and the cost as a number."""
     values = [
         {
             "model": row.model,
@@ -201,7 +204,7 @@ def bars(rows: Sequence[ModelRow], colour: str) -> Spec:
 
 
 def costs(rows: Sequence[ModelRow]) -> Table:
-    """Return a table with one row for each model: its cost, and the change of its motion from the smallest model."""
+    """Return a table with one row for each model: its cost, and the differences of its motion from the smallest model."""
     words = ("Model", "Adds")
     figures = (
         *("Time per step, µs", "Relative cost", "Smallest", "Largest"),
@@ -228,7 +231,7 @@ def costs(rows: Sequence[ModelRow]) -> Table:
 
 
 def changed(change: Change | None) -> tuple[Entry, Entry]:
-    """Return the cells of a change: its size and the time-step errors."""
+    """Return the two cells of a change: its size, and the sum of the time-step errors."""
     if change is None:
         return Entry("–"), Entry("–")
     size = Entry("none", None, f"{number(change.size, 3)}, which is rounding") if change.is_rounding else figure(change.size)

@@ -1,4 +1,4 @@
-"""The rows of the ablation study: one per model of a case, from the smallest to the largest."""
+"""The rows of the ablation study, one for each model of a case, from the smallest model to the largest."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -11,7 +11,7 @@ from bodycheck.results.tables import RUN, Table
 
 @dataclass(frozen=True)
 class Change:
-    """The largest difference of a model's motion from that of the smallest model, in position (m) or attitude (rad).
+    """The largest difference between the motions on a model and on the smallest model, in position (m) or attitude (rad).
 
     `rounding` is the largest difference that the rounding of all steps can cause, and `time_step` is the sum of the time-step
     errors of both models.
@@ -23,7 +23,7 @@ class Change:
 
     @property
     def is_rounding(self) -> bool:
-        """True if rounding alone explains the difference."""
+        """True if rounding alone can explain the difference."""
         return self.size <= self.rounding
 
     @property
@@ -35,7 +35,7 @@ class Change:
 #: The quantities whose changes are measured, with their units.
 CHANGED = {"position": "m", "attitude": "rad"}
 
-#: The name and the meaning of the columns of a `Change`, after the quantity.
+#: The name of each column of a `Change`, which follows the quantity in the column's full name, and its meaning.
 CHANGE_COLUMNS = (
     ("change", "largest difference from the motion of the smallest model"),
     ("rounding", "part of it that the rounding of all steps can cause"),
@@ -50,19 +50,19 @@ class ModelRow:
     Parameters
     ----------
     case, engine, version, integrator, timestep, model
-        The run; the time step is in s.
+        The identification of the run; the time step is in s.
     adds
-        A description of what this model contains and the next smaller one does not.
+        A description of the parts of this model that the next smaller model does not have.
     status, reason
-        The status of the run, and why it did not complete or was not timed.
+        The status of the run, and the reason why it did not complete or was not timed.
     time_per_step
         The time per step (s); None if it was not measured.
     relative_cost, relative_cost_low, relative_cost_high
-        The ratio of the time per step to that of the smallest model, with the minimum and the maximum; None if not measured.
+        The median, the minimum and the maximum of the ratio of the time per step to the smallest model's; None if not measured.
     changes
-        The differences from the smallest model in position and attitude; empty if a run has not completed.
+        The differences from the smallest model in position and attitude; empty if any of the compared runs did not complete.
     errors
-        The errors of the run by the columns of results; empty if the run has not completed.
+        The errors of the run by the columns of results; empty if the run did not complete.
     """
 
     case: str
@@ -116,7 +116,7 @@ TABLES = (MODELS,)
 
 
 def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:
-    """Return rows by the columns of the table; missing values are None."""
+    """Return rows as mappings from the columns of the table to values; missing values are None."""
     errors = dict.fromkeys(name for row in rows for name in row.errors)
     names = [name for name in MODELS.by_name if name in ModelRow.__annotations__]
     before = names[: names.index("time_per_step")]
@@ -135,7 +135,7 @@ def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:
 
 
 def row_of(record: Mapping[str, Any]) -> ModelRow:
-    """Return the row of a record; the inverse of `records`."""
+    """Return the row from which `records` made a record."""
     names = [field.name for field in fields(ModelRow) if field.name not in ("changes", "errors")]
     changes = {
         quantity: Change(*(record[f"{quantity}_{part}"] for part, _ in CHANGE_COLUMNS))

@@ -1,4 +1,4 @@
-"""Reading of a saved ablation."""
+"""Reading of the saved results of an ablation."""
 
 from pathlib import Path
 
@@ -9,12 +9,12 @@ from bodycheck.studies import reading
 from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import MODELS, row_of
 
-#: The file by which its folder is recognised, which is that of its runs.
+#: The file by which the folder of an ablation is recognised: the table of its models.
 FILE = MODELS.file
 
 
 def read(folder: Path) -> StudyReport:
-    """Return the report of an ablation, in a folder. Raises `BadFolder` and errors of damaged files."""
+    """Return the report of a finished ablation in a folder. Raises `BadFolder` and the errors of damaged files."""
     results = reading.finished_runs(folder)
     rows = reading.rows(folder, MODELS)
     recorded = {RunKey.of_row(run) for run in reading.runs(results)}
@@ -26,5 +26,5 @@ def read(folder: Path) -> StudyReport:
 
 
 def _spelled(integrator: str, model: str) -> str:
-    """Return the present spelling of the method that selects a model."""
+    """Return the present spelling of the method that selects a model with an integrator."""
     return current(f"{integrator}{',' if ':' in integrator else ':'}model={model}")

@@ -1,4 +1,4 @@
-"""Compare the models of a case, from the smallest to the largest: their cost and their motion relative to the smallest."""
+"""Compare the cost and the motion of every model of a case with the cost and the motion of its smallest model."""
 
 from collections.abc import Mapping, Sequence
 
@@ -31,7 +31,7 @@ from bodycheck.studies.cost import Cost, Measured, Stretch
 #: Ratio of an error of first order to its change when the time step is halved; the ratio is smaller for higher orders.
 FIRST_ORDER_FACTOR = 2.0
 
-#: Models by the spelling of a method and by their names.
+#: Models by the spelling of a method, and then by the name of the model.
 ModelsByMethod = dict[str, dict[str, Model]]
 
 
@@ -47,14 +47,15 @@ def plan(
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods; if it is empty, the first of each engine that has models.
+        Spellings of methods; if it is empty, the first method with models of each engine.
     timesteps
-        Time steps (s); the default if it is empty.
+        Time steps (s); the default time step if it is empty.
 
     Raises
     ------
     BadInput
-        As `bodycheck.running.plan.plan`, and if there are no models to compare.
+        If no engine has a method, a time step is not possible, an engine fails to list its models, or there are no models to
+        compare.
     """
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
@@ -77,8 +78,8 @@ def models_of(
 ) -> dict[tuple[str, str], ModelsByMethod]:
     """Return the models of each case's scene for the selected methods that have models, by the names of case and engine.
 
-    The engines are asked in processes of their own. If `integrators`, the spellings of the selected methods, is empty, each
-    engine's first method with models is used.
+    Each engine lists its models in a separate process. `integrators` contains the spellings of the selected methods; if it is
+    empty, the first method with models of each engine is used. Raises `BadInput` if an engine fails to list its models.
     """
     questions = [(case, engine, tuple(integrators)) for case in cases for engine in engines]
     models_by_case: dict[tuple[str, str], ModelsByMethod] = {}
@@ -91,7 +92,10 @@ def models_of(
 
 
 def with_models(question: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
-    """Return the models of a case's scene in an engine for the selected methods, by the spelling of the method."""
+    """Return the models of a case's scene for the selected methods of an engine, by the spelling of the method.
+
+    question: the case, the name of the engine, and the spellings of the selected methods; see `models_of`.
+    """
     case, engine, integrators = question
     adapter = registry.load(engine)
     names = offered(adapter.engine, case.scene)
@@ -108,7 +112,7 @@ def evaluate(
 ) -> list[ModelRow]:
     """Measure costs, and return one row per model for every case, engine, integrator and time step.
 
-    Costs are measured with nothing else running, for the models of one case and integrator in turn.
+    Costs are measured while nothing else runs. The models of one case, engine, integrator and time step are timed in turn.
 
     Parameters
     ----------
@@ -133,7 +137,7 @@ def evaluate(
 
 
 def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Mapping[RunKey, Verdict]) -> list[ModelRow]:
-    """Return the rows of one case, engine, integrator and time step: one per model, from the smallest to the largest.
+    """Return the rows of one case, engine, integrator and time step, one for each model, from the smallest to the largest.
 
     Parameters
     ----------
@@ -175,7 +179,10 @@ def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Ma
 
 
 def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tuple[Cost, Cost]], str]:
-    """Return the time per step of each model and its ratio to that of the first model, and why there are none, if so."""
+    """Return the time per step of each model and its ratio to the first model's; and if the timing failed, the reason.
+
+    If it failed for any model, the mapping is empty for all. completed: the verdicts on the completed runs by model.
+    """
     stretches = [
         Stretch(case.scene, verdict.run.engine, verdict.run.method, verdict.outcome.steps)
         for verdict in completed.values()
@@ -192,12 +199,12 @@ def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tu
 
 
 def compared(times: Sequence[Array]) -> list[tuple[Cost, Cost]]:
-    """Return the cost that the times (rounds,) of each model tell, and its ratio to that of the first in the same rounds."""
+    """Return for each model the cost from its times (rounds,), and the cost as a ratio to the first model's, round by round."""
     return [(cost.summarise(model_times), cost.summarise(model_times / times[0])) for model_times in times]
 
 
 def changes(coarse: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:
-    """Return the differences of a model's motion from the smallest model's, by quantity; empty if a run has not completed.
+    """Return the differences of a model's motion from the smallest model's, by quantity; empty if any run did not complete.
 
     Parameters
     ----------
@@ -234,5 +241,5 @@ def attitudes_apart(one: Trajectory, other: Trajectory) -> float:
 
 
 def largest(values: Array) -> float:
-    """Return the largest of some values as a float."""
+    """Return the largest value of an array as a float."""
     return float(values.max())

@@ -1,6 +1,6 @@
 """The work of a worker process in an audit: one probe of one method, or one run.
 
-This module is apart from `study`, so that workers do not import what the audit needs before and after their work.
+It is separate from `study`, so that workers do not import the modules that only the audit itself needs.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from bodycheck.studies.audit.probes import PROBES
 
 @dataclass(frozen=True)
 class Call:
-    """A probe of a method, with a time step in s."""
+    """A call of a probe for a method with a time step (s)."""
 
     engine: str
     integrator: str
@@ -36,9 +36,9 @@ class Found:
     findings
         The findings of the probe.
     flights
-        The states of flights that are compared with those of other processes, by when they were made.
+        The states of flights that are compared with flights in other processes, by words that say when they were made.
     attitude_error
-        The error of the attitude (rad) of the flight that shows what the method does; None for any other call.
+        The largest attitude error (rad) in the run of the flip; None for any other call.
     """
 
     findings: tuple[Finding, ...] = ()
@@ -47,7 +47,7 @@ class Found:
 
 
 def make(call: Call | Task) -> Found | Run:
-    """Make a probe, or a run. Exceptions of the engine in a probe are passed on."""
+    """Make a probe or a run, and return its answer. Exceptions that the engine raises in a probe are passed on."""
     if isinstance(call, Task):
         return perform_run(call)
     pilot = _pilot(call.engine, call.integrator, call.timestep)
@@ -60,5 +60,5 @@ def make(call: Call | Task) -> Found | Run:
 
 @lru_cache(maxsize=1)
 def _pilot(engine: str, integrator: str, timestep: float) -> Pilot:
-    """Return the pilot of a method, which keeps the flights that several probes look at as long as the method is probed."""
+    """Return the pilot of a method. It is kept until the next method is probed, because several probes use the same flights."""
     return Pilot(registry.load(engine), integrator, timestep)

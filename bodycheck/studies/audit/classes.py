@@ -1,4 +1,4 @@
-"""Classes of equal methods over engines: run every method on the scenes that tell methods apart, and name each class."""
+"""Find classes of equal methods over all engines: run every method on scenes that distinguish methods, and name each class."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ from bodycheck.running.plan import Task
 from bodycheck.running.tasks import TruthTask, group, perform
 from bodycheck.studies.audit.rows import Classes, ClassRow, Unclassed
 
-#: The flights begin at the origin, where positions have all their digits.
+#: The flights begin at the origin, so that positions have all their digits.
 _TUMBLING = State(velocity=(0.25, 0.125, 0.5), angular_velocity=(12.0, -9.0, 15.0))
 
 _TURNED = State(quaternion=(0.5, 0.5, 0.5, 0.5), velocity=(0.25, 0.125, 0.5), angular_velocity=(-12.0, 15.0, 9.0))
@@ -43,7 +43,7 @@ NOT_IDENTIFIED = "not identified"
 
 @dataclass(frozen=True)
 class Trial:
-    """A scene by which methods are told apart, with its time step (s)."""
+    """A scene by which methods are distinguished, with its time step (s)."""
 
     case: Case
     timestep: float
@@ -58,7 +58,7 @@ def _trial(name: str, scene: Scene, timestep: float, steps: int) -> Trial:
     return Trial(Case(name, name, "", (), scene, steps * timestep, steps + 1, (), (), ""), timestep)
 
 
-#: The scenes of all kinds. On the plane the step is finer, so that soft contacts are stable.
+#: The scenes of all kinds. On the plane the time step is smaller, so that soft contacts are stable.
 TRIALS = (
     _trial("tumbling", Scene(Body(1.0, (2.0, 2.5, 3.0)), _TUMBLING, gravity=64.0), 1 / 32, 8),
     _trial("tumbling-turned", Scene(Body(1.0, (3.0, 2.0, 2.5)), _TURNED, gravity=64.0), 1 / 32, 8),
@@ -79,7 +79,7 @@ class _Flown:
 
 
 def tasks(engines: Mapping[str, Engine], integrators: Sequence[str] = ()) -> tuple[Task, ...]:
-    """Return the runs by which methods are classed: of every method of the engines, or of those named, on every scene."""
+    """Return the runs by which methods are classed: the runs of all methods, or of the named methods, on every scene."""
     return tuple(
         Task(trial.case, name, Method.parse(spelling, trial.timestep))
         for trial in TRIALS
@@ -95,7 +95,7 @@ def measure(
     progress: Callable[[str], object] = lambda done: None,
     limit: float = campaign.TIME_LIMIT_S,
 ) -> Classes:
-    """Run methods on the scenes that tell them apart, in the processes of their engines, and return their classes.
+    """Run methods on the scenes that distinguish them, in processes of their engines, and return their classes.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def measure(
     integrators
         Spellings of methods; all that the engines offer if it is empty.
     progress
-        A function that is called with a text after each of the runs, which `tasks` returns.
+        A function that is called with a text after each of the runs that `tasks` returns.
     limit
         The time limit of one run (s).
     """
@@ -130,14 +130,14 @@ def measure(
 
 
 def classed(runs: Iterable[Run], truths: Mapping[str, Truth], engines: Mapping[str, Engine]) -> Classes:
-    """Return the classes from the runs of all trials.
+    """Return the classes that follow from the runs of all trials.
 
     Parameters
     ----------
     runs
         The runs.
     truths
-        The truths of the trials, by the name of the case; those on a plane need none, as no scheme is known there.
+        The truths of the trials, by the name of the case. Trials on a plane need none, because no scheme is identified there.
     engines
         The records of the engines by name.
     """
@@ -187,7 +187,10 @@ def _of_kind(kind: Kind, flown: Sequence[_Flown]) -> Iterator[ClassRow]:
 
 
 def _scheme(flown: Sequence[_Flown]) -> str:
-    """Return the scheme of a class: the first that one of its runs agrees with, those in double precision first."""
+    """Return the scheme of a class: the first scheme identified in its runs, which are tried in the order of their precision.
+
+    Runs in double precision come first. The result is empty if no scheme is identified.
+    """
     for flight in sorted(flown, key=lambda flight: flight.motion.roundoff):
         identified = (
             None if flight.truth is None else identify(flight.trial.case, flight.run, flight.truth, flight.motion.roundoff)
@@ -198,7 +201,10 @@ def _scheme(flown: Sequence[_Flown]) -> str:
 
 
 def _names(schemes: Sequence[str]) -> list[str]:
-    """Return a name for each class: its scheme, with a number if it is not the first of that name."""
+    """Return a name for each class: its scheme, with a number from the second class with the same scheme on.
+
+    Classes without a scheme are called `NOT_IDENTIFIED`, always with a number.
+    """
     seen: Counter[str] = Counter()
     names = []
     for scheme in schemes:

@@ -1,4 +1,4 @@
-"""Flights: short runs of one free body with one method, made in the process in which the engine lives."""
+"""Flights: short runs of one free body with one method, which are made in the present process."""
 
 from dataclasses import dataclass, field
 
@@ -14,18 +14,18 @@ from bodycheck.reference.trajectory import Array
 
 @dataclass(frozen=True)
 class Flight:
-    """A short run that a probe asks for.
+    """A short run that a probe requests.
 
     Parameters
     ----------
     scene
-        The scene. With links, its initial state is that of the frame of the first link.
+        The scene. If there are links, its initial state is the state of the frame of the first link.
     timestep
         The time step (s).
     strides
         The numbers of steps from each state to the next, the first from the start.
     links
-        The links by which the body is given to the engine; empty for the body of the scene.
+        The links of which the body is made for the engine; empty if the engine is given the body of the scene.
     """
 
     scene: Scene
@@ -52,19 +52,19 @@ class Flown:
 
 @dataclass(frozen=True)
 class NotFlown:
-    """A flight that the engine gave up, or refused to begin, and why."""
+    """The reason why the engine gave up a flight, or refused to begin it (`refused`)."""
 
     reason: str
     refused: bool = False
 
 
-#: What became of a flight.
+#: The result of a flight.
 Result = Flown | NotFlown
 
 
 @dataclass(frozen=True)
 class Pilot:
-    """Makes flights with one integrator of one engine.
+    """The maker of flights with one method of one engine.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ class Pilot:
     integrator
         The spelling of the method.
     timestep
-        The time step (s) at which the method is audited; a probe may take others.
+        The time step (s) at which the method is audited; a probe may use other time steps.
     log
-        The flights that `recall` has made, and what became of them.
+        The results of the flights that `recall` has made.
     """
 
     adapter: Adapter
@@ -89,7 +89,10 @@ class Pilot:
         return ROUNDOFF[self.adapter.engine.precision]
 
     def fly(self, flight: Flight) -> Result:
-        """Make a flight. Exceptions other than the engine's refusal and its own signal are passed on."""
+        """Make a flight and return its result. If the engine refuses the scene or gives up, the result is `NotFlown`.
+
+        All other exceptions are passed on.
+        """
         method = Method.parse(self.integrator, flight.timestep)
         try:
             simulation = self._simulation(flight, method)
@@ -105,7 +108,7 @@ class Pilot:
         return Flown(states, off)
 
     def recall(self, flight: Flight) -> Result:
-        """Return what became of a flight, which is made once by a pilot, because several probes look at the same one."""
+        """Return the result of a flight. It is made only at the first call, because several probes use the same flight."""
         if flight not in self.log:
             self.log[flight] = self.fly(flight)
         return self.log[flight]

@@ -1,6 +1,6 @@
-"""The probe of nondeterminism: a flight is made again, at once, after other flights and in another process.
+"""The probe of nondeterminism: a flight is repeated immediately, after other flights, and in another process.
 
-Its states should be the same to the last bit.
+The states of all repetitions should be equal to the last bit.
 """
 
 import math
@@ -14,31 +14,31 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot, Result
 from bodycheck.studies.audit.probe import Finding
 
-#: The name of the probe, and that of its flight in another process.
+#: The name of the probe, and the name of its flight in another process.
 NAME, ELSEWHERE = "nondeterminism", "nondeterminism in another process"
 
-#: Steps from each compared state to the next.
+#: Numbers of steps from each compared state to the next.
 STRIDES = (1, 49, 50, 50, 50)
 
-#: The body spins about its middle axis, so that the smallest difference grows.
+#: The scene. The body spins about its intermediate axis, so that even the smallest difference grows.
 SCENE = Scene(
     Body(1.3, (0.9, 1.7, 1.2)),
     State((0.1, -0.2, 0.3), (1.0, 0.0, 0.0, 0.0), (1.1, -0.7, 2.3), (0.1, 0.2, 7.0)),
     gravity=9.81,
 )
 
-#: A flight of another body in between, which leaves other numbers in whatever an engine keeps.
+#: The scene of the flights in between. It has another body, so that other numbers remain in any state that an engine keeps.
 OTHER = replace(SCENE, body=Body(0.4, (0.02, 0.03, 0.04)), initial=State(angular_velocity=(-3.0, 2.0, 5.0)), gravity=1.6)
 
 #: The units of the columns of a state.
 UNITS = (*("m",) * 3, *("",) * 4, *("m/s",) * 3, *("rad/s",) * 3)
 
-#: The states (n, 13) of a flight, or why it was not made.
+#: The states (n, 13) of a flight, or the reason why it was not made.
 States = list[list[float]] | str
 
 
 def repeated(pilot: Pilot) -> dict[str, States]:
-    """Return the states of a flight that is made three times, by when it is made."""
+    """Make the same flight three times, and return the states of each, by words that say when it was made."""
     flight = Flight(SCENE, pilot.timestep, STRIDES)
     first, again = pilot.fly(flight), pilot.fly(flight)
     for other in (Flight(OTHER, pilot.timestep, (70,)), Flight(OTHER, pilot.timestep / 2, (30,))):
@@ -47,12 +47,15 @@ def repeated(pilot: Pilot) -> dict[str, States]:
 
 
 def elsewhere(pilot: Pilot) -> dict[str, States]:
-    """Return the states of the same flight, made once; this is to be called in another process."""
+    """Make the same flight once, and return its states as `repeated` does. This function is called in another process."""
     return {"in another process": _states(pilot.fly(Flight(SCENE, pilot.timestep, STRIDES)))}
 
 
 def judged(flights: Mapping[str, States]) -> Finding:
-    """Return the finding of nondeterminism: the largest difference of flights from the first, which is called "first"."""
+    """Return the finding of nondeterminism: the largest difference of the repeated flights from the first flight.
+
+    flights: the states of all flights in the form of `repeated`, the first flight first.
+    """
     first, *others = flights.items()
     if any(isinstance(states, str) for states in flights.values()):
         words = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))
@@ -73,7 +76,10 @@ def _states(result: Result) -> States:
 
 
 def _difference(one: States, other: States) -> tuple[float, str]:
-    """Return the largest difference of a component of two motions, and its unit; infinite if one of them is no number."""
+    """Return the largest difference between components of two motions, and its unit.
+
+    The difference is infinite if only one of the two components is not a number.
+    """
     first, second = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""The report of the audit: which engines have which property, and then a part for each engine."""
+"""The report of the audit: a table of the properties of all engines, the classes of methods, and a part for each engine."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -15,16 +15,16 @@ from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, Facts, Fault, Row, Status, is_finding
 from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value
 
-#: The name of the part with all engines beside each other.
+#: The name of the part with all engines side by side.
 OVERVIEW = "properties"
 
 #: The name of the part with the methods that are the same algorithm.
 CLASSES = "classes"
 
-#: The signs in cells of rows that are no findings.
+#: The signs in the cells of rows that are not findings.
 SIGNS: dict[str, str] = {status: word.mark for status, word in AUDIT.items() if word.mark}
 
-#: The statuses. An engine has the first of them that any of its methods has.
+#: The statuses in the order of their importance. An engine has the first of them that any of its methods has.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
 
 #: Explanations for readers.
@@ -51,9 +51,9 @@ def present(
     Parameters
     ----------
     header
-        Versions, machine and command.
+        The header of the results, with versions, machine and command.
     facts
-        What the engines say of themselves, by name.
+        The statements of the engines about themselves, by the name of the engine.
     rows
         The rows, in the order of the study.
     faults
@@ -84,7 +84,7 @@ def present(
 
 
 def _by_property(rows: Sequence[Row]) -> list[Finding]:
-    """Return for each property that was found a sentence with the engines that have it by default, and one with others."""
+    """Return findings for each property that was found: the engines that have it by default, and those with some methods."""
     sentences = []
     for name in PROPERTIES:
         texts = []
@@ -190,7 +190,7 @@ def _findings(rows: Sequence[Row]) -> Table:
 
 
 def _properties(rows: Sequence[Row]) -> Table:
-    """Return the table of properties by method; methods that are alike in all of them share a column."""
+    """Return the table of properties by method. Methods with the same cells for all properties share a column."""
     methods: dict[str, dict[Property, list[Row]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         methods[row.integrator][row.property].append(row)
@@ -210,7 +210,7 @@ def _properties(rows: Sequence[Row]) -> Table:
 
 
 def _cell(rows: Sequence[Row]) -> Entry:
-    """Return the cell of a property of a method, which several probes may tell of."""
+    """Return the cell of a property of a method, from all rows of this property and method."""
     deviating = [row for row in rows if is_finding(row)]
     if deviating:
         return Entry(listing(list(dict.fromkeys(value(row) or "found" for row in deviating))), meaning=deviating[0].probe)

@@ -1,4 +1,4 @@
-"""Print what the audit found to the terminal."""
+"""Print the findings of the audit to the terminal."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,7 +27,7 @@ ROWS: tuple[Column[Row], ...] = (
 
 
 def print_findings(rows: Sequence[Row], facts: Mapping[str, Facts]) -> None:
-    """Print what each engine was found to do, in sentences, and what it says of itself."""
+    """Print the statements of each engine about itself, and sentences about its findings."""
     for index, engine in enumerate(facts):
         engine_rows = [row for row in rows if row.engine == engine]
         if not engine_rows:
@@ -51,7 +51,7 @@ def print_rows(rows: Sequence[Row], view: View) -> None:
 
 
 def print_classes(classes: Classes) -> None:
-    """Print the classes of several methods that are the same algorithm."""
+    """Print the classes that have more than one method."""
     several = [one for one in method_classes(classes) if len(one.methods) > 1]
     if several:
         say("")
@@ -63,7 +63,7 @@ def print_classes(classes: Classes) -> None:
 
 
 def summary(rows: Sequence[Row]) -> str:
-    """Return in one sentence how much was found."""
+    """Return a phrase with the numbers of findings, methods and engines."""
     methods = len({(row.engine, row.integrator) for row in rows})
     findings = count(sum(is_finding(row) for row in rows), "finding")
     return f"{findings} in {count(methods, 'method')} of {count(len({row.engine for row in rows}), 'engine')}"

@@ -1,4 +1,4 @@
-"""The type of probes: functions that make flights and say which properties of a method they show."""
+"""The type of probes: functions that make flights and return findings about properties of a method."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -42,13 +42,13 @@ class Finding:
     property
         The property.
     probe
-        The name of the probe, and what it saw in words if the value alone does not say it.
+        The name of the probe, and a description of its observation if the value alone does not suffice.
     verdict
-        "found", "none" if the method is as mechanics has it, or "not-probed" if the flights cannot tell.
+        "found"; "none" if the method behaves as mechanics requires; or "not-probed" if the flights cannot decide.
     value
-        The size of what was found, such as a coefficient or a limit; None if it has no size.
+        The size of the property that was found, such as a coefficient or a limit; None if it has no size.
     unit
-        Its unit; empty for a pure number.
+        The unit of the value; empty for a pure number.
     expected
         The value of an engine that computes mechanics alone, as it is printed.
     """
@@ -66,5 +66,5 @@ Probe = Callable[["Pilot"], tuple[Finding, ...]]
 
 
 def not_probed(name: str, reason: str, *properties: Property) -> tuple[Finding, ...]:
-    """Return the findings that a probe cannot tell whether a method has some properties, with the reason."""
+    """Return a finding "not-probed" for each of some properties, with the name of the probe and the reason."""
     return tuple(Finding(which, f"{name}: {reason}", "not-probed") for which in properties)

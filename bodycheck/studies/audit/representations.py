@@ -1,7 +1,7 @@
-"""Representations of one body: what is the same for mechanics, and may not be so for an engine.
+"""Representations of one body, which are equivalent in mechanics but may not be equivalent for an engine.
 
-The principal frame of a body has its origin at the centre of mass and the principal axes as axes. A representation has a frame
-of its own, in which the engine is given the body and returns its states.
+The principal frame of a body has its origin at the centre of mass and its axes along the principal axes. A representation may
+have another frame, in which the engine is given the body and returns its states.
 """
 
 from dataclasses import dataclass, replace
@@ -14,10 +14,12 @@ from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.scene import Body, Quaternion, Scene, Vector, vector_of
 from bodycheck.reference.trajectory import Array
 
-#: How far apart the centres of mass of two links are: mu d^T S^-1 d of `split`, which is 1 where nothing else is left of them.
+#: The separation of the centres of mass of the two links of `split`, as mu d^T S^-1 d. At 1, both links would have no extent in
+#: one direction.
 SEPARATION_SQUARED = 0.5
 
-#: The frames of representations: a turn by about 80 degrees about an oblique axis, and lengths of the size of the body.
+#: The frames of representations: a turn by about 80 degrees about an oblique axis, and a displacement (m) of the size of the
+#: body.
 TURN: Quaternion = (0.76, 0.4, -0.3, float(np.sqrt(1 - 0.76**2 - 0.4**2 - 0.3**2)))
 OFFSET: Vector = (0.11, -0.07, 0.05)
 #: The fraction of the mass that the second of two links has.
@@ -26,16 +28,16 @@ SHARE = 0.375
 
 @dataclass(frozen=True)
 class Representation:
-    """A body in one of the forms in which an engine can be given it.
+    """A body in one of the forms in which it can be given to an engine.
 
     Parameters
     ----------
     name
         The representation in words.
     body
-        The body, for the engine where there are no links.
+        The body, which the engine is given if there are no links.
     links
-        The links of which the body is made; empty where the engine is given the body itself.
+        The links of which the body is made; empty if the engine is given the body itself.
     axes
         The quaternion (w, x, y, z) that rotates components along the principal axes to components in the frame of the states.
     centre
@@ -52,8 +54,8 @@ class Representation:
 def representations(body: Body) -> tuple[Representation, ...]:
     """Return representations of a body that is given along its principal axes.
 
-    The first one has twice the mass and twice the moments of inertia, and moves like the given body without forces other than
-    gravity. All others are the given body.
+    The first representation has twice the mass and twice the moments of inertia, and moves like the given body as long as no
+    forces except gravity act. All other representations are of the given body itself.
     """
     first, second, third = body.moments
     heavy = replace(body, mass=2 * body.mass, moments=(2 * first, 2 * second, 2 * third))
@@ -71,16 +73,17 @@ def representations(body: Body) -> tuple[Representation, ...]:
 def split(body: Body, share: float, position: Vector, quaternion: Quaternion) -> tuple[Link, Link]:
     """Return two links that make up a body when they are welded together.
 
-    The second moments S = tr(J) / 2 - J of the body, J being its tensor of inertia, are those of its two parts about their own
-    centres of mass and those of two points there, mu d d^T, with the distance d and the reduced mass mu. For any d with
-    mu d^T S^-1 d < 1, both parts are bodies that can exist; here it is `SEPARATION_SQUARED`.
+    The second moments of the body, S = tr(J) / 2 - J with its inertia tensor J, are the sum of the second moments of the two
+    parts about their own centres of mass and of the second moments mu d d^T of two point masses at these centres, with the
+    separation d and the reduced mass mu. If mu d^T S^-1 d < 1, both parts are physically possible bodies; here it is
+    `SEPARATION_SQUARED`.
 
     Parameters
     ----------
     body
         The body. Its frame is that of the first link.
     share
-        The fraction of the mass that is the second link's, above 0 and below 1.
+        The fraction of the mass that the second link has, above 0 and below 1.
     position, quaternion
         The frame of the second link, as in `Link`.
     """
@@ -102,21 +105,21 @@ def split(body: Body, share: float, position: Vector, quaternion: Quaternion) ->
 def started(given: Representation, scene: Scene) -> Scene:
     """Return a scene with the body in a representation, from the scene with the body along its principal axes.
 
-    The initial state is that of the frame of the representation.
+    The initial state of the result is the state of the frame of the representation.
     """
     back = conjugate(normalise(np.array(given.axes)))
     return replace(scene, body=given.body, initial=state_in((-rotate(back, np.array(given.centre)), back), scene.initial))
 
 
 def along_principal_axes(given: Representation, rows: Array) -> Array:
-    """Return states (n, 13) of the centre of mass and the principal axes, from those of the frame of a representation.
+    """Return states (n, 13) of the principal frame, from states (n, 13) of the frame of a representation.
 
-    The columns of both are those of `bodycheck.adapters.contract.Simulation.advance`.
+    Both have the columns of `bodycheck.adapters.contract.Simulation.advance`.
     """
     return carried(rows, given.centre, given.axes)
 
 
 def _components(tensor: Array) -> tuple[float, float, float, float, float, float]:
-    """Return the components of a tensor (3, 3) as `Link.inertia` has them."""
+    """Return the components of a symmetric tensor (3, 3) in the order of `Link.inertia`."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor.tolist()
     return xx, yy, zz, xy, xz, yz

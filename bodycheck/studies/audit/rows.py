@@ -1,4 +1,4 @@
-"""The rows of the audit: the properties of methods, what an engine says of itself, and which methods are the same algorithm."""
+"""The rows of the audit: properties of methods, statements of engines about themselves, and classes of equal methods."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,8 +15,8 @@ RECORDS = "audit.jsonl"
 #: The properties, in the order in which they are listed.
 PROPERTIES: tuple[Property, ...] = get_args(Property)
 
-#: The status of a row. "default" and "deviates" are findings: what the engine does by its own settings or without a switch for
-#: it, and what a method does besides. The others are no findings.
+#: The status of a row. "default" and "deviates" are findings: the engine has the property at its own settings or states that it
+#: has it, or a method has it although the engine's defaults do not explain it. The other statuses are not findings.
 Status = Literal["default", "deviates", "none", "not-probed"]
 
 #: The statuses that are findings.
@@ -58,7 +58,7 @@ ROWS = table_of(Row, "audit", "audit", filled=("engine", "version", "integrator"
 
 @dataclass(frozen=True)
 class ClassRow:
-    """A method, and the class that it is in on scenes of one kind."""
+    """A method, and its class of equal methods on scenes of one kind."""
 
     kind: Annotated[Kind, Meaning("Kind", "kind of the scenes")]
     name: Annotated[
@@ -85,7 +85,7 @@ CLASSES = table_of(ClassRow, "classes", "methods that are the same algorithm", k
 
 @dataclass(frozen=True)
 class Unclassed:
-    """A method that is in no class of a kind of scene, because a run of it failed or was refused, and why."""
+    """A method without a class on one kind of scenes, because a run failed or was refused, and the reason."""
 
     kind: Kind
     engine: str
@@ -95,7 +95,7 @@ class Unclassed:
 
 @dataclass(frozen=True)
 class Classes:
-    """The classes of methods: the rows class by class, the largest first, and the methods that are in none."""
+    """The classes of methods: their rows by class, the largest class of a kind first, and the methods without a class."""
 
     rows: tuple[ClassRow, ...]
     unclassed: tuple[Unclassed, ...]
@@ -106,7 +106,7 @@ TABLES = (ROWS, CLASSES)
 
 
 def is_finding(row: Row) -> bool:
-    """Return whether a row says that something was found."""
+    """Return whether a row is a finding, that is, whether the property was found."""
     return row.status in FINDINGS
 
 
@@ -117,9 +117,9 @@ class Facts:
     Parameters
     ----------
     precision
-        The precision of its arithmetic, as its adapter states it.
+        The precision of the engine's arithmetic, as its adapter states it.
     defaults
-        Its own choices where a user makes none; see `bodycheck.adapters.contract.Engine`.
+        The default settings of the engine; see `bodycheck.adapters.contract.Engine`.
     """
 
     precision: str
@@ -127,7 +127,7 @@ class Facts:
 
     @property
     def text(self) -> str:
-        """The choices of the engine where a user makes none, for a sentence; empty if it has no such choices."""
+        """The default settings of the engine as a list for a sentence; empty if it states none."""
         return ", ".join(f"{name} {value}" for name, value in self.defaults.items())
 
 
@@ -147,7 +147,7 @@ class Fault:
 
 
 def read_classes(record: Mapping[str, Any]) -> Classes:
-    """Return recorded classes. Raises `ValueError` for a record that has not what is read of it."""
+    """Return the classes in a record. Raises `ValueError` if an entry of the record is missing or has the wrong type."""
     return Classes(
         tuple(records.typed(ClassRow, row) for row in record["rows"]),
         tuple(records.typed(Unclassed, one) for one in record["unclassed"]),

@@ -1,4 +1,4 @@
-"""Reading of a saved audit."""
+"""Reading of the saved results of an audit."""
 
 from pathlib import Path
 
@@ -9,12 +9,12 @@ from bodycheck.studies import reading
 from bodycheck.studies.audit import page as audit
 from bodycheck.studies.audit.rows import RECORDS, ROWS, Facts, Fault, read_classes
 
-#: The file by which its folder is recognised.
+#: The file by which the folder of an audit is recognised.
 FILE = RECORDS
 
 
 def read(folder: Path) -> StudyReport:
-    """Return the report of a finished audit in a folder. Raises `BadFolder` and errors of damaged files."""
+    """Return the report of a finished audit in a folder. Raises `BadFolder` and the errors of damaged files."""
     contents, header = reading.finished(folder / RECORDS)
     facts = {name: records.typed(Facts, defaults) for name, defaults in contents.header["facts"].items()}
     rows = reading.rows(folder, ROWS)

@@ -1,7 +1,7 @@
 """Audit methods: make every probe of each method in a process of its engine, and judge the findings.
 
-Every probe of a method is a call of its own, and its answer is recorded when it ends, so that an interrupted audit can be
-resumed, and a probe whose process dies leaves the others as they are.
+Every probe of a method is a separate call, whose answer is recorded when it ends. Therefore an interrupted audit can be
+resumed, and a probe whose process dies does not affect the other probes.
 """
 
 import math
@@ -34,10 +34,10 @@ from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Classes,
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
-#: Time limit of one probe, which may make many flights in an engine that compiles each.
+#: Time limit (s) of one probe, which may make many flights in an engine that compiles code for each of them.
 TIME_LIMIT_S = 300.0
 
-#: The shipped case whose flight shows what a method does, and the name of that flight in records.
+#: The shipped case that every method runs to show the effect of its properties, and the name of this run in the records.
 FLIP = "intermediate-axis-flip"
 
 
@@ -50,11 +50,11 @@ class Plan:
     engines
         The records of the engines by name.
     methods
-        The name of the engine and the method, in the order of the table.
+        Pairs of the name of an engine and a method, in the order of the table.
     integrators
         The spellings of methods that the user named.
     flip
-        The case whose flight shows what a method does.
+        The case `FLIP`, which every method runs to show the effect of its properties.
     """
 
     engines: Mapping[str, Engine]
@@ -70,17 +70,17 @@ class Plan:
 
     @property
     def elsewhere(self) -> tuple[Call, ...]:
-        """The calls that are made in processes of their own, in which the methods have another order."""
+        """The calls that repeat the flight of nondeterminism in other processes, with the methods in reverse order."""
         return tuple(_call(engine, method, nondeterminism.ELSEWHERE) for engine, method in reversed(self.methods))
 
     @property
     def flips(self) -> tuple[Task, ...]:
-        """The flights that show what the methods do."""
+        """The runs of the flip by all methods."""
         return tuple(Task(self.flip, engine, method) for engine, method in self.methods)
 
     @property
     def size(self) -> int:
-        """The number of all calls and of the runs by which methods are classed."""
+        """The number of all calls and runs, including the runs by which methods are classed."""
         return len(self.probes) + len(self.elsewhere) + len(self.flips) + len(classes.tasks(self.engines, self.integrators))
 
 
@@ -136,7 +136,7 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
 
 
 def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
-    """Return what engines say of themselves, by their names."""
+    """Return the statements of engines about themselves, by the name of the engine."""
     return {name: Facts(engine.precision, dict(engine.defaults)) for name, engine in engines.items()}
 
 
@@ -146,8 +146,8 @@ def results(
 ) -> Iterator[Audit]:
     """Make the probes of a plan, and provide their results.
 
-    If the folder contains the same audit, interrupted, its probes are not repeated. The audit counts as interrupted until the
-    context ends.
+    If the folder contains the same audit and it was interrupted, its recorded probes are not repeated. The audit counts as
+    interrupted until the context ends.
 
     Parameters
     ----------
@@ -198,14 +198,12 @@ def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> tuple[t
 
 
 def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
-    """Return the status of a finding: "default" for what a user gets without asking for it, otherwise "deviates".
+    """Return the status of a finding: "default" or "deviates" for a property that was found, and otherwise its verdict.
 
     A property that was found is a default in two cases:
 
     - the engine itself states that it has this property, so that all its methods have it;
-    - the method is the one that a user gets who chooses nothing: see `_is_of_engine`.
-
-    A finding with another verdict than "found" has its verdict as status.
+    - the user gets the method without choosing anything; see `_is_of_engine`.
     """
     if finding.verdict != "found":
         return finding.verdict
@@ -215,11 +213,11 @@ def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
 
 
 def _is_of_engine(engine: Engine, method: Method) -> bool:
-    """Return whether a method is what a user of the engine gets who chooses nothing, apart from the time step.
+    """Return whether a user of the engine who chooses nothing gets this method, apart from the time step.
 
-    A method with options is only if it selects the engine's own settings (`settings=engine`). A method without options is if
-    its integrator has no such option, since its settings are then those of mechanics anyway, and it is the default of the
-    engine or the only one that it has for free flight.
+    If the method has options, it is the user's default only if they select the engine's own settings (`settings=engine`). If it
+    has no options, it is the default if two conditions hold: its integrator has no such option, because its settings are those
+    of mechanics anyway, and it is the engine's default integrator or the only one that the engine has for free flight.
     """
     if method.options:
         return method.option("settings") == "engine"
@@ -239,7 +237,7 @@ def _missing(
 ) -> Iterator[tuple[Call, Found | Fault]]:
     """Make the calls that have no answer yet, and yield each with its answer.
 
-    Those of the second pass are made in processes other than those of the first.
+    The calls and runs of the second pass are made in other processes than the calls of the first pass.
     """
     first = [call for call in planned.probes if call.probe not in answers[call.engine, call.integrator]]
     second = [call for call in planned.elsewhere if call.probe not in answers[call.engine, call.integrator]]
@@ -261,21 +259,21 @@ def _missing(
 
 
 def _truth(planned: Plan, timestep: float, limit: float) -> Truth | None:
-    """Return the truth of the flip at the instants of engines with a time step (s); None if its computation failed."""
+    """Return the truth of the flip at the instants of runs with a time step (s); None if its computation failed."""
     with pool.Workers(perform, 1, limit) as workers:
         computed = workers.call(TruthTask(planned.flip, (timestep,)))
     return computed[timestep] if isinstance(computed, dict) else None
 
 
 def _attitude_error(truth: Truth | None, run: Run) -> float | None:
-    """Return the largest error (rad) of the attitude of a run; None if it did not end or has no truth."""
+    """Return the largest attitude error (rad) of a run; None if the run did not complete or there is no truth."""
     if truth is None or not isinstance(run.outcome, Completed):
         return None
     return compare(truth, run).maxima().get("attitude_error")
 
 
 def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[Row]:
-    """Return the rows of a method: one for each finding of its probes, and one for each property without any."""
+    """Return the rows of a method: one for each finding of its probes, and one for each property without a finding."""
     findings = [finding for answer in answers.values() if isinstance(answer, Found) for finding in answer.findings]
     flights = {
         when: states for answer in answers.values() if isinstance(answer, Found) for when, states in answer.flights.items()

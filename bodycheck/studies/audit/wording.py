@@ -10,7 +10,7 @@ from bodycheck.results.verdicts import AUDIT
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, Row, is_finding
 
-#: What an engine does that has a property, as a predicate.
+#: A predicate for each property, which says what an engine with the property does.
 DOES: dict[Property, str] = {
     "single-precision": "computes in single precision",
     "linear-damping": "damps the velocity",
@@ -41,16 +41,16 @@ HEADINGS = {status: AUDIT[status].title.capitalize() for status in ("deviates", 
 
 @dataclass(frozen=True)
 class Sentence:
-    """A sentence on a property that several methods of an engine have in common.
+    """A sentence about a property that several methods of an engine have in common.
 
     Parameters
     ----------
     status
-        The status of their rows.
+        The status of the rows of these methods.
     property
         The property.
     text
-        The sentence, whose subject is the engine and is left out.
+        The sentence without its subject, which is the engine.
     """
 
     status: str
@@ -60,7 +60,7 @@ class Sentence:
 
 @dataclass(frozen=True)
 class MethodClass:
-    """Methods, each with its engine, that are one algorithm in scenes of one kind.
+    """A class of methods that are the same algorithm on scenes of one kind.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class MethodClass:
     name
         The name of the class.
     methods
-        The methods, each as engine and integrator.
+        The names of the methods: engine and integrator.
     distance
         The largest difference of two motions in the class.
     """
@@ -81,7 +81,7 @@ class MethodClass:
 
 
 def method_classes(classes: Classes) -> list[MethodClass]:
-    """Return classes with their methods, in their order."""
+    """Return the classes, each with its methods, in the order of the rows."""
     methods: dict[tuple[Kind, str, float], list[str]] = defaultdict(list)
     for row in classes.rows:
         methods[row.kind, row.name, row.distance].append(f"{row.engine} {row.integrator}")
@@ -89,9 +89,10 @@ def method_classes(classes: Classes) -> list[MethodClass]:
 
 
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
-    """Return the findings among the rows of one engine, what deviates first, each property once for each status.
+    """Return sentences about the findings among the rows of one engine: one for each status and property.
 
-    Findings about the representation are grouped by whether their difference vanishes with the time step.
+    Findings that deviate come first. Findings about representations are also grouped by whether the difference vanishes with
+    the time step.
     """
     given = list(rows)
     every = {row.integrator for row in given}
@@ -110,7 +111,10 @@ def sentences(rows: Iterable[Row]) -> list[Sentence]:
 
 
 def _kind(row: Row) -> str:
-    """Return what becomes of a difference with the time step, of a row about the representation; else nothing."""
+    """Return words that say whether the difference in a row about a representation vanishes with the time step.
+
+    They are empty for rows about other properties.
+    """
     if row.property != "representation":
         return ""
     if "not numbers" in row.probe:
@@ -120,7 +124,7 @@ def _kind(row: Row) -> str:
 
 
 def _forms(rows: Sequence[Row], kind: str) -> str:
-    """Return in which forms the body was given of which rows tell, and what becomes of the differences."""
+    """Return the representations in rows, in brackets, followed by the words `kind` of `_kind`; empty if `kind` is empty."""
     if not kind:
         return ""
     forms = [row.probe.partition(": ")[2].partition(": ")[0] for row in rows]
@@ -133,7 +137,7 @@ def value(row: Row) -> str:
 
 
 def ranges(rows: Iterable[Row]) -> str:
-    """Return the smallest and the largest values of rows with each unit; empty if they have none."""
+    """Return the range of the values of rows, for each unit, as text; empty if no row has a value."""
     given = [row for row in rows if row.value is not None]
     texts = []
     for unit in dict.fromkeys(row.unit for row in given):
@@ -144,7 +148,7 @@ def ranges(rows: Iterable[Row]) -> str:
 
 
 def _sized(rows: Sequence[Row]) -> str:
-    """Return the size of a property that was found, and the expected size."""
+    """Return the range of the values of rows and the expected value, as the end of a phrase; empty if no row has a value."""
     sizes = ranges(rows)
     expected = [text for text in dict.fromkeys(row.expected for row in rows) if text]
     wanted = f" ({'; '.join(expected)} expected)" if expected and sizes else ""
@@ -152,7 +156,7 @@ def _sized(rows: Sequence[Row]) -> str:
 
 
 def _methods(rows: Sequence[Row], every: Collection[str]) -> str:
-    """Return the methods of rows, with what they are off by in the flip. every: all methods of the engine."""
+    """Return the methods of rows and the range of their errors in the flip, in words. every: all methods of the engine."""
     errors = {row.integrator: row.attitude_error for row in rows}
     known = sorted(error for error in errors.values() if error is not None)
     ends = " to ".join(dict.fromkeys(number(end, 2) for end in (known[0], known[-1]))) if known else ""

@@ -1,4 +1,4 @@
-"""The report of contact: for each scene, what mechanics says, what engines do by themselves, and their best settings."""
+"""The report of contact: for each scene, the exact values, the figures of engines at their defaults, and the best figures."""
 
 from collections.abc import Mapping, Sequence
 
@@ -29,13 +29,13 @@ def present(
     Parameters
     ----------
     header
-        Versions, machine and command.
+        The header of the results, with versions, machine and command.
     cases
         The cases, by name.
     rows
         The rows of the study.
     reasons
-        Why the default method of an engine did not complete a case, by the names of engine and case.
+        The reasons why default methods did not complete a case, by the names of engine and case.
     """
     sheet = lines(rows)
     scenes = {name: [line for line in sheet if line.scene == name] for name in cases}
@@ -51,7 +51,7 @@ def present(
 
 
 def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
-    """Return the largest creep and energy gain at the defaults of each engine, and what each engine cannot do."""
+    """Return findings about each engine's largest creep and energy gain at its defaults, and scenes it did not complete."""
     sentences = []
     for engine in dict.fromkeys(line.engine for line in sheet):
         for figure, subject, does in (

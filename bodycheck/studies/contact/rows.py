@@ -1,4 +1,4 @@
-"""The rows of contact.csv, and the lines of the sheet, each of which joins two of them."""
+"""The rows of contact.csv, and the lines of the sheet, each of which joins the rows of a figure at defaults and at best."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from bodycheck.figures.columns import FIGURES
 from bodycheck.results.tables import Meaning, table_of
 
-#: The method of a row: what the engine does if its user chooses nothing, or the method with the smallest value of the figure.
+#: The setting of a row: the method that the engine uses if its user chooses nothing, or the method with the smallest value.
 Setting = Literal["defaults", "best"]
 
 
@@ -15,7 +15,7 @@ Setting = Literal["defaults", "best"]
 class ContactRow:
     """A figure of a scene in an engine with one method.
 
-    The method is empty in the row of best settings if no method ran.
+    If no method ran, the row at the best settings has no method.
     """
 
     engine: str
@@ -66,7 +66,7 @@ class Line:
 
     @property
     def row(self) -> ContactRow:
-        """Return the row from which entries that both rows share are read."""
+        """Return one of the rows, from which the entries that both rows share are read."""
         row = self.at_defaults or self.at_best
         assert row is not None  # a line has a row
         return row
@@ -93,7 +93,7 @@ class Line:
 
     @property
     def truth(self) -> float | None:
-        """Return the value in exact mechanics; None if it is not known."""
+        """Return the exact value of the figure's subject in mechanics; None if it is not known."""
         return self.row.truth
 
     @property
@@ -115,7 +115,7 @@ class Line:
 
     @property
     def status(self) -> str:
-        """Return how the run ended."""
+        """Return the status of the run."""
         return self.row.status
 
 

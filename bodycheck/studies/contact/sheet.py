@@ -1,4 +1,7 @@
-"""The sheet of contact: its scenes, its figures, and what mechanics says of the subject of each figure."""
+"""The sheet of contact: its scenes, its figures, and the exact value in mechanics of the subject of each figure.
+
+The subject of a figure is, for example, the instant of an impact if the figure is the error of this instant.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -12,7 +15,7 @@ from bodycheck.reference.truths import Truth
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"
 
-#: A number that mechanics has, and the bound of its error.
+#: A value in exact mechanics, and the bound of its error.
 Known = tuple[float, float]
 
 
@@ -26,7 +29,10 @@ def _first(truth: Truth, kind: EventKind) -> Event | None:
 
 
 def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
-    """Return a function that gives the instant (s) of the first event of a kind and its error; None without such an event."""
+    """Return a function that returns the instant (s) of a truth's first event of a kind, and its error bound.
+
+    The function returns None if there is no such event.
+    """
 
     def time(_: Case, truth: Truth) -> Known | None:
         event = _first(truth, kind)
@@ -36,7 +42,10 @@ def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
 
 
 def _speed_after(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
-    """Return a function that gives the speed (m/s) just after the first event of a kind and its error; None without one."""
+    """Return a function that returns the speed (m/s) just after a truth's first event of a kind, and its error bound.
+
+    The function returns None if there is no such event.
+    """
 
     def speed(_: Case, truth: Truth) -> Known | None:
         event = _first(truth, kind)
@@ -54,7 +63,7 @@ def _ideal(_: Case, __: Truth) -> Known:
     return 0.0, 0.0
 
 
-#: The figures of the sheet, in their order, and what mechanics says of the subject of each.
+#: The figures of the sheet, in their order, with functions that return the exact value of each figure's subject.
 SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
     "transition_time_error": _time("roll"),
     "roll_speed_error": _speed_after("roll"),
@@ -72,14 +81,15 @@ SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
 
 
 def unit_of(figure: str) -> str:
-    """Return the unit of a figure, or what a number without a unit counts."""
+    """Return the unit of a figure; if it has none, the noun for the things that it counts, or "relative"."""
     return FIGURES[figure].in_unit
 
 
 def truth_error(figure: str, known: Known | None, bounds: Mapping[str, float]) -> float | None:
-    """Return the bound of the error of the exact value in mechanics that a figure is about.
+    """Return the error bound of the exact value of a figure's subject; None if it is not known.
 
-    known: that value with its bound. bounds: the bounds of the truth's own errors in a run, by column.
+    known: the exact value with its error bound. bounds: the bounds of the truth's own errors in a run, by column. If the figure
+    has such a column, its bound is returned, and otherwise the bound in `known`.
     """
     if bounded := FIGURES[figure].bounded_by:
         return bounds.get(bounded)

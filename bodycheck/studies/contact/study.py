@@ -1,4 +1,4 @@
-"""Run the scenes of contact in engines, at their defaults and with every method that they offer, and make the rows."""
+"""Plan runs of contact scenes at the defaults of engines and with every method that they offer, and make rows of the runs."""
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
@@ -18,15 +18,15 @@ from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.studies.contact.rows import ContactRow, Setting
 from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
 
-#: The time steps at which settings are tried, relative to the engine's own.
+#: The time steps with which methods are tried, as multiples of the engine's default time step.
 REFINEMENTS = (1.0, 0.25)
 
-#: A function from the name of a case and a time step (s) to the truth, or why there is none.
+#: A function from the name of a case and a time step (s) to the truth, or to the reason why there is none.
 Truths = Callable[[str, float], Truth | NoTruth]
 
 
 def default_step(engine: Engine) -> float:
-    """Return the time step (s) that an engine itself chooses, or that of bodycheck where it chooses none."""
+    """Return the default time step (s) of an engine, or bodycheck's default if the engine has none."""
     words = engine.defaults.get("timestep", "").split()
     try:
         return float(words[0]) if words else DEFAULT_TIMESTEP
@@ -35,9 +35,10 @@ def default_step(engine: Engine) -> float:
 
 
 def default_method(engine: Engine, case: Case) -> Method | None:
-    """Return what an engine does with a case where its user chooses nothing; None if it offers no method for it.
+    """Return the method that an engine uses for a case if its user chooses nothing; None if it offers no method for the case.
 
-    Where the engine names no integrator of its own, it is the first that its adapter offers.
+    If the engine's default integrator is not among the methods that its adapter offers for the case, the first of these is
+    returned.
     """
     names = with_contact(engine, case)
     if not names:
@@ -47,19 +48,32 @@ def default_method(engine: Engine, case: Case) -> Method | None:
 
 
 def with_contact(engine: Engine, case: Case) -> list[str]:
-    """Return the spellings of the methods that an engine offers for a case, without models that replace its contacts."""
+    """Return the spellings of an engine's methods for a case, except those with the option `model`, which replaces contacts."""
     return [name for name in offered(engine, case.scene) if Method.parse(name, 0.0).option("model") is None]
 
 
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Return the tasks: each method that an engine offers for a case, at the engine's own time step and at a quarter of it.
+    """Return the tasks: each method that an engine offers for a case, at the engine's default time step and a quarter of it.
 
-    integrators: spellings of methods in addition to the methods that an engine offers. timesteps: time steps (s) that replace
-    these two.
+    The engine's default method, at its default time step, is always among them.
 
-    Raises `BadInput` as `bodycheck.running.plan.plan`.
+    Parameters
+    ----------
+    cases
+        The cases.
+    engines
+        The records of the engines by name.
+    integrators
+        Spellings of methods that are run in addition to the methods that an engine offers.
+    timesteps
+        Time steps (s) that replace the two time steps of an engine; none if it is empty.
+
+    Raises
+    ------
+    BadInput
+        If no engine has a method, a time step is not possible, or there is nothing to run.
     """
     check(cases, engines, integrators, timesteps)
     tasks: dict[Task, None] = {}
@@ -78,9 +92,9 @@ def plan(
 
 
 def evaluate(results: Results, engines: Mapping[str, Engine], compared: Compared | None = None) -> list[ContactRow]:
-    """Return the rows of every case and engine: its figures at the defaults, then the best value of each.
+    """Return the rows of every case and engine: the figures at the defaults, then the best value of each figure.
 
-    results: those of the tasks of `plan`. compared: the runs that were compared while they were made.
+    results: the results of the tasks of `plan`. compared: the runs that were compared with the truth while they were made.
     """
     verdicts: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
     for verdict in judgement.judge(results, compared=compared):
@@ -94,7 +108,7 @@ def evaluate(results: Results, engines: Mapping[str, Engine], compared: Compared
 
 
 def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], truths: Truths) -> list[ContactRow]:
-    """Return the rows of one case and engine from the verdicts on all methods."""
+    """Return the rows of one case and engine from the verdicts on the runs of all methods."""
     default = default_method(engine, case)
     usual = [verdict for verdict in verdicts if default is not None and verdict.run.method == default]
     rows = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), truths)]
@@ -109,7 +123,7 @@ def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], truths: Tru
 
 
 def figures_of(verdict: Verdict) -> dict[str, float]:
-    """Return the figures of the sheet that a run has, in the order of the sheet; none if it did not complete."""
+    """Return the values of the sheet's figures in a run, in the order of the sheet; empty if the run did not complete."""
     if verdict.discrepancy is None:
         return {}
     values = verdict.discrepancy.maxima()
@@ -135,7 +149,7 @@ def _told(
 
 
 def reasons(results: Results, engines: Mapping[str, Engine]) -> dict[tuple[str, str], str]:
-    """Return why the default method of an engine did not complete a case, by the names of engine and case."""
+    """Return the reasons why default methods did not complete a case, by the names of engine and case."""
     why = {}
     for run in results.runs():
         default = default_method(engines[run.engine], results.cases[run.case])

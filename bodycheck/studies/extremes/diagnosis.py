@@ -25,22 +25,23 @@ from bodycheck.studies.extremes.symptoms import energy_change, errors, of_itself
 #: Smallest number of samples from which a law is determined.
 MIN_SAMPLES = 16
 
-#: Fraction of the run that is left out of the fit, because the motion's own oscillation dominates in it.
+#: Fraction of the run, from its start, that is left out of the fit because the oscillation of the motion dominates in it.
 FIT_START_FRACTION = 1 / 30
 
-#: Powers of the number of steps, with the description of a drift whose power is closest.
+#: Powers of the number of steps, and the words for a drift whose power is closest to each of them.
 POWERS = {0.0: "bounded", 0.5: "growing as the square root of the steps", 1.0: "growing linearly", 2.0: "growing quadratically"}
 
 #: Power above which the growth may be exponential.
 STEEP_POWER = 1.5
 
-#: Ratio of the growth rates in the second and the first half, above which growth is faster than exponential.
+#: Ratio of the growth rate in the second half of a fit to the rate in its first half, above which the growth is faster than
+#: exponential.
 FASTER_RATIO = 1.5
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One of `STATUSES`, the message of the engine, and a description of the symptoms."""
+    """The diagnosis of a run: one of `STATUSES`, the message of the engine, and a description of the symptoms."""
 
     status: str
     engine_said: str
@@ -59,7 +60,7 @@ class Growth:
 
 
 def diagnose(scene: AnyScene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosis:
-    """Return the diagnosis of a run of a scene. truth: at the instants of the run, or why there is none."""
+    """Return the diagnosis of a run of a scene. truth: the truth at the instants of the run, or why there is none."""
     with np.errstate(all="ignore"):  # overflow is a symptom
         match outcome:
             case Completed():
@@ -91,7 +92,7 @@ def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) 
 
 
 def _diverged(scene: AnyScene, outcome: Diverged) -> Diagnosis:
-    """Diagnose a run that its states or its engine ended, including the symptoms before the end."""
+    """Return the diagnosis of a diverged run, with the symptoms that its states show before the end."""
     before = states(outcome)
     symptoms = list(of_itself(scene, before)) if before is not None else []
     earlier = [f"before, {symptom.text}" for symptom in symptoms]
@@ -106,7 +107,10 @@ def _diverged(scene: AnyScene, outcome: Diverged) -> Diagnosis:
 
 
 def states(outcome: Outcome) -> Trajectory | None:
-    """Return the valid states of a run: all if it completed, those before the end if it diverged; None if there are none."""
+    """Return the valid states of a run: all states if it completed, and the states before the failure if it diverged.
+
+    Return None if there are none.
+    """
     match outcome:
         case Completed():
             return outcome.trajectory
@@ -120,7 +124,7 @@ def states(outcome: Outcome) -> Trajectory | None:
 
 
 def drifts(scene: AnyScene, outcome: Outcome) -> list[str]:
-    """Return how the conserved quantities of a flight drift with the number of steps, in words; empty if none is conserved."""
+    """Return phrases about the drift of conserved quantities with the number of steps; empty if the scene conserves none."""
     trajectory = states(outcome)
     if trajectory is None or not scene.conserves:
         return []
@@ -137,11 +141,11 @@ def drifts(scene: AnyScene, outcome: Outcome) -> list[str]:
 
 
 def growth(drift: Array) -> Growth:
-    """Return the law of growth of a relative drift (n,) >= 0, sampled at even intervals from the start, where it is zero.
+    """Return the law by which a relative drift (n,) >= 0 grows. The samples are equally spaced, and the first of them is zero.
 
-    A line is fitted to the logarithm of the largest drift so far, over the logarithm of the steps; its slope is the power. If
-    the power exceeds `STEEP_POWER`, lines are fitted to the second half of the run over both the logarithm of the steps and the
-    steps. If the latter fits better, the growth is exponential.
+    A line is fitted to the logarithm of the largest drift so far over the logarithm of the number of steps; its slope is the
+    power. If the power exceeds `STEEP_POWER`, two lines are fitted to the second half of the run: over the logarithm of the
+    number of steps, and over the number of steps. If the second line fits better, the growth is exponential.
     """
     largest = np.maximum.accumulate(drift)
     n = np.arange(len(drift), dtype=float)
@@ -163,6 +167,6 @@ def growth(drift: Array) -> Growth:
 
 
 def _line(x: Array, y: Array) -> tuple[float, float]:
-    """Return the slope of the line fitted to points x, y (n,), and the root mean square of the deviations."""
+    """Return the slope of the line fitted to the points x, y (n,), and the root mean square of the deviations from it."""
     slope, intercept = np.polyfit(x, y, 1)
     return float(slope), float(np.sqrt(np.mean((y - slope * x - intercept) ** 2)))

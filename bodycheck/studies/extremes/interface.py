@@ -11,11 +11,11 @@ from bodycheck.studies.extremes.rows import Limit, Row
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ExtremesResults(plain.PlainResults):
-    """The ends of runs at extreme values, and the limits of stability."""
+    """The outcomes of runs at extreme values, and the largest stable time steps."""
 
     @property
     def rows(self) -> Sequence[Row]:
-        """One for each run."""
+        """The rows of the table `extremes`, one for each run."""
         return self.rows_by_table[0]
 
     @property
@@ -37,16 +37,16 @@ def extremes(
     Parameters
     ----------
     cases
-        As those of `bodycheck.run`; all shipped cases with a table [extremes] for none.
+        The same as the parameter of `bodycheck.run`. If none are given, all shipped cases with a table [extremes].
     engine, integrator, jobs
-        As those of `bodycheck.run`.
+        The same as the parameters of `bodycheck.run`.
     out
-        A folder for the tables and the report, which continues what was interrupted there.
+        A folder for the tables and the report. An interrupted study in it is resumed.
 
     Raises
     ------
     BadInput, Failed
-        As `bodycheck.run`, and `BadInput` for a case without a table [extremes].
+        In the same cases as by `bodycheck.run`, and `BadInput` for a case without a table [extremes].
     """
     results = plain.called("extremes", cases, engine, integrator, out, jobs)
     return ExtremesResults(results.report, results.rows_by_table, results.described)

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from bodycheck.reports.charts import INK, Spec
 from bodycheck.studies.extremes.rows import STATUSES, Row
 
-#: Colours of Okabe and Ito, which colour-blind readers can distinguish, and others that are as light: black letters are
-#: readable on all of them.
+#: Colours of Okabe and Ito, which colour-blind readers can distinguish, and further colours that are as light, so that black
+#: letters are readable on all of them.
 COLOURS = {
     "ok": "#009e73",
     "inaccurate": "#f0e442",
@@ -39,7 +39,7 @@ CELL = 26
 
 
 def outcome_map(rows: Sequence[Row]) -> Spec:
-    """Return a complete chart with a cell for each spin and time step, with the colour and letter of the status of the run."""
+    """Return a complete chart with a cell for each spin and time step. Its colour and letter show the status of the run."""
     seen = [status for status in STATUSES if any(row.status == status for row in rows)]
     values = [{"spin": row.value, "step": row.timestep, "status": row.status, "detail": row.detail} for row in rows]
     text = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"}

@@ -1,4 +1,4 @@
-"""The report of the study of extremes: first errors that engines did not report, then the limits of every method."""
+"""The report of the study of extremes: first the errors that engines did not report, then the outcomes and the stability."""
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ READING = (
 
 
 def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> StudyReport:
-    """Return the contents of the report. The header is that of results; rows and limits are in the order of the study."""
+    """Return the contents of the report, from the header of the results, and the rows and limits in the order of the study."""
     unreported = [row for row in rows if row.believed]
     cases: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
@@ -81,7 +81,7 @@ def _unreported(rows: Sequence[Row]) -> list[Finding]:
 
 
 def _long_runs(rows: Sequence[Row]) -> list[Finding]:
-    """Return findings about methods that break down in longer runs than they completed without a warning."""
+    """Return findings about methods that complete some runs without a warning but break down in longer runs."""
     runs: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         if row.axis == "steps":
@@ -155,7 +155,7 @@ def _killed(rows: Sequence[Row]) -> list[Finding]:
 def _unreported_errors(rows: Sequence[Row]) -> Part:
     """Return the part about runs whose engine reported no problem.
 
-    Runs are grouped by case, axis, status and values. Methods that share all of these share a row.
+    Runs are grouped by case, axis, values, status and reason. Methods for which all of these are equal share a row.
     """
     groups: dict[tuple[str, str, str, str], list[Row]] = defaultdict(list)
     for row in rows:
@@ -192,7 +192,7 @@ def _map(methods: str, rows: Sequence[Row]) -> Chart:
 
 
 def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
-    """Return the table of outcomes by value and method; methods with the same outcomes everywhere share a column."""
+    """Return the table of outcomes by value and method. Methods with the same outcomes at all points share a column."""
     columns = _by_outcomes(rows)
     several = len({row.timestep for row in rows}) > 1 and axis != "timestep"
     places = [(_value(row), milliseconds(row.timestep)) for row in columns[0][1]]
@@ -211,7 +211,10 @@ def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
 
 
 def _by_outcomes(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
-    """Return the names and the runs of methods with the same outcomes everywhere. Points are in the same order for all."""
+    """Return groups of methods with the same outcomes at all points: their names as a list in words, and the runs of the first.
+
+    The runs of all methods must be at the same points, in the same order.
+    """
     groups: dict[tuple[str, ...], list[tuple[str, list[Row]]]] = defaultdict(list)
     for method, method_rows in _by_method(rows).items():
         groups[tuple(row.status for row in method_rows)].append((method, method_rows))
@@ -249,7 +252,7 @@ def _method(row: Row | Limit) -> str:
 
 
 def _axis(axis: str) -> str:
-    """Return the title of an axis inside a sentence; a title that begins with a symbol keeps its capitals."""
+    """Return the title of an axis for use inside a sentence: in lower case, unless it begins with a symbol."""
     title = AXES[axis].title
     return title.lower() if title[:2].isalpha() else title
 
@@ -277,5 +280,5 @@ def _range(values: Sequence[float]) -> str:
 
 
 def _figure(value: float) -> str:
-    """Return a value of an axis with all digits that were given."""
+    """Return a value of an axis as text, with as many digits as were given."""
     return number(value, 4 if float(f"{value:.4g}") == value else 15)

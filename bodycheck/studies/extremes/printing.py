@@ -37,7 +37,7 @@ TABLES: tuple[Sequence[Column[Any]], ...] = (RUNS, LIMITS)
 
 
 def print_rows(rows: Sequence[Row], limits: Sequence[Limit], view: View) -> None:
-    """Print one line per run, beginning with wrong runs that the engine did not report, then one line per method and spin."""
+    """Print a line per run, first of the wrong runs that the engine did not report, and then a line per method and spin."""
     show(RUNS, sorted(rows, key=lambda row: not row.believed), view)
     if limits and (not view.names or {column.name for column in LIMITS} & set(view.names)):
         say("\nthe largest stable step")

@@ -1,4 +1,4 @@
-"""The rows of the study of extreme values, which its tables and its report contain."""
+"""The rows of the study of extreme values, of which its tables and its report consist."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -8,10 +8,10 @@ from bodycheck.results.tables import Meaning, table_of
 #: The file with the records of the study.
 RECORDS = "extremes.jsonl"
 
-#: Values of `engine_said`: the run finished without warnings; the process gave no answer.
+#: Values of `engine_said` for a run that finished without warnings, and for a run whose process gave no answer.
 HEALTHY, NOTHING = "healthy", "nothing"
 
-#: The statuses, from the best to the worst. The last one is no judgement of a method.
+#: The statuses, from the best to the worst. The last status is not a judgement of the method.
 STATUSES = (
     *("ok", "inaccurate", "energy-loss", "energy-gain", "frozen", "diverged"),
     *("silent-reset", "crashed", "timeout", "unsupported"),
@@ -20,7 +20,7 @@ STATUSES = (
 
 @dataclass(frozen=True)
 class Row:
-    """A run of a method, with a case changed along an axis to a value."""
+    """A run of a method on a case that is changed along an axis to a value."""
 
     case: str
     engine: str

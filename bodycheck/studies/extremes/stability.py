@@ -1,8 +1,9 @@
-"""Search the largest stable time step of a method, as the product of spin and time step: the angle per step.
+"""Search for the largest stable time step of a method, as the product of spin and time step: the angle per step.
 
 A method is stable at a time step if it completes a hundred turns and its energy of rotation never reaches twice the initial
 value. A loss of energy is an error, but not an instability. The search begins at one full turn per step and halves the step
-until several steps in a row are stable, because single stable steps may lie between unstable ones. Then it narrows the bracket.
+until several steps in a row are stable, because single stable steps may lie between unstable steps. Then it narrows the bracket
+between the largest of these stable steps and the next larger, unstable step.
 """
 
 import math
@@ -17,14 +18,14 @@ from bodycheck.reference.scene import Scene
 from bodycheck.results.outcome import Completed, Outcome
 from bodycheck.studies.extremes.symptoms import energy_change
 
-#: Duration of a run in turns, and its number of samples.
+#: Duration of a run in turns of the body, and its number of samples.
 TURNS = 100
 SAMPLES = 201
 
 #: Angles per step (rad) that are tried, from a full turn to 1.5e-3. If none is stable, the method is called unstable.
 PRODUCTS = tuple(2 * math.pi / 2**halvings for halvings in range(13))
 
-#: Number of successive halvings that must be stable, for all smaller steps to count as stable.
+#: Number of successive halvings that must be stable for all smaller steps to count as stable.
 STABLE_IN_A_ROW = 3
 
 #: Number of halvings that are tried at the same time.
@@ -33,7 +34,7 @@ PRODUCTS_PER_BATCH = 8
 #: Number of sections with equal ratios into which a bracket is divided.
 SECTIONS = 8
 
-#: Ratio of the smallest unstable to the largest stable step, at which the search ends.
+#: Ratio of the smallest unstable step to the largest stable step at which the search ends.
 FINAL_RATIO = 1.02
 
 #: Relative change of the energy from which a run is unstable.
@@ -49,7 +50,7 @@ class Bracket:
     stable
         The largest stable product; None if none is stable.
     unstable
-        The smallest unstable product above it; None if all are stable.
+        The smallest unstable product above `stable`; None if all products are stable.
     following
         The products to try next; empty when the search has ended.
     """
@@ -60,7 +61,7 @@ class Bracket:
 
 
 def bracket(probes: Mapping[float, bool]) -> Bracket:
-    """Return the bracket that follows from probes: products of spin and time step (rad), and whether their runs were stable."""
+    """Return the bracket that follows from probes. probes: whether a run was stable, by product of spin and time step (rad)."""
     for first in range(len(PRODUCTS) - STABLE_IN_A_ROW + 1):
         settled = PRODUCTS[first : first + STABLE_IN_A_ROW]
         if not all(product in probes for product in settled):
@@ -76,7 +77,7 @@ def bracket(probes: Mapping[float, bool]) -> Bracket:
 
 
 def turning(case: Case, rate: float) -> Case:
-    """Return a case with another spin (rad/s) and a duration of a hundred turns."""
+    """Return the case with the spin `rate` (rad/s) and a duration of a hundred turns."""
     return replace(spin(case, rate), duration=TURNS * 2 * math.pi / rate, samples=SAMPLES)
 
 
@@ -87,7 +88,7 @@ def stable(scene: Scene, outcome: Outcome) -> bool:
 
 
 def _narrowed(probes: Mapping[float, bool], low: float, high: float) -> Bracket:
-    """Return the bracket between a stable and an unstable product after the given probes."""
+    """Return the bracket, narrowed by the probes, between a stable product (`low`) and an unstable product (`high`)."""
     while high > FINAL_RATIO * low:
         ratio = (high / low) ** (1 / SECTIONS)
         ends = [low * ratio**section for section in range(SECTIONS)] + [high]

@@ -1,6 +1,6 @@
 """Run cases at increasingly extreme values along their axes, to find where methods become wrong or fail.
 
-Every run has its own process and is recorded when it ends, so that an interrupted study can be resumed.
+Every run is made in a separate process and recorded when it ends, so that an interrupted study can be resumed.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -38,13 +38,13 @@ from bodycheck.studies.extremes.stability import bracket, stable, turning
 if TYPE_CHECKING:  # the processes of the runs import this module, and need no tables
     from bodycheck.running.campaign import Advance
 
-#: Time limit of one run, about three times the duration of a million steps in Python.
+#: Time limit (s) of one run, about three times the duration of a million steps in Python.
 TIME_LIMIT_S = 60.0
 
 #: The key of a trial: the run, the axis and the value.
 TrialKey = tuple[RunKey, str, float]
 
-#: The key of a search: the case and method, with any time step, and the spin (rad/s).
+#: The key of a search: the case and the method over all time steps, and the spin (rad/s).
 SearchKey = tuple[RunKey, float]
 
 #: A function that returns the truth of a scene at times (s), or why there is none.
@@ -53,7 +53,7 @@ TruthOf = Callable[[tuple[AnyScene, Array]], Truth | NoTruth | Crashed | TimedOu
 
 @dataclass(frozen=True)
 class Point:
-    """A case with one of its axes at a value, and the time step (s) with which it is run."""
+    """A case that is changed to a value on one of its axes, and the time step (s) with which it is run."""
 
     case: Case
     axis: str
@@ -109,9 +109,9 @@ class Study:
 
 
 def points(case: Case) -> Iterator[Point]:
-    """Yield every value of every axis of a case, one axis at a time from the case as it stands.
+    """Yield a point for every value of every axis of a case, changing one axis of the given case at a time.
 
-    If a case has spins and time steps, every spin is combined with every step.
+    If the case has both spins and time steps, every spin is combined with every time step.
     """
     values = dict(case.extremes)
     timesteps = values.pop("timestep", ())
@@ -163,7 +163,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
 
 
 def suits(case: Case) -> bool:
-    """Return whether a case has axes."""
+    """Return whether a case has axes, that is, a table [extremes]."""
     return bool(case.extremes)
 
 
@@ -173,8 +173,8 @@ def results(
 ) -> Iterator[tuple[list[Row], list[Limit]]]:
     """Make the runs of a study, and provide its rows and limits in the order of the study.
 
-    If the folder contains the same study, interrupted, its runs are not repeated. The study counts as interrupted until the
-    context ends.
+    If the folder contains the same study and it was interrupted, its recorded runs are not repeated. The study counts as
+    interrupted until the context ends.
 
     Parameters
     ----------
@@ -206,14 +206,14 @@ def results(
 def follow(scene: AnyScene, times: Array) -> Truth | NoTruth:
     """Return the truth of a scene even for long times, or the reason why there is none.
 
-    In flight, the truth is the closed form with its own error bound, whose cost does not depend on the time. It is not checked
-    by integration, which would have to follow every one of a million turns.
+    In flight, the truth is the closed form with its own error bound. Its cost does not depend on the times. It is not checked
+    by integration, because an integration would have to follow up to a million turns.
     """
     try:
         return truth(scene, times, vouched=False)
     except NotModelled as error:
         return NoTruth(f"the reference does not model {error}")
-    except (OutOfReach, ValueError, OverflowError) as error:  # the last two if a closed form overflows
+    except (OutOfReach, ValueError, OverflowError) as error:  # the latter two are raised if a closed form overflows
         return NoTruth(f"the reference cannot follow: {error}")
 
 
@@ -236,7 +236,7 @@ def _rows(study: Study, log: Journal, versions: Mapping[str, str], jobs: int, li
 def _limits(
     study: Study, log: Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
 ) -> list[Limit]:
-    """Make the searches in parallel, with one process for each of their runs, and return their limits."""
+    """Make the searches in parallel, with a separate process for each of their runs, and return the limits they find."""
     probes: dict[SearchKey, dict[float, bool]] = {search.key: {} for search in study.searches}
     for record in log.records:
         if record["record"] == "probe":
@@ -287,7 +287,7 @@ def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of:
 
 
 def _truth_of(scene: AnyScene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTruth:
-    """Return the truth of a scene at the instants of a run, or why there is none."""
+    """Return the truth of a scene at the instants of a run, or the reason why there is none."""
     if not isinstance(outcome, Completed):
         return NoTruth("the run did not end")
     truth = truth_of((scene, outcome.trajectory.t))

@@ -1,8 +1,8 @@
-"""Find the symptoms of a wrong motion: in its states, in the quantities that mechanics conserves, and against the truth.
+"""Find the symptoms of a wrong motion in its states, in the quantities that mechanics conserves, and in its errors.
 
-What is compared with the truth is the same for every scene. Of itself, a motion is judged by what must hold in it: a body in
-flight turns on and conserves its energy of rotation, a body on the plane does not gain energy, joints hold together, and bodies
-that touch neither sink in nor gain energy.
+The comparison with the truth is the same for every scene. Without a truth, a motion is judged by conditions that every correct
+motion satisfies: a body in flight keeps turning and conserves its energy of rotation, a body on the plane does not gain energy,
+joints hold together, and bodies that touch neither sink into the plane nor gain energy.
 """
 
 import math
@@ -28,25 +28,26 @@ from bodycheck.reference.scene import Body, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth, distance
 
-#: Attitude error from which the attitude counts as lost.
+#: Attitude error (rad) above which the attitude counts as lost.
 ATTITUDE_LOST_RAD = 1.0
 
-#: Position error relative to the distance travelled, or penetration relative to the radius of gyration, that is a symptom.
+#: Limit of the position error relative to the distance travelled, and of the penetration relative to the radius of gyration.
+#: Larger values are symptoms.
 POSITION_LOST_FRACTION = 0.01
 
-#: Change of the energy relative to its initial value that is a symptom.
+#: Relative change of the energy above which it is a symptom.
 ENERGY_CHANGE_LIMIT = 0.01
 
-#: Rank correlation of energy and time from which a change is not an oscillation; two full periods of one have 0.4.
+#: Rank correlation of energy and time from which a change is not an oscillation; two full periods of an oscillation have 0.4.
 SECULAR_CORRELATION = 0.6
 
-#: Smallest visible motion or error, relative to the radius of gyration or in rad.
+#: Smallest motion or error that counts as visible, relative to the radius of gyration or in rad.
 VISIBLE_MOTION = 1e-6
 
 #: Remaining fraction of the angular momentum after one sampling interval, below which it counts as lost.
 MOMENTUM_LOST_FRACTION = 1e-3
 
-#: Ratio of an unexplained displacement to the usual one, from which it is a jump.
+#: Ratio of an unexplained displacement to the usual displacement above which it is a jump.
 JUMP_RATIO = 10.0
 
 #: Largest relative change of the energy that is reported, because the energy of finite states may overflow.
@@ -65,7 +66,7 @@ class Symptom:
 
 
 def of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
-    """Yield the symptoms of a motion that are visible without comparison with a truth."""
+    """Yield the symptoms of a motion that are visible without a comparison with the truth."""
     if touches(scene):
         yield from _of_touching(scene, trajectory)
     elif isinstance(scene, Mechanism):
@@ -84,7 +85,7 @@ def of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def of_truth(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> Iterator[Symptom]:
-    """Yield the symptoms of a motion that differs too much from the truth, which must have the same instants."""
+    """Yield the symptoms in which a motion differs from the truth. The trajectory and the truth must have the same instants."""
     position, attitude = errors(scene, trajectory, truth)
     paths = np.linalg.norm(np.diff(of_bodies(truth.trajectory).position, axis=-2), axis=-1)
     longest = float(np.nansum(paths, axis=-1).max())
@@ -99,16 +100,16 @@ def of_truth(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> Iterator[
     spacing = float(np.diff(trajectory.t).max(initial=0.0))
     if isinstance(scene, Scene) and scene.plane is None and flip_period(scene) > MIN_SAMPLES_PER_FLIP * spacing:
         seen, expected = flips(scene.body, trajectory), flips(scene.body, truth.trajectory)
-        # The last flip may happen just before or after the end, so a difference of one alone is not a symptom.
+        # The last flip may happen just before or after the end. Therefore a difference of one flip alone is not a symptom.
         if abs(seen - expected) > 1 or (seen != expected and lost.any()):
             yield Symptom("inaccurate", f"{seen} flips instead of {expected}")
 
 
 def errors(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> tuple[Array, Array]:
-    """Return the largest errors over the bodies of the centre of mass (n,), in m, and of the attitude (n,), in rad.
+    """Return the position errors of the centre of mass (n,), m, and the attitude errors (n,), rad: the largest over the bodies.
 
-    The trajectory has the truth's instants; the errors are NaN where mechanics gives no motion. A body that slides on the plane
-    is compared only along it, because penetration is a symptom of its own.
+    The trajectory and the truth must have the same n instants. Errors are NaN at instants at which mechanics determines no
+    motion. A body that slides on the plane is compared only along the plane, because penetration is a separate symptom.
     """
     run, exact = of_bodies(trajectory), of_bodies(truth.trajectory)
     along = slice(2 if slides(scene) else 3)
@@ -118,7 +119,7 @@ def errors(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> tuple[Array
 
 
 def _far(scene: AnyScene, trajectory: Trajectory, truth: Truth, longest: float) -> float:
-    """Return the position error (m) that is a symptom. longest: the longest path of a body in the truth (m)."""
+    """Return the position error (m) above which it is a symptom. longest: the longest path of a body in the truth (m)."""
     if touches(scene):
         return POSITION_LOST_FRACTION * max(longest, _size(scene, trajectory))
     visible = _reach(truth.trajectory) if isinstance(scene, Mechanism) else gyration(scene.body)
@@ -126,7 +127,7 @@ def _far(scene: AnyScene, trajectory: Trajectory, truth: Truth, longest: float) 
 
 
 def _of_touching(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
-    """Yield the symptoms of bodies that touch: depth, and energy that they gain."""
+    """Yield the symptoms of bodies that touch: penetration of the plane, and gain of energy."""
     for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
         if (deepest := depth(body, motion).max()) > POSITION_LOST_FRACTION * _size(scene, trajectory):
             yield Symptom("inaccurate", f"sinks {deepest:.3g} m into the plane")
@@ -137,10 +138,10 @@ def _of_touching(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def restart(scene: Scene, trajectory: Trajectory) -> str | None:
-    """Return how and when a motion was interrupted and began anew; None if it was not.
+    """Return how and when a motion was interrupted and restarted, in words; None if it was not interrupted.
 
-    A motion was interrupted if, from one instant to the next, the centre of mass moves farther than the speeds at both allow,
-    and much farther than usual, or if the angular momentum of a flight vanishes.
+    A motion was interrupted if, from one instant to the next, the centre of mass moves farther than the speeds at both instants
+    allow, and much farther than usual, or if the angular momentum of a flight vanishes.
     """
     t, position = trajectory.t, trajectory.position
     if len(t) < 2:
@@ -164,10 +165,10 @@ def restart(scene: Scene, trajectory: Trajectory) -> str | None:
 def energy_change(scene: AnyScene, trajectory: Trajectory) -> Array:
     """Return the relative change (n,) of the energy since the start, at most `MAX_RELATIVE_ENERGY`.
 
-    Of a mechanism, it is the total energy, relative to the kinetic energy. Of a body in flight, it is the energy of rotation,
-    because the energy of a fall would hide its changes; it is relative to its initial value, or to the kinetic energy if the
-    body does not rotate. On a plane, it is the total energy, relative to the sum of the kinetic energy and the energy of a fall
-    by the radius of gyration.
+    For a mechanism, the change of the total energy is divided by the kinetic energy. For a body in flight, the change of the
+    energy of rotation is divided by its initial value, or by the initial kinetic energy if the body does not rotate; the total
+    energy is not used, because the energy of a fall would hide the changes. For a body on a plane, the change of the total
+    energy is divided by the sum of the initial kinetic energy and the energy of a fall by the radius of gyration.
     """
     if isinstance(scene, Mechanism):
         total = observe_mechanism(scene, trajectory)
@@ -183,7 +184,10 @@ def energy_change(scene: AnyScene, trajectory: Trajectory) -> Array:
 
 
 def flips(body: Body, trajectory: Trajectory) -> int:
-    """Return the number of reversals of the spin about the intermediate axis, counted where this is most of the spin."""
+    """Return how often the spin about the axis of the intermediate moment of inertia reverses.
+
+    Only instants at which this component is more than half of the angular velocity are counted.
+    """
     rates = rotate(conjugate(np.array(body.axes)), trajectory.angular_velocity)
     middle = rates[:, sorted(range(3), key=body.moments.__getitem__)[1]]
     mostly = middle[np.abs(middle) > np.linalg.norm(rates, axis=1) / 2]
@@ -191,12 +195,15 @@ def flips(body: Body, trajectory: Trajectory) -> int:
 
 
 def gyration(body: Body) -> float:
-    """Return the radius of gyration (m) about the centre of mass: m r^2 is the sum of m x^2 over the body."""
+    """Return the radius of gyration r (m) of a body: m r^2 is the integral of |x|^2 dm, with x from the centre of mass."""
     return math.sqrt(sum(body.moments) / (2 * body.mass))
 
 
 def _frozen(body: Body, trajectory: Trajectory) -> Iterator[Symptom]:
-    """Yield the coordinates that stay equal to the last bit in the second half of a run, although the velocity is not zero."""
+    """Yield a symptom for each position coordinate, and for the attitude, that is frozen although the velocity is not zero.
+
+    A quantity is frozen if all its values in the second half of the run are equal to the last bit.
+    """
     middle = len(trajectory) // 2
     duration = float(trajectory.t[-1] - trajectory.t[middle])
     ways = np.abs(trajectory.velocity[middle:].mean(axis=0)) * duration
@@ -210,7 +217,7 @@ def _frozen(body: Body, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def _energy(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
-    """Yield a change of the energy: a gain on the plane, and any where it is conserved."""
+    """Yield a symptom if the energy changes too much: if it grows on a plane, or if it changes where it is conserved."""
     change = energy_change(scene, trajectory)
     if scene.plane is not None:
         if change.max() > ENERGY_CHANGE_LIMIT:
@@ -229,20 +236,20 @@ def _energy(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def _reach(trajectory: Trajectory) -> float:
-    """Return the largest distance (m) of a body of a mechanism from the place where the first body begins."""
+    """Return the largest distance (m) of any body of a mechanism from the initial position of the first body."""
     return float(np.fmax.reduce(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1), axis=None))
 
 
 def _size(scene: AnyScene, trajectory: Trajectory) -> float:
-    """Return how far (m) the largest body that touches reaches towards the plane at the start."""
+    """Return the extent (m) of a touching body from its centre of mass towards the plane at the start: the largest of all."""
     first = [motion.quaternion[:1] for motion in motions(scene, trajectory)]
     return max(float(reach(body.shape, turn, body.normal)[0]) for body, turn in zip(touching(scene), first, strict=True))
 
 
 def rank_correlation(values: Array) -> float:
-    """Return Spearman's rank correlation of values (n,) with their order; NaN for a single value.
+    """Return Spearman's rank correlation of values (n,) with their indices; NaN for a single value.
 
-    Equal values rank in their order, so that a quantity that reaches a value and keeps it counts as rising.
+    Equal values are ranked by their indices, so that a quantity that reaches a value and keeps it counts as rising.
     """
     from scipy.stats import rankdata, spearmanr  # few motions need it, and it takes long to import
 

@@ -73,7 +73,7 @@ def recommend(
 
 
 def _tell(recommendation: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:
-    """Print the answers; if the command is quiet, only that no method keeps the error."""
+    """Print the answers, as JSON if asked. If the command is quiet, print only that no method keeps the error, if so."""
     from dataclasses import asdict
 
     from bodycheck.console.output import tell

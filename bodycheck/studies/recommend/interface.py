@@ -1,4 +1,4 @@
-"""`bodycheck.recommend`: the method that keeps an error at the lowest cost, and the largest time step with which it does."""
+"""`bodycheck.recommend`: the cheapest method that keeps its error within a limit, and its largest such time step."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,29 +19,29 @@ from bodycheck.studies.recommend.rows import ANSWERS, STEPS, Answer, Recommendat
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecommendResults(StudyResults):
-    """The methods that keep an error, each with the largest time step that does.
+    """The methods that keep an error within a limit, each with the largest time step at which it does.
 
     Attributes
     ----------
     found
-        What was asked for, an answer for each method, and all measured time steps.
+        The question, an answer for each method, and all measured time steps.
     """
 
     found: Recommendation
 
     @property
     def best(self) -> Answer | None:
-        """The cheapest method that keeps the error; None if none does."""
+        """The answer for the cheapest method that keeps the limit; None if no method does."""
         return self.found.best
 
     @property
     def answers(self) -> tuple[Answer, ...]:
-        """One for each method: those that keep the error, the cheapest first, then the others, the smallest error first."""
+        """The answers for all methods: first for those that keep the limit, by cost; then for the others, by error."""
         return self.found.answers
 
     @property
     def tables(self) -> dict[str, Table]:
-        """The tables `recommend`, the answers, and `steps`, all measured time steps."""
+        """The table `recommend` with the answers, and the table `steps` with all measured time steps."""
         unit = self.found.asked.unit
         units = {"error": unit} if unit else {}
         of_steps = {"error": unit, "truth_error": unit} if unit else {}
@@ -72,14 +72,14 @@ def carry_out(
     jobs
         The number of processes.
     output
-        Where the results go. An interrupted study in its folder is resumed.
+        The folder and the formats of the results, and the display of progress. An interrupted study in the folder is resumed.
     reuse
-        A folder with results of runs, whose time steps are not measured again.
+        A folder with results of runs. The time steps of these runs are not measured again.
 
     Raises
     ------
     BadInput, BadJournal, Failed
-        As `study.results` and `study.reused`.
+        As `study.results` and `study.reused` raise them.
     """
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
     head = campaign.header(command, engines.records, engines.missing)
@@ -104,9 +104,9 @@ def recommend(
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> RecommendResults:
-    """Find the method that keeps an error at the lowest cost, and the largest time step with which it does.
+    """Find the method that keeps an error within a limit at the lowest cost, and the largest time step at which it does.
 
-    It is what the command `bodycheck recommend` does.
+    This function does the same as the command `bodycheck recommend`.
 
     Parameters
     ----------
@@ -119,19 +119,19 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results.
     engine, integrator, jobs
-        As those of `bodycheck.run`.
+        The same as the parameters of `bodycheck.run`.
     reuse
-        A folder with results of `tradeoff` or `run`; steps that were measured there are not measured again.
+        A folder with results of `tradeoff` or `run`. The time steps of these runs are not measured again.
     out
-        A folder for the tables and the report, which continues what was interrupted there.
+        A folder for the tables and the report. An interrupted search in it is resumed.
 
     Raises
     ------
     BadInput
-        If a case, an engine, a method, a figure or a number cannot be used, or if the truth of the case has an error as large
-        as the one that is asked for; the text is that of the command line.
+        If a case, an engine, a method, a figure or a number cannot be used, or if the truth of the case has an error at least
+        as large as `error`. The message is the same as on the command line.
     Failed
-        If the case has no truth, or if all engines that are named fail when they are loaded.
+        If the case has no truth, or if all named engines fail when they are loaded.
     """
     loaded = arguments.one_case(case)
     wanted = conversion.number("--error", error)

@@ -1,4 +1,4 @@
-"""Measure what a search asks for: runs, which are compared with truths that are computed together, and costs of answers."""
+"""Make the runs that a search needs, compare them with truths that are computed together, and measure the costs of answers."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,12 +27,12 @@ Answered = Run | Truths | Crashed | TimedOut
 #: Worker processes that make tasks, as `tasks.perform` does.
 Workers = pool.Workers[Task | TruthTask, Run | Truths]
 
-#: Why a method whose runs ended well has no result.
+#: The reason why a method whose runs all completed has no result.
 UNSEEN = "no run shows this figure: the scene does not have it, or the time steps are too large to see it"
 
 
 def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: str, workers: Workers) -> list[Probe]:
-    """Make runs of one case and return what they measured, in the same order.
+    """Make runs of one case and return their measurements, in the order of the tasks.
 
     Parameters
     ----------
@@ -41,16 +41,16 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
     tasks
         The runs.
     versions
-        The versions of their engines.
+        The version of the engine of each task.
     figure
         The figure that is measured.
     workers
-        The worker processes that make them.
+        The worker processes that make the runs and compute the truths.
 
     Raises
     ------
     Failed
-        If a run completed and there is no truth.
+        If a run completed and there is no truth with which it can be compared.
     """
     needed = tuple(campaign.truth_tasks(case, (task.method.timestep for task in tasks)))
     answers = dict(workers.map([*needed, *tasks]))
@@ -68,7 +68,10 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
 def _measured(
     task: Task, answer: Answered, truths: Mapping[float, Truth | str], figure: str
 ) -> tuple[str, float | None, float | None, str]:
-    """Return the status of a run, the figure, the bound of the truth's own error in it, and why the run is not ok."""
+    """Return the status of a run, the value of the figure, the error bound of the truth in it, and why the run is not ok.
+
+    The values are None if they are not known. Raises `Failed` if the run completed and there is no truth.
+    """
     assert isinstance(answer, Run | Crashed | TimedOut)
     outcome = answer.outcome if isinstance(answer, Run) else answer
     if not isinstance(answer, Run) or not isinstance(outcome, Completed):
@@ -80,13 +83,19 @@ def _measured(
 
 
 def figures_of(maxima: Mapping[str, float], figure: str) -> tuple[float | None, float | None]:
-    """Return the size of a figure of a run and the bound of the truth's own error in it; None where they are not known."""
+    """Return the magnitude of a figure of a run, and the error bound of the truth in this figure; None if not known.
+
+    The magnitude is infinite if the figure is not a number. maxima: the figures of the run by name.
+    """
     error, truth_error = maxima.get(figure), maxima.get(FIGURES[figure].bounded_by)
     return (None if error is None else math.inf if math.isnan(error) else abs(error)), truth_error
 
 
 def errors_of(probes: Iterable[Probe]) -> dict[float, float]:
-    """Return the errors of a method by its time steps (s); infinite where a run failed, none where it timed out."""
+    """Return the errors of a method by time step (s).
+
+    The error of a run that has none, for example because it failed, is infinite. Runs that timed out are left out.
+    """
     return {
         probe.timestep: math.inf if probe.error is None else probe.error for probe in probes if probe.status != TimedOut.status
     }
@@ -98,9 +107,9 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
     Parameters
     ----------
     engine, version, method
-        The engine with its version, and the method; its time step does not matter.
+        The engine with its version, and the method, whose time step is ignored.
     probes
-        What was measured with the method.
+        The measurements of the method.
     limit
         The largest allowed error.
     """
@@ -126,7 +135,7 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
 
 
 def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
-    """Measure the costs of answers in turn, with nothing else running, and return them in the order of `Recommendation`."""
+    """Measure the costs of answers in turn, while nothing else runs; return the answers in the order of `Recommendation`."""
     stretches = {
         index: Stretch(
             case.scene, answer.engine, Method.parse(answer.integrator, step), int(sampling_steps(case.instants, step)[-1])
@@ -145,15 +154,3 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
                 answers[index], cost=seconds.median / step, cost_low=seconds.low / step, cost_high=seconds.high / step
             )
     return sorted(timed, key=_rank)
-
-
-def _steps(case: Case, timestep: float) -> int:
-    """Return the number of steps of a run of a case."""
-    return int(sampling_steps(case.instants, timestep)[-1])
-
-
-def _rank(answer: Answer) -> tuple[bool, float, float]:
-    """Return a key that orders answers: those that keep the limit by cost, and by step if that is unknown; others by error."""
-    if answer.reached:
-        return False, math.inf if answer.cost is None else answer.cost, -(answer.timestep or 0.0)
-    return True, math.inf if answer.error is None else answer.error, 0.0

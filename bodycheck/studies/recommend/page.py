@@ -1,4 +1,4 @@
-"""The report of the study: the answer, a chart of the error over the time step, and all that was measured."""
+"""The report of the study: the answer, a chart of the error over the time step, and a table of all measured time steps."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,7 @@ def present(header: Header, recommendation: Recommendation) -> StudyReport:
     Parameters
     ----------
     header
-        Versions, machine and command.
+        The header of the results, with versions, machine and command.
     recommendation
         The result of the study.
     """
@@ -149,7 +149,7 @@ def _specification(recommendation: Recommendation, lines: Lines, drawn: Sequence
 
 
 def _answers(recommendation: Recommendation) -> Table:
-    """Return the table of the answers: those that keep the limit, the cheapest first, then the others."""
+    """Return the table of the answers, in their order: those that keep the limit come first."""
     words = ("Engine", "Integrator", "Keeps the limit")
     label = QUANTITIES[recommendation.asked.figure].label
     figures = ("Time step, s", label, "Margin", "Computing time, s", "Shortest, s", "Longest, s", "Breaks at, s", "Runs")

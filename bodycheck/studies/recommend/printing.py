@@ -1,4 +1,4 @@
-"""Print what the study recommends to the terminal."""
+"""Print the recommendation of the study to the terminal."""
 
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
@@ -23,7 +23,7 @@ ANSWERS = (
 
 
 def print_recommendation(recommendation: Recommendation, view: View) -> None:
-    """Print the answer in one sentence, its margin, the second method and those that never keep the limit, then a table."""
+    """Print sentences about the answer, its margin, the second method and methods that never keep the limit, then a table."""
     for sentence in (
         wording.headline(recommendation),
         wording.margin(recommendation),

@@ -34,9 +34,9 @@ class Probe:
 
 @dataclass(frozen=True)
 class Answer:
-    """The largest measured time step of a method such that this step and all smaller measured steps keep the limit.
+    """The answer for a method: the largest measured time step such that it and all smaller measured steps keep the limit.
 
-    If there is no such time step, it is the measured time step with the smallest error.
+    If there is no such time step, the answer has the measured time step with the smallest error.
     """
 
     engine: str
@@ -72,7 +72,7 @@ class Answer:
         return RunKey.of_method(self.engine, self.integrator)
 
 
-#: The table of answers and that of all measured time steps.
+#: The table of answers, and the table of all measured time steps.
 ANSWERS = table_of(
     Answer,
     "recommend",
@@ -126,9 +126,10 @@ class Recommendation:
     asked
         The question.
     answers
-        One for each method: first those that keep the limit, the cheapest first, then the others, the smallest error first.
+        An answer for each method: first for those that keep the limit, the cheapest first; then for the others, the smallest
+        error first.
     probes
-        All measured time steps, method by method, the largest first.
+        All measured time steps, method by method, the largest time step first.
     """
 
     asked: Asked
@@ -137,15 +138,15 @@ class Recommendation:
 
     @property
     def best(self) -> Answer | None:
-        """The cheapest method that keeps the limit; None if none does."""
+        """The answer for the cheapest method that keeps the limit; None if no method does."""
         return next(iter(self.reached), None)
 
     @property
     def reached(self) -> tuple[Answer, ...]:
-        """The methods that keep the limit, the cheapest first."""
+        """The answers for the methods that keep the limit, the cheapest first."""
         return tuple(answer for answer in self.answers if answer.reached)
 
     @property
     def unreached(self) -> tuple[Answer, ...]:
-        """The methods that do not keep the limit with any measured time step, the smallest error first."""
+        """The answers for the methods that do not keep the limit, the smallest error first."""
         return tuple(answer for answer in self.answers if not answer.reached)

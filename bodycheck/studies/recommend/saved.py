@@ -1,4 +1,4 @@
-"""Reading of a saved search for time steps."""
+"""Reading of the saved results of a search for time steps."""
 
 from pathlib import Path
 
@@ -9,12 +9,12 @@ from bodycheck.studies import reading
 from bodycheck.studies.recommend import page as recommend
 from bodycheck.studies.recommend.rows import ANSWERS, RECORDS, STEPS, Asked, Recommendation
 
-#: The file by which its folder is recognised.
+#: The file by which the folder of a search is recognised.
 FILE = RECORDS
 
 
 def read(folder: Path) -> StudyReport:
-    """Return the report of a finished search in a folder. Raises `BadFolder` and errors of damaged files."""
+    """Return the report of a finished search in a folder. Raises `BadFolder` and the errors of damaged files."""
     contents, header = reading.finished(folder / RECORDS)
     asked = records.typed(Asked, contents.header["asked"])
     answers, probes = reading.rows(folder, ANSWERS), reading.rows(folder, STEPS)

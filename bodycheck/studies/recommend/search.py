@@ -1,12 +1,13 @@
-"""Search the largest time step of a method that keeps a limit: pure functions of the errors that were measured so far.
+"""Search for the largest time step of a method that keeps a limit: pure functions of the errors that were measured so far.
 
-The answer is the largest measured step such that every smaller measured step keeps the limit too. All steps that the search
-asks for have two significant digits. Where the answer and the smallest step that breaks the limit are neighbours among these
-numbers, the answer is within 10 % of any larger step that would keep it.
+The answer is the largest measured step such that it and every smaller measured step keep the limit. All steps that the search
+proposes have two significant digits. It narrows the bracket until the answer and the smallest step that breaks the limit are
+neighbours among these numbers or differ by at most 5 %. The answer is then within 10 % of any larger step that would keep the
+limit.
 
-Errors need not grow with the step. Below the answer, steps are therefore measured as close to each other as the errors
-there require: between two measured neighbours, powers of the step are assumed up to 1.5 times the largest one that is observed
-there, upwards and downwards.
+Errors do not always grow with the step. Therefore steps below the answer are also measured, and the errors determine how close
+together. Between two measured neighbours, it is assumed that the error rises or falls at most with a power of the step that is
+1.5 times the largest power observed below the answer.
 """
 
 import math
@@ -20,22 +21,24 @@ Errors = Mapping[float, float]
 #: Largest ratio of two neighbouring numbers with two significant digits, 11 to 10.
 NEIGHBOURS = 1.1
 
-#: Ratio of the smallest step that breaks the limit to the answer, below which the search goes no nearer.
+#: Ratio of the smallest step that breaks the limit to the answer, below which the search does not narrow this bracket further.
 NEAR = 1.05
 
-#: Ratio of a step at which the method fails to the next one, and the largest ratio of two steps upwards.
+#: Ratio of a step at which the method fails to the next, smaller step, and the largest ratio of a next, larger step to the step
+#: before.
 AFTER_FAILURE, UPWARDS = 4.0, 4.0
 
-#: Smallest of these ratios while no step keeps the limit, so that the search moves on.
+#: Smallest ratio of a step to the next smaller step while no step keeps the limit, so that the search does not slow down.
 LEAST_DOWNWARDS = 1.5
 
-#: Steps are measured down to the answer divided by this.
+#: Steps are measured down to the answer divided by this number.
 DEPTH = 2.0
 
-#: Ratio of the powers of the step that are assumed between measured neighbours to the largest observed one, and the least such.
+#: Ratio of the power of the step that is assumed between measured neighbours to the largest observed power, and the least value
+#: that is used for the observed power.
 STEEPER, LEAST_STEEPNESS = 1.5, 1.0
 
-#: Order of a method whose engine claims none, and the least and the largest order that is believed when it is observed.
+#: Order that is assumed of a method whose engine claims none, and the limits to which an observed order is clipped.
 UNKNOWN_ORDER, LEAST_ORDER, LARGEST_ORDER = 1.0, 0.5, 12.0
 
 #: The relative error of the last digit of a product or quotient of steps.
@@ -47,18 +50,18 @@ MOST_STEPS = 60
 
 @dataclass(frozen=True)
 class Range:
-    """The range of time steps in which a method is searched, and the limit that it should keep.
+    """The range of time steps in which the answer for a method is searched for, and the limit that its error should keep.
 
     Parameters
     ----------
     limit
         The largest allowed error, in the unit of the errors.
     order
-        The order that the engine claims of the method; None if it claims none.
+        The order that the engine claims for the method; None if it claims none.
     first
         The time step (s) at which the search begins.
     smallest, largest
-        The ends of the time steps (s), which have two significant digits.
+        The limits of the time step (s), which have two significant digits.
     """
 
     limit: float
@@ -69,7 +72,7 @@ class Range:
 
 
 def answer(errors: Errors, limit: float) -> float | None:
-    """Return the largest step such that it and every smaller one keep the limit; None if the smallest one does not."""
+    """Return the largest measured step such that it and all smaller steps keep the limit; None if the smallest does not."""
     kept = None
     for step in sorted(errors):
         if not errors[step] <= limit:
@@ -79,7 +82,7 @@ def answer(errors: Errors, limit: float) -> float | None:
 
 
 def following(errors: Errors, within: Range) -> float | None:
-    """Return the step (s) that is to be measured next; None if the search is done."""
+    """Return the step (s) to be measured next; None if the search is done."""
     if not errors:
         return within.first
     if len(errors) >= MOST_STEPS:
@@ -97,24 +100,24 @@ def following(errors: Errors, within: Range) -> float | None:
 
 
 def rounded_down(step: float) -> float:
-    """Return the largest number with two significant digits that is no larger than a positive one."""
+    """Return the largest number with two significant digits that is at most a positive number."""
     return _of_rank(_rank(step))
 
 
 def rounded_up(step: float) -> float:
-    """Return the smallest number with two significant digits that is no smaller than a positive one."""
+    """Return the smallest number with two significant digits that is at least a positive number."""
     rank = _rank(step)
     return _of_rank(rank) if _of_rank(rank) == step else _of_rank(rank + 1)
 
 
 def _of_rank(rank: int) -> float:
-    """Return the number with a rank among the numbers with two significant digits; the rank of 1 is 0."""
+    """Return the number of a given rank in the ascending sequence of numbers with two significant digits; 1 has the rank 0."""
     decade, mantissa = divmod(rank, 90)
     return float(f"{mantissa + 10}e{decade - 1}")
 
 
 def _rank(step: float) -> int:
-    """Return the rank of the largest number with two significant digits that is no larger than a step."""
+    """Return the rank (see `_of_rank`) of the largest number with two significant digits that is at most a step."""
     decade = math.floor(math.log10(step))
     rank = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
     # The logarithm and the quotient may be wrong in their last digit.
@@ -122,7 +125,7 @@ def _rank(step: float) -> int:
 
 
 def _downwards(errors: Errors, within: Range) -> float | None:
-    """Return the next step where the smallest measured one does not keep the limit; None if it is the smallest allowed."""
+    """Return the next step if the smallest measured step does not keep the limit; None if no smaller step is allowed."""
     least = min(errors)
     if least <= within.smallest:
         return None
@@ -134,7 +137,7 @@ def _downwards(errors: Errors, within: Range) -> float | None:
 
 
 def _upwards(errors: Errors, kept: float, within: Range) -> float:
-    """Return the next step where all measured ones keep the limit."""
+    """Return the next step if all measured steps keep the limit. kept: the largest of them."""
     ratio = UPWARDS
     if errors[kept] > 0:
         ratio = max(NEIGHBOURS, min(UPWARDS, NEIGHBOURS * (within.limit / errors[kept]) ** (1 / _claimed(within))))
@@ -142,9 +145,10 @@ def _upwards(errors: Errors, kept: float, within: Range) -> float:
 
 
 def _between(errors: Errors, kept: float, broken: float, within: Range) -> float | None:
-    """Return a step between the largest that keeps the limit and the smallest that breaks it; None if they are neighbours.
+    """Return a step between the answer (`kept`) and the smallest step that breaks the limit; None if they are close enough.
 
-    It is where the error is expected to cross the limit, or halfway if steps near an end have shown that this converges slowly.
+    It is the step at which the error is expected to cross the limit, or the geometric mean of both if two measured steps near
+    one of them show that this expectation converges slowly.
     """
     low, high = _rank(kept), _rank(rounded_up(broken))
     if high - low <= 1 or broken <= kept * NEAR:
@@ -169,7 +173,7 @@ def _crossing(errors: Errors, kept: float, broken: float, within: Range) -> floa
 
 
 def _below(errors: Errors, kept: float, within: Range) -> float | None:
-    """Return a step below the answer at which the limit might be broken; None if enough of them were measured."""
+    """Return a step below the answer (`kept`) at which the limit might be broken; None if enough such steps were measured."""
     lowest = max(within.smallest, rounded_down(kept / DEPTH))
     if min(errors) > lowest:
         return lowest
@@ -180,7 +184,8 @@ def _below(errors: Errors, kept: float, within: Range) -> float | None:
         between, width = _rank(larger) - _rank(step), math.log(larger / step)
         if errors[larger] == 0 or between <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
             continue
-        # The error can rise from the smaller step and fall to the larger one; `room` is what it may rise above the latter.
+        # Between the two steps the error can rise and then fall. `room` is the logarithm of the ratio by which it may exceed
+        # the error at the larger step.
         room, power = math.log(within.limit / errors[larger]), min(_power(errors, step, larger), assumed)
         if (assumed - power) * width / 2 > room:
             apart = max(math.log(NEIGHBOURS), min(width / 2, 2 * room / (assumed - power)))
@@ -193,7 +198,10 @@ def _claimed(within: Range) -> float:
 
 
 def _slope(errors: Errors, step: float) -> float:
-    """Return the observed order at a step and its neighbour with finite errors; the largest believed one if there is none."""
+    """Return the order observed between a step and the next larger step with a finite error, clipped to the allowed orders.
+
+    If no order can be observed, return `LARGEST_ORDER`.
+    """
     larger = min((other for other in errors if other > step and 0 < errors[other] < math.inf), default=None)
     if larger is None or not errors[step] > 0:
         return LARGEST_ORDER
@@ -201,7 +209,7 @@ def _slope(errors: Errors, step: float) -> float:
 
 
 def _power(errors: Errors, step: float, larger: float) -> float:
-    """Return the power of the step with which the error grows between two steps; 0 if an error is 0."""
+    """Return the power of the step with which the error grows from one step to a larger step; 0 if an error is 0."""
     if errors[step] <= 0 or errors[larger] <= 0:
         return 0.0
     return math.log(errors[larger] / errors[step]) / math.log(larger / step)

@@ -1,6 +1,6 @@
-"""Search the largest time step of every method that keeps an error on a case, and measure what it costs.
+"""Search for the largest time step of every method that keeps an error on a case, and measure the cost of this time step.
 
-Every run has a worker process of its engine, and is recorded when it ends, so that an interrupted search can be resumed.
+Every run is made in a worker process of its engine and recorded when it ends, so that an interrupted search can be resumed.
 """
 
 import math
@@ -37,7 +37,7 @@ from bodycheck.studies.recommend.search import Range, following, rounded_down, r
 from bodycheck.studies.timesteps import fastest_spin
 from bodycheck.suggestion import did_you_mean
 
-#: Short names of figures; the second figure is for scenes with friction or drag, in which the first does not exist.
+#: Short names of figures. The second figure is for scenes with friction or drag, in which the first figure does not exist.
 SHORT_NAMES = {
     "attitude": ("attitude_error",),
     "position": ("position_error",),
@@ -45,23 +45,24 @@ SHORT_NAMES = {
     "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
 }
 
-#: The numbers of steps of a run between which time steps are searched. A run with the most takes seconds in Python.
+#: The least and the largest number of steps of a run, which limit the range of time steps. The longest run takes seconds in
+#: Python.
 LEAST_STEPS, MOST_STEPS = 10, 100_000
 
-#: Rotation of the body (rad) in the step at which a search begins; most methods break near it.
+#: Rotation of the body (rad) during the time step at which a search begins. Most methods fail near it.
 FIRST_TURN = 1.0
 
-#: A figure that is not seen with this many time steps is not looked for with smaller ones. A bounce is seen only if two samples
-#: lie on its arc, which a large step may prevent.
+#: If this many completed runs do not show the figure, the search ends. For example, a bounce is seen only if two samples lie on
+#: its arc, which a large step may prevent.
 MOST_UNSEEN = 4
 
-#: Time limit (s) of one run, more than ten times what `MOST_STEPS` steps take in Python.
+#: Time limit (s) of one run, more than ten times the duration of `MOST_STEPS` steps in Python.
 TIME_LIMIT_S = 60.0
 
 
 @dataclass(frozen=True)
 class Search:
-    """The search for the time step of a method, whose time step is 0, with the version of its engine."""
+    """The search for the time step of a method, with the version of its engine. `method` has the time step 0."""
 
     engine: str
     version: str
@@ -100,8 +101,11 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     error
         The largest allowed error, in the unit of the figure.
 
-    Raises `BadInput` for an error that cannot be asked for, for a figure that there is not, for a method that no engine has,
-    and if there is nothing to run.
+    Raises
+    ------
+    BadInput
+        If the error is not positive, not finite, or so large that every method keeps it; if the figure does not exist, if no
+        engine has a method, or if there is nothing to run.
     """
     figure = figure_of(case, quantity)
     if not 0 < error < math.inf:
@@ -128,7 +132,10 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
 
 
 def figure_of(case: Case, quantity: str) -> str:
-    """Return the name of the figure that a short or whole name means on a case. Raises `BadInput` if there is none."""
+    """Return the name of the figure that a short name or a figure's name denotes on a case.
+
+    Raises `BadInput` if there is no such figure.
+    """
     if quantity in SHORT_NAMES:
         first, *rest = SHORT_NAMES[quantity]
         return rest[0] if rest and not case.scene.conserves else first
@@ -141,7 +148,10 @@ def figure_of(case: Case, quantity: str) -> str:
 
 
 def reused(earlier: Results, study: Study) -> list[Probe]:
-    """Return what stored runs say of the methods of a study: those of the same case, engines and version of bodycheck."""
+    """Return probes made of stored runs: those of the study's case and methods, with the same versions of the engines.
+
+    Raises `BadInput` if the stored runs are not of the present case file, or were made by another version of bodycheck.
+    """
     versions = {search.key: search.version for search in study.searches}
     same_case = earlier.cases.get(study.case.name)
     if same_case is None or same_case.text != study.case.text:
@@ -170,10 +180,10 @@ def results(
     progress: Advance = lambda done, count=1: None,
     known: Sequence[Probe] = (),
 ) -> Iterator[Recommendation]:
-    """Make the searches of a study, and provide what they find.
+    """Make the searches of a study, and provide their results.
 
-    If the folder contains the same study, interrupted, its runs are not repeated. The study counts as interrupted until the
-    context ends.
+    If the folder contains the same study and it was interrupted, its recorded runs are not repeated. The study counts as
+    interrupted until the context ends.
 
     Parameters
     ----------
@@ -188,12 +198,12 @@ def results(
     progress
         A function that is called with a text after each search.
     known
-        Time steps that were measured before.
+        Probes of time steps that were measured before.
 
     Raises
     ------
     BadInput
-        If the truth of the case has an error as large as the one that is asked for.
+        If the truth of the case has an error at least as large as the limit.
     BadJournal
         If another process is writing to the folder.
     Failed
@@ -221,7 +231,7 @@ def _search(
 ) -> dict[RunKey, list[Probe]]:
     """Measure steps until every search is done, and return all measured steps of each method.
 
-    In each round, every search that is not done has one run, and one truth serves all of them.
+    In each round, every search that is not done has one run, and the truths of all these runs are computed together.
     """
     by_method: dict[RunKey, list[Probe]] = {search.key: [] for search in study.searches}
     for probe in known:
@@ -238,8 +248,9 @@ def _search(
 
 
 def _is_done(search: Search, probes: Sequence[Probe], progress: Advance) -> bool:
-    """Return whether a search is done, and tell so."""
-    # What is not supported at one step is not at any, and what takes too long takes longer with a smaller one.
+    """Return whether a search is done; if so, report its progress."""
+    # A method that is not supported at one step is not supported at any, and a run that takes too long takes longer with a
+    # smaller step.
     ended = any(probe.status in (Unsupported.status, TimedOut.status) for probe in probes)
     completed = [probe for probe in probes if probe.status == Completed.status]
     unmeasured = len(completed) >= MOST_UNSEEN and all(probe.error is None for probe in completed)

@@ -1,11 +1,11 @@
-"""The result of the study in sentences: the cheapest method first, then the second, then those that never keep the limit."""
+"""The result of the study in sentences: on the cheapest method, the second cheapest, and methods that never keep the limit."""
 
 from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number, verb
 from bodycheck.studies.recommend.rows import Answer, Recommendation
 
 
 def headline(recommendation: Recommendation) -> str:
-    """Return the answer in one sentence: method, time step, error over the duration, and cost."""
+    """Return a sentence with the best method, its time step, its error over the duration, and its cost."""
     best, duration = recommendation.best, f"{number(recommendation.asked.duration)} s"
     if best is None:
         return f"No method keeps the {name_of(recommendation)} to {limit(recommendation)} over {duration}."
@@ -14,7 +14,7 @@ def headline(recommendation: Recommendation) -> str:
 
 
 def margin(recommendation: Recommendation) -> str:
-    """Return a sentence about the error asked for and the margin of the best method to it; empty if there is none."""
+    """Return sentences about the limit and the best method's margin to it; empty if no method keeps the limit."""
     best = recommendation.best
     if best is None:
         return ""
@@ -24,7 +24,10 @@ def margin(recommendation: Recommendation) -> str:
 
 
 def larger(recommendation: Recommendation, answer: Answer) -> str:
-    """Return what the next larger measured time step leads to, in a sentence."""
+    """Return a sentence about the smallest measured time step at which the method of an answer breaks the limit.
+
+    If there is no such time step, the sentence says that larger time steps were not tried.
+    """
     if answer.broken is None:
         return "Larger steps are not tried, since a run would have fewer than ten."
     errors = {probe.timestep: probe for probe in recommendation.probes if probe.method == answer.method}
@@ -77,13 +80,13 @@ def never(recommendation: Recommendation) -> tuple[str, ...]:
 
 
 def effort(recommendation: Recommendation) -> str:
-    """Return how much was measured, in a sentence."""
+    """Return a sentence with the numbers of runs and methods."""
     runs, methods = len(recommendation.probes), len(recommendation.answers)
     return f"{count(runs, 'run')} of {count(methods, 'method')}; nothing is extrapolated."
 
 
 def method(answer: Answer) -> str:
-    """Return the engine and the method of an answer."""
+    """Return the names of the engine and the method of an answer."""
     return f"{answer.engine} {answer.integrator}"
 
 
@@ -93,17 +96,17 @@ def step(answer: Answer) -> str:
 
 
 def error(recommendation: Recommendation, value: float | None, digits: int = 2) -> str:
-    """Return an error with its unit, to so many significant digits."""
+    """Return an error with its unit, as text with a number of significant digits."""
     return f"{number(value, digits)} {recommendation.asked.unit}".rstrip()
 
 
 def limit(recommendation: Recommendation) -> str:
-    """Return the limit with its unit, as the end of a phrase."""
+    """Return the limit with its unit, as a phrase that begins with "at most"."""
     return f"at most {number(recommendation.asked.error)} {recommendation.asked.unit}".rstrip()
 
 
 def name_of(recommendation: Recommendation) -> str:
-    """Return the name of the figure in a sentence."""
+    """Return the title of the figure, as it is written inside a sentence."""
     title = QUANTITIES[recommendation.asked.figure].title
     return f"{title[0].lower()}{title[1:]}"
 

@@ -37,7 +37,7 @@ Asked = tuple[Environment, Question]
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers by release and question, and the number of them that were measured; the others were cached."""
+    """The answers by release and question, and the number of answers that were measured; the others were cached."""
 
     by_question: Mapping[Asked, Answer]
     measured: int
@@ -48,14 +48,14 @@ class Answers:
 
 
 def known(questions: Sequence[Asked]) -> bool:
-    """Return whether all answers are cached."""
+    """Return whether the answers to all questions are cached."""
     return all(stored(_path(*pair)) is not None for pair in questions)
 
 
 def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
-    """Return the answers to all questions, in their order; those that are not cached are measured.
+    """Return the answers to all questions, in their order. Answers that are not cached are measured.
 
-    If the process of a release crashes or exceeds its time limit, its answers say so.
+    If the process of a release crashes or exceeds its time limit, the missing answers have this failure.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
 
 
 def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
-    """Return one errand per release; if there are fewer releases than processes, each gets several processes."""
+    """Return one errand for each release. The processes are shared equally among the releases, at least one for each."""
     releases = dict.fromkeys(environment for environment, _ in left)
     share = max(1, jobs // max(1, len(releases)))
     return [
@@ -103,13 +103,13 @@ def _path(environment: Environment, question: Question) -> Path:
 
 @cache
 def _contents(environment: Environment) -> tuple[object, ...]:
-    """Return what identifies an environment: its path, which tells the interpreter, and its own packages."""
+    """Return the contents of an environment: the environment, with the path of its interpreter, and its packages."""
     packages = ("lib/*/site-packages/*.dist-info", "Lib/site-packages/*.dist-info")
     return environment, sorted({path.name for pattern in packages for path in environment.python.parents[1].glob(pattern)})
 
 
 def _tolerated(question: Question) -> tuple[bool, ...]:
-    """Return which known discrepancies of a case are tolerated today."""
+    """Return for each known discrepancy of a case, in the order of its expectations, whether it is tolerated today."""
     today = datetime.now(UTC).date()
     expectations = case.parse_stored(question.text, question.name).expectations
     return tuple(expectation.until >= today for expectation in expectations if expectation.until is not None)
@@ -117,7 +117,7 @@ def _tolerated(question: Question) -> tuple[bool, ...]:
 
 @cache
 def _context(engine: str) -> tuple[object, ...]:
-    """Return what all answers depend on: the source of bodycheck and of the adapter, the packages, and the machine."""
+    """Return the context on which all answers depend: the sources of bodycheck and the adapter, the packages, the machine."""
     return _digest(engine), [(name, _version(name)) for name in PACKAGES], versions.fingerprint()
 
 

@@ -33,7 +33,7 @@ class Found:
     unknown
         The releases between these two that could not be measured.
     probed
-        All releases that were measured, in this order; it begins with the two ends.
+        All releases that were measured, in the order of measurement, which begins with the first and the last release.
     """
 
     last_good: str
@@ -43,12 +43,12 @@ class Found:
 
 
 class Undecided(Exception):
-    """One of the two given releases cannot be measured; the text says why."""
+    """The error that one of the two given releases cannot be measured; the text says why."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """The measurement of a release. `figure` is None if there is none; `reason` then says why."""
+    """The measurement of a release. `figure` is None if it could not be measured; `reason` then says why."""
 
     version: str
     status: str
@@ -56,7 +56,7 @@ class Look:
     reason: str = ""
 
     def is_good(self, limit: float) -> bool | None:
-        """Return whether the release keeps the limit; a failed run does not. None if the release could not be measured."""
+        """Return whether the release keeps the limit, which a failed run does not; None if it could not be measured."""
         if self.status in (UNOBTAINABLE, Unsupported.status):
             return None
         return self.figure is not None and self.figure <= limit
@@ -69,7 +69,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Limit:
-    """The limit of a figure of a case with a method.
+    """The limit of a figure of results, for one case and one method.
 
     Parameters
     ----------
@@ -93,7 +93,10 @@ class Limit:
 
 
 class NoChange(Exception):
-    """The first release is not good, or the last one is not bad. `ends` tells of each whether it is good; None if unknown."""
+    """The error that the first release is not good or the last release is not bad.
+
+    `ends` contains for both releases whether they are good; None if that is unknown.
+    """
 
     def __init__(self, good: bool | None, bad: bool | None) -> None:
         super().__init__(good, bad)
@@ -101,7 +104,7 @@ class NoChange(Exception):
 
 
 def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -> Found:
-    """Find the change from good to bad between the first and the last of some releases.
+    """Find the change from good to bad between the first and the last release of a sequence.
 
     If good and bad releases alternate, one of the changes from good to bad is found. Of n releases that can all be measured, at
     most 2 + log2(n - 1), rounded up, are measured.
@@ -118,7 +121,7 @@ def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -
     Raises
     ------
     NoChange
-        If the first release is not good or the last one is not bad.
+        If the first release is not good or the last release is not bad, or if this cannot be determined.
     """
     good, bad = 0, len(releases) - 1
     is_good = {index: probe(releases[index]) for index in (good, bad)}
@@ -134,7 +137,7 @@ def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -
 
 
 class Observer:
-    """Measures releases of an engine, each at most once.
+    """The observer that measures releases of an engine and checks a limit.
 
     Parameters
     ----------
@@ -159,7 +162,10 @@ class Observer:
         self._report = report
 
     def is_good(self, version: str) -> bool | None:
-        """Measure a release, and return `Look.is_good`. Raises `BadInput` for an unknown integrator or quantity."""
+        """Measure a release, and return whether it keeps the limit; see `Look.is_good`.
+
+        Raises `BadInput` if the case does not have the quantity.
+        """
         look = self.looks[version] = self._look(version)
         self._report(look.text)
         return look.is_good(self.limit.most)
@@ -196,10 +202,11 @@ class Observer:
 
 
 def between(engine: str, good: str, bad: str) -> tuple[tuple[str, ...], str]:
-    """Return the releases from good to bad, both included, and a notice for the user, which may be empty.
+    """Return the releases from `good` to `bad`, both included, and a notice for the user, which may be empty.
 
-    Either of the two may be the newer one. If no package index can be reached, only releases with an environment are included.
-    Raises `BadInput` for text that is not a version, and if both versions are equal.
+    Either of the two may be the newer release. If no package index can be reached, only releases with an environment are
+    included between them, and the notice says so. Raises `BadInput` for text that is not a version, and if both versions are
+    equal.
     """
     start, end = Version(version(good)), Version(version(bad))
     if start == end:
@@ -209,30 +216,32 @@ def between(engine: str, good: str, bad: str) -> tuple[tuple[str, ...], str]:
         listed = environments.releases(engine)
     except Unobtainable as error:
         listed, notice = environments.cached(engine), f"{error}; continuing with the releases that have an environment"
-    # The spelling of the index comes last and wins: if 4.0 is given, 4.0.0 is used.
+    # The spelling of the index comes last and takes precedence: if 4.0 is given, 4.0.0 is used.
     names = {Version(name): name for name in (str(start), str(end), *listed)}
     inside = sorted((one for one in names if min(start, end) <= one <= max(start, end)), reverse=start > end)
     return tuple(names[one] for one in inside), notice
 
 
 def find(engine: str, good: str, bad: str, observer: Observer) -> tuple[Found, str]:
-    """Find where the observer's limit was exceeded between two releases, and return that with the notice of `between`.
+    """Find the release between two releases at which the observer's limit was exceeded.
+
+    The result is returned with the notice of `between`.
 
     Parameters
     ----------
     engine
         The name of the engine.
     good, bad
-        The releases.
+        A release that should keep the limit, and a release that should exceed it.
     observer
-        Measures releases and checks the limit.
+        The observer, which measures releases and checks the limit.
 
     Raises
     ------
     BadInput
-        If the good release exceeds the limit or the bad one keeps it.
+        If the good release exceeds the limit, or if the bad release keeps it.
     Undecided
-        If one of the two cannot be measured.
+        If one of the two releases cannot be measured.
     """
     row, notice = between(engine, good, bad)
     try:

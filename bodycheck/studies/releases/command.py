@@ -106,7 +106,7 @@ def _models(
     json: bool,
     quiet: bool,
 ) -> int:
-    """Compare what releases make of files of robots, and say which changed what a file means."""
+    """Compare the robots that releases build from robot files, and report the changes from release to release."""
     from dataclasses import asdict
 
     from bodycheck.console import terminal

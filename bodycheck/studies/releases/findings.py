@@ -1,4 +1,4 @@
-"""Findings about what upgrades changed, as sentences made of measurements."""
+"""Findings about the changes at upgrades: sentences about the measured changes."""
 
 import math
 from collections import defaultdict
@@ -15,10 +15,10 @@ from bodycheck.studies.releases.rows import STATUS, Change, Row
 #: Whole orders in words.
 ORDINALS = {1: "first", 2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
-#: Largest relative distance of an observed order from the whole number that it is called by.
+#: Largest relative distance of an observed order from a whole number for it to be called by this number.
 WHOLE = 0.1
 
-#: Difference from which two observed orders count as different.
+#: Difference above which two observed orders count as different.
 OTHER = 0.25
 
 #: Quantities that findings prefer, the best first.
@@ -29,9 +29,9 @@ LabelledChange = tuple[Line, Change]
 
 
 def findings(changes: Sequence[LabelledChange], rows: Sequence[Row]) -> tuple[Finding, ...]:
-    """Return sentences on the changes at each upgrade, each with the change that shows most.
+    """Return findings about the changes at each upgrade, with the most important change of each method.
 
-    Without changes it is one sentence that the completed runs agree.
+    If nothing changed between several releases, return one finding that the completed runs agree.
     """
     measured = [row for row in rows if row["status"] == Completed.status]
     releases = len({row["version"] for row in measured})
@@ -47,7 +47,7 @@ def findings(changes: Sequence[LabelledChange], rows: Sequence[Row]) -> tuple[Fi
 
 
 def named(line: Line) -> str:
-    """Return the integrator of a line, with the label of its set of results if there is one."""
+    """Return the integrator of a line, with the label of its set of results if it has a label."""
     return f"{line.integrator} ({line.results})" if line.results else line.integrator
 
 
@@ -58,7 +58,7 @@ def orders(change: Change) -> str:
 
 
 def _figures(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
-    """Yield a finding about numbers for each group of methods with the same change."""
+    """Yield a finding for each group of methods whose most important change of a figure is the same."""
     methods: dict[tuple[str, str], list[LabelledChange]] = defaultdict(list)
     for line, change in upgrade:
         if change.quantity != STATUS:
@@ -78,7 +78,7 @@ def _figures(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
 
 
 def _values(change: Change) -> str:
-    """Return the numbers of a change, with as many digits as it takes to show it."""
+    """Return the numbers of a change in words, with enough digits to show that they differ."""
     quantity = QUANTITIES[change.quantity]
     assert isinstance(change.before, float)  # because it is not a status
     assert isinstance(change.after, float)
@@ -87,7 +87,7 @@ def _values(change: Change) -> str:
 
 
 def _what(change: Change, methods: str) -> str:
-    """Return what changed in methods, up to the word "changed", which the numbers follow."""
+    """Return the beginning of a sentence about a change of methods. It ends with "changed", and the numbers follow it."""
     title = QUANTITIES[change.quantity].title.lower()
     went = []
     if _other_order(change):
@@ -101,7 +101,7 @@ def _what(change: Change, methods: str) -> str:
 
 
 def _statuses(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
-    """Yield a finding for each change of status, with all methods that have it."""
+    """Yield a finding for each pair of statuses before and after an upgrade, with all methods that changed so."""
     statuses: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for _, change in upgrade:
         if change.quantity == STATUS:
@@ -116,7 +116,10 @@ def _statuses(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
 
 
 def _importance(change: Change) -> tuple[bool, bool, int, float]:
-    """Return a key by which changes that show more about a method are larger."""
+    """Return a key that is larger for more important changes of a method.
+
+    A change of the order comes first, then a change of the scheme, a preferred quantity, and a large factor.
+    """
     preferred = len(PREFERRED) - PREFERRED.index(change.quantity) if change.quantity in PREFERRED else 0
     other_scheme = change.scheme_before != change.scheme_after
     return _other_order(change), other_scheme, preferred, change.factor or math.inf
@@ -134,7 +137,7 @@ def _order(order: float | None) -> str:
 
 
 def _apart(before: float, after: float) -> tuple[str, str]:
-    """Return two numbers with as many digits as it takes to see a difference."""
+    """Return two numbers as texts, with enough digits to show that they differ, up to 12."""
     for digits in (3, 4, 6, 9, 12):
         if number(before, digits) != number(after, digits):
             break

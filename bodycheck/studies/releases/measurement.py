@@ -1,7 +1,7 @@
 """The program that the study of releases runs in the environment of each release.
 
 `python -m bodycheck.studies.releases.measurement` reads questions from its input, and writes each answer into a file as soon as
-it is known, completely or not at all, so that a later study can use the answers of an interrupted one.
+it is known. A file is written completely or not at all, so that a later study can use the answers of an interrupted study.
 """
 
 import json
@@ -27,7 +27,10 @@ from bodycheck.studies.tradeoff import study as tradeoff
 
 
 def main() -> None:
-    """Answer the questions in a JSON object with `engine`, `jobs` and `questions`, which are pairs of a question and a path."""
+    """Read a JSON object from the standard input, and write the answers to its questions into files.
+
+    The object has the entries `engine`, `jobs` and `questions`, which are pairs of a question and the path of its answer.
+    """
     request = json.load(sys.stdin)
     os.dup2(2, 1)  # keep the output of engines out of stdout
     for asked, path in request["questions"]:
@@ -55,7 +58,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
 
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
-    """Return the methods that the release does not have, with the reasons."""
+    """Return the reasons why the release does not have some of the given methods, by the spelling of the method."""
     reasons = {}
     for spelling in integrators:
         try:

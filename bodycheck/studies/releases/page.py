@@ -1,4 +1,4 @@
-"""The report of the study of releases: what each upgrade changed, and the numbers by release, case by case."""
+"""The report of the study of releases: the changes at each upgrade, and for each case the numbers of every release."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,8 @@ from bodycheck.results.outcome import Completed
 from bodycheck.studies.releases.findings import findings, named, orders
 from bodycheck.studies.releases.rows import STATUS, Change, Found, Row, made, merged_header
 
-#: Line of a method, version, number or None, and the number that it changed from as text, empty if it did not change.
+#: The line of a method, a version, the number of the method in this version or None, and as text the number from which it
+#: changed at this version; the text is empty if it did not change.
 Point = tuple[Line, str, float | None, str]
 
 #: Area of the ring that marks a change (square pixels).
@@ -27,10 +28,10 @@ RING = 150
 
 
 def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[Point]) -> Spec:
-    """Return a complete chart of a quantity against versions, in their order.
+    """Return a complete chart of a quantity over the given versions, in their order.
 
-    Zeros, which a log scale cannot show, and missing numbers leave gaps. The parameter `hidden` holds the labels of methods
-    that are switched off.
+    Zeros, which a log scale cannot show, and missing numbers leave gaps. The parameter `hidden` of the chart holds the labels
+    of methods that are switched off.
     """
     lines = list(dict.fromkeys(line for line, *_ in points))
     label = {"labelAngle": -60, "labelFontSize": 10, "labelOverlap": False, "grid": False}
@@ -48,7 +49,7 @@ def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[
         {"field": "label", "type": "nominal", "title": quantity.title.lower()},
     ]
     scales = {channel: method_scale(channel, lines) for channel in ("strokeDash", "strokeWidth")}
-    # Releases are not numbers, so that only the vertical axis zooms.
+    # Only the vertical axis zooms, because releases are not numbers.
     zoom = {"type": "interval", "encodings": ["y"], "zoom": "wheel![event.ctrlKey || event.metaKey]"}
     ring = {"type": "point", "clip": True, "aria": False, "filled": False, "size": RING, "strokeWidth": 1.6, "opacity": 0.9}
     layers: list[Spec] = [
@@ -82,7 +83,7 @@ def _values(point: Point, quantity: Quantity) -> Mapping[str, Any]:
     return {"method": line.label, "version": version, "value": drawn, "label": label, "changed": bool(before and drawn)}
 
 
-#: The quantity that is drawn and tabled whether it changed or not.
+#: The quantity that is always drawn and tabulated, even if it did not change.
 PRIMARY = "attitude_error"
 
 #: Explanations for readers.
@@ -109,7 +110,10 @@ class _Labelled:
 
 
 def present(studies: Mapping[str, Found]) -> StudyReport:
-    """Return the contents of the report of studies by label (see `rows.labels`); the label of a single study is empty."""
+    """Return the contents of the report of studies, which are given by label (see `rows.labels`).
+
+    The label of a single study is empty. Raises `BadInput` if the studies cannot be combined; see `rows.merged_header`.
+    """
     rows = [(_key(label, row), row) for label, one in studies.items() for row in one.rows if row["integrator"]]
     changes = [(_key(label, asdict(change)), change) for label, one in studies.items() for change in one.changes]
     lines = _hued(assign(key for key, _ in (*rows, *changes)))
@@ -130,7 +134,7 @@ def present(studies: Mapping[str, Found]) -> StudyReport:
 
 
 def _hued(lines: Mapping[RunKey, Line]) -> dict[RunKey, Line]:
-    """Return the same lines with a hue for each integrator, as there is only one engine."""
+    """Return the same lines with a hue for each integrator instead of each engine, because there is only one engine."""
     integrators = list(dict.fromkeys(line.integrator for line in lines.values()))
     sets = list(dict.fromkeys(line.results for line in lines.values()))
     hues = (*HUES.values(), *FURTHER_HUES)

@@ -39,7 +39,7 @@ CHANGES = (
 
 
 def print_releases(results: release_rows.Found, view: View) -> None:
-    """Print one line per change from release to release, then one line per release that could not be measured."""
+    """Print one line per change between releases, one line per release that could not be measured, and a summary."""
     if results.changes:
         show(CHANGES, results.changes, view)
     for version, reason in results.header["unmeasured"].items():

@@ -1,6 +1,6 @@
-"""Questions to a release of an engine, which a process in the environment of the release answers into files.
+"""Questions to a release of an engine. A process in the environment of the release writes the answers into files.
 
-This module imports little, because every question is asked from a process of its own.
+This module imports little, because the questions to every release are asked from a separate process.
 """
 
 import json
@@ -19,7 +19,7 @@ from bodycheck.studies.orders import Order
 #: The module that answers questions in the environment of a release.
 PROGRAM = "bodycheck.studies.releases.measurement"
 
-#: Time limit of one question to one release. Each of its runs has a time limit of its own.
+#: Time limit (s) of one question to one release. In addition, each run has a time limit.
 TIME_LIMIT_S = 3600.0
 
 
@@ -36,7 +36,8 @@ class Question:
     integrators
         Spellings of methods; if it is empty, all methods that the release offers.
     timesteps
-        Time steps (s); if it is empty, the time steps of `bodycheck.running.plan.plan`.
+        Time steps (s). If it is empty, the default time steps: for figures, 2 ms and the time steps of the case's expectations;
+        for orders, the ladder of the case.
     """
 
     kind: Literal["figures", "orders"]
@@ -55,7 +56,7 @@ class Answer:
     offered
         Spellings of the methods that the release offers for the scene.
     lacking
-        The methods in the question that the release does not have, with the reasons.
+        The methods in the question that the release does not have, and the reasons.
     rows, orders
         The figures with their allowances, or the orders of the quantities.
     status, failure
@@ -72,7 +73,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Errand:
-    """Questions to one release, with the files for the answers and the number of processes."""
+    """The questions to one release, with the files for the answers and the number of processes."""
 
     environment: Environment
     questions: tuple[tuple[Question, Path], ...]
@@ -80,7 +81,7 @@ class Errand:
 
 
 def put(errand: Errand) -> Answer:
-    """Let a release answer its questions into their files, and return the answer for questions that it leaves unanswered."""
+    """Run the program of a release, which writes answers into files, and return the answer for questions without a file."""
     questions = [(asdict(question), str(path)) for question, path in errand.questions]
     request = {"engine": errand.environment.engine, "jobs": errand.jobs, "questions": questions}
     limit = TIME_LIMIT_S * len(questions)
@@ -116,6 +117,6 @@ def stored(path: Path) -> Answer | None:
 
 
 def question_of(record: dict[str, Any]) -> Question:
-    """Return the question from its JSON object."""
+    """Return the question that a JSON object describes."""
     lists = {"integrators": tuple(record["integrators"]), "timesteps": tuple(record["timesteps"])}
     return Question(**record | lists)

@@ -1,7 +1,7 @@
 """The rows of the study of releases: the results of each version of an engine, and the changes from version to version.
 
-A folder contains them as `releases.csv` and `changes.csv` for users, and as `releases.jsonl` for `read`, a journal whose header
-describes the machine.
+A folder contains the rows as `releases.csv` and `changes.csv` for users. It also contains them as `releases.jsonl`, a journal
+that `read` reads and whose header describes the machine.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,16 +23,17 @@ from bodycheck.results.tables import RESULTS, Meaning, Table, table_of
 #: The file with the records of the study.
 RECORDS = "releases.jsonl"
 
-#: Status of a row for a version that cannot be installed; the row says nothing about a method.
+#: Status of a row for a version that cannot be installed. Such a row says nothing about a method.
 UNOBTAINABLE = "unobtainable"
 
-#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `judging.baselines.baseline`.
+#: Suffix of the column with the difference of a figure that is allowed if nothing has changed; see
+#: `judging.baselines.baseline`.
 ALLOWANCE_SUFFIX = "_allowance"
 
-#: The quantity of a change of the status.
+#: The name of the quantity in a change of the status.
 STATUS = "status"
 
-#: Notice of a figure that is left out.
+#: Beginning of the notice about a figure that is left out.
 NOT_COMPARED = "Left out, since its definition differs between these studies"
 
 #: The row of a version, method and case: the columns of results, and the allowance of each figure.
@@ -41,7 +42,7 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Change:
-    """A difference between the results of a method in one version and in the next version that could be measured."""
+    """A difference between a method's results in a version and its results in the next version that could be measured."""
 
     engine: str
     case: str
@@ -85,7 +86,7 @@ ALLOWANCES = tuple(
     for name, figure in FIGURES.items()
 )
 
-#: The table of the runs of all releases. Of a release that could not be obtained nothing but the status is known.
+#: The table of the runs of all releases. A row of a release that could not be obtained has no figures.
 RELEASES: Table[Row] = Table(
     "releases",
     "runs of releases",
@@ -108,9 +109,18 @@ TABLES = (RELEASES, CHANGES)
 class ReleasesHeader(Header):
     """The header of a study of releases, which spans several versions of one engine.
 
-    versions: the releases in their order. cases: the identities of the cases by name. unmeasured: why a release could not be
-    measured, by version. notices: what limits what the study says. revisions: those of the figures whose definition had ever
-    changed; the headers of earlier versions have none.
+    Attributes
+    ----------
+    versions
+        The releases in ascending order.
+    cases
+        The identities of the cases by name.
+    unmeasured
+        The reasons why releases could not be measured, by version.
+    notices
+        Notices about limits of the study.
+    revisions
+        The revisions of the definitions of figures that have ever changed. Headers by earlier versions of bodycheck have none.
     """
 
     versions: list[str]
@@ -127,8 +137,7 @@ class Found:
     Parameters
     ----------
     header
-        The header of results. In addition, it contains the `versions` in order, the identities of the `cases` by name, the
-        reasons why versions are `unmeasured`, and the `notices`.
+        The header of the results.
     rows
         The rows of all versions, methods and cases.
     changes
@@ -141,7 +150,7 @@ class Found:
 
 
 def comparable(studies: Sequence[Found]) -> list[Found]:
-    """Return the studies without the figures whose definitions differ between them; notices in their headers name these."""
+    """Return the studies without the figures whose definitions differ between them, which notices in the headers name."""
     first, *others = (one.header["revisions"] for one in studies)
     there = {name for one in studies for row in one.rows for name, value in row.items() if value is not None}
     apart = {name for other in others for name in redefined(first, other)} & there
@@ -158,7 +167,7 @@ def comparable(studies: Sequence[Found]) -> list[Found]:
 
 
 def made(rows: Iterable[Row]) -> list[Row]:
-    """Return the rows of runs that were made, with any status except those of missing releases and missing methods."""
+    """Return the rows of runs that were made: all rows except those for missing releases and missing methods."""
     return [row for row in rows if row["status"] not in (UNOBTAINABLE, Unsupported.status)]
 
 
@@ -173,7 +182,7 @@ def labels(studies: Sequence[Found]) -> list[str]:
 
 
 def merged_header(studies: Mapping[str, Found]) -> ReleasesHeader:
-    """Return the common header of studies, given by their labels: that of the first, with the machines of all.
+    """Return the common header of studies, which are given by their labels: the first header, with the machines of all studies.
 
     Raises `BadInput` if the studies are of different engines, or if a case differs between them.
     """
@@ -204,7 +213,7 @@ def write(results: Found, folder: Path) -> None:
 
 
 def read(folder: Path) -> Found:
-    """Read the results that `write` has written. Raises `BadInput` if they are incomplete or damaged."""
+    """Return the results that `write` has written into a folder. Raises `BadInput` if they are incomplete or damaged."""
     contents = journal.read(folder / RECORDS)
     if not contents.complete:
         raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; run the study again")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 #: A function that shows a progress bar for a title and a number of units; see `bodycheck.console.terminal.progress`.
 Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
 
-#: The quantity of each column, for quantities whose order is observed.
+#: The quantity of each column of results that belongs to a quantity whose order is observed.
 QUANTITIES = {column: quantity for quantity, columns in COLUMNS.items() for column in columns}
 
 Releases = Mapping[str, Environment | Unobtainable]
@@ -42,7 +42,7 @@ Releases = Mapping[str, Environment | Unobtainable]
 
 @dataclass(frozen=True)
 class Tally:
-    """The numbers of environments that were made, of answers that were measured, and of answers from the cache."""
+    """The effort of a study: the numbers of environments made, of answers measured, and of answers taken from the cache."""
 
     made: int
     measured: int
@@ -54,7 +54,7 @@ class Tally:
 
 
 def version(text: str) -> str:
-    """Return a version in its normal spelling. Raises `BadInput` for text that is not a version."""
+    """Return a version in its normalised spelling. Raises `BadInput` for text that is not a version."""
     try:
         return str(Version(text))
     except InvalidVersion as error:
@@ -62,10 +62,23 @@ def version(text: str) -> str:
 
 
 def chosen(engine: str, versions: Sequence[str], last: int | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the named versions and the newest `last` ones, ascending, and notices for the reader about the choice.
+    """Return the named versions together with the newest `last` versions, ascending, and notices about the choice.
 
-    If no package index can be reached, the newest versions are those with an environment. Raises `BadInput` for text that is
-    not a version, and if no version is chosen.
+    If no package index can be reached, the newest versions are chosen among those with an environment, and a notice says so.
+
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    versions
+        The named versions.
+    last
+        The number of newest versions, or None to add none.
+
+    Raises
+    ------
+    BadInput
+        If a text is not a version, if `last` is less than 1, or if no version is chosen.
     """
     names, notices = {Version(version(text)): version(text) for text in versions}, []
     if last is not None:
@@ -92,7 +105,7 @@ def study(
     bar: Bar,
     notices: Sequence[str] = (),
 ) -> tuple[Found, Tally]:
-    """Measure releases, and return their rows and changes, and the effort.
+    """Measure releases, and return the results of the study and its effort.
 
     Parameters
     ----------
@@ -105,11 +118,11 @@ def study(
     integrators
         Spellings of methods; all that each release offers if it is empty.
     timesteps
-        Time steps (s); those of `bodycheck.running.plan.plan` if it is empty.
+        Time steps (s). If it is empty, 2 ms and the time steps of the case's expectations.
     jobs
         The number of processes.
     bar
-        Shows a progress bar.
+        A function that shows a progress bar.
     notices
         Notices for the reader about the choice of releases.
 
@@ -150,7 +163,10 @@ def _header(
     answers: Mapping[tuple[str, str], Answer],
     notices: Sequence[str],
 ) -> ReleasesHeader:
-    """Return the header of a study. obtained: by version, ascending. answers: by version and case."""
+    """Return the header of a study.
+
+    obtained: the environments by version, ascending. answers: the answers by version and name of the case.
+    """
     versions = list(obtained)
     unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
     unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
@@ -166,7 +182,7 @@ def _header(
 
 
 def kept(engine: str) -> Mapping[str, Environment]:
-    """Return the existing environments by version. Raises `BadInput` for an engine whose package is not known."""
+    """Return the existing environments of an engine by version. Raises `BadInput` for an engine whose package is not known."""
     try:
         return environments.kept(engine)
     except Unobtainable as error:
@@ -174,7 +190,10 @@ def kept(engine: str) -> Mapping[str, Environment]:
 
 
 def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question], jobs: int, bar: Bar) -> Releases:
-    """Return the environments of versions. Those with cached answers are not checked; the others are checked or made."""
+    """Return the environments of versions, or the reasons why they could not be made.
+
+    An existing environment is not checked if all its answers are cached. All others are checked or made.
+    """
     installed = kept(engine)
     left = [
         version
@@ -187,9 +206,9 @@ def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question
 
 
 def changes(rows: Sequence[Row]) -> Iterator[Change]:
-    """Yield the changes of each method from one version to the next that has a row, without orders and schemes.
+    """Yield the changes of each method between successive versions with rows, without orders and schemes.
 
-    The rows of each method and case must be in the order of the versions.
+    Rows of unobtainable versions are skipped. The rows of each method and case must be in the order of the versions.
     """
     methods: dict[RunKey, list[Row]] = defaultdict(list)
     for row in rows:
@@ -224,7 +243,7 @@ def _without_orders(change: difference.Change, before: str, after: str) -> Chang
 
 
 def _refuse_unknown(engine: str, integrators: Sequence[str], answers: Iterable[Answer]) -> None:
-    """Raise `BadInput` for a method that no release has."""
+    """Raise `BadInput` for a method that none of the releases that answered has."""
     report = [answer for answer in answers if not answer.failure]
     for integrator in integrators:
         if report and all(integrator in answer.lacking for answer in report):
@@ -232,7 +251,7 @@ def _refuse_unknown(engine: str, integrators: Sequence[str], answers: Iterable[A
 
 
 def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[str, str], Answer]) -> Iterator[Row]:
-    """Yield one row per method and version: the measured figures, or the reason why there are none.
+    """Yield the rows of a case, one for each method and version: the measured figures, or the reason why there are none.
 
     The methods are in the order of the newest release that has them.
 
@@ -243,9 +262,9 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
     case
         The case.
     obtained
-        The environments by version, ascending, or why there is none.
+        The environments by version, ascending, or the reason why there is no environment.
     answers
-        The answers by version and case.
+        The answers by version and name of the case.
     """
     measured = {
         (row["integrator"], row["timestep"], version): row | {"version": version}
@@ -253,7 +272,7 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
         if (version, case.name) in answers
         for row in answers[version, case.name].rows
     }
-    # If no release could name its methods, there is one row per version with an empty method.
+    # If no release has a measured row, there is one row with an empty method for each version.
     methods: list[tuple[str, float | None]] = list(
         dict.fromkeys((integrator, timestep) for integrator, timestep, _ in measured)
     ) or [("", None)]
@@ -274,7 +293,7 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
 def _convergences(
     figure_changes: Sequence[Change], cases: Mapping[str, Case], obtained: Releases
 ) -> Iterator[tuple[Environment, Question]]:
-    """Yield the questions on convergence to both releases between which a figure changed."""
+    """Yield questions about orders of convergence: for each change of a figure, one to either of its two releases."""
     for change in figure_changes:
         for version in (change.from_version, change.to_version):
             one = obtained[version]
@@ -291,7 +310,7 @@ def _with_orders(change: Change, answers: Mapping[tuple[str, ...], Answer]) -> C
 
 
 def _order(change: Change, answer: Answer | None) -> tuple[float | None, str]:
-    """Return the order in the quantity of a change, and the scheme of its method."""
+    """Return the observed order in the quantity of a change, and the scheme of its method, from the answer of one release."""
     orders: dict[str, Order] = {} if answer is None else {order.quantity: order for order in answer.orders}
     of_quantity = orders.get(QUANTITIES.get(change.quantity, ""))
     return (of_quantity.order if of_quantity else None), next((order.scheme for order in orders.values()), "")

@@ -1,4 +1,4 @@
-"""The part of the tradeoff report about batches: never a cost without the error that comes with it."""
+"""The part of the tradeoff report about batches, in which every cost has the error of the same run beside it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,7 +15,7 @@ from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row, metho
 #: Lines by method.
 Lines = Mapping[RunKey, Line]
 
-#: For each quantity, the columns of its error in the case itself, and of the worst in any scene of a batch.
+#: For each quantity, the column of its error in the case itself, and the column of its largest error in any scene of a batch.
 ERRORS = {
     "attitude": ("attitude_error", "worst_attitude_error"),
     "position": ("position_error", "worst_position_error"),
@@ -31,7 +31,7 @@ READING = (
 
 
 def notices(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Return sentences that limit what batches say: on which devices they ran, and which engines have none."""
+    """Return sentences about the limits of batches: their devices, and the engines and mechanisms without larger batches."""
     batches = [row for row in rows if row.get("batch") is not None]
     devices = sorted({str(row["device"]) for row in batches})
     together = {row["engine"] for row in batches if row["batch"] > 1}
@@ -76,7 +76,7 @@ def charts(case: CaseMeasurements, lines: Lines) -> tuple[Chart, ...]:
 
 
 def table(case: CaseMeasurements) -> Table:
-    """Return the table of the batches of a case: what a step of a scene costs, and the errors that come with it."""
+    """Return the table of the batches of a case, with the time of a step of one scene and the errors of the same run."""
     shown = [name for name in ERRORS if any(row.get(ERRORS[name][0]) is not None for row in case.batches)]
     errors = [column for name in shown for column in ERRORS[name]]
     heads = [
@@ -125,9 +125,10 @@ def _microseconds(value: float | None) -> Entry:
 
 
 def _diagram(rows: Sequence[Row], lines: Lines, column: str, factor: float, label: str, quantity: str) -> Spec:
-    """Return a chart of a column of batches, times a factor, over the number of scenes, with a curve for each method and step.
+    """Return a chart of a column over the number of scenes in a batch, with a curve for each method and time step.
 
-    The tooltip of each point has the time and the errors. The parameter `hidden` holds the labels of methods switched off.
+    The values of the column are multiplied by `factor`. The tooltip of each point has the time and the errors. The parameter
+    `hidden` of the chart holds the labels of methods that are switched off.
     """
     drawn = list(dict.fromkeys(lines[method_of(row)] for row in rows))
     scale = {"type": "log", "nice": False, "padding": 12}
@@ -181,7 +182,10 @@ def _diagram(rows: Sequence[Row], lines: Lines, column: str, factor: float, labe
 
 
 def _tooltip(quantity: str) -> Spec:
-    """Return the tooltip of a point, its time and errors. In its expression `datum` is the row, or has it as its `datum`."""
+    """Return the tooltip of a point, with its time and errors.
+
+    In its expression, `datum` is either the row, or an object whose attribute `datum` is the row.
+    """
     unit, row = QUANTITIES[ERRORS[quantity][0]].unit, "(datum.datum || datum)"
     return {
         "value": {

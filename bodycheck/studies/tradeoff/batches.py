@@ -1,13 +1,13 @@
-"""The cost of a step of one scene, and its error, in an engine that steps many scenes at once.
+"""Measure the errors of batches, which are many scenes that an engine steps at once, and the cost of a step of one scene.
 
 A batch has the scene of a case and copies of it that are turned about the vertical. It is run over the whole duration, and its
-cost and its errors are those of the same run. No measurement needs more memory for more samples, because states are compared
-and forgotten block by block.
+cost and its errors come from the same run. States are compared with the truth and discarded block by block, so that the memory
+does not grow with the number of samples.
 
-Nothing in the scenes of a batch has a horizontal direction: gravity is vertical, and so is the normal of the plane; drag and
-Coulomb friction oppose the motion. The truths of the copies are therefore that of the scene, turned likewise. Inclined planes
-and pushes have a direction, and their scenes have no batches. The copies have other numbers, so that no result of one serves
-for another one, but they are as difficult.
+No horizontal direction is distinguished in the scenes of a batch: gravity and the normal of the plane are vertical; drag and
+Coulomb friction oppose the motion. The truth of a copy is therefore the truth of the scene, turned by the same angle. Inclined
+planes and pushes distinguish a direction, and scenes with them have no batches. The copies have different numbers, so that no
+result can be reused for another scene, but they are equally difficult.
 """
 
 import time
@@ -49,19 +49,19 @@ from bodycheck.studies.cost import ROUNDS
 from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS
 from bodycheck.studies.tradeoff.study import NO_COSTS, cost_columns
 
-#: Most states of all scenes that are in memory at a time: 26 MiB.
+#: Most states, over all scenes, that are in memory at a time: 26 MiB.
 MOST_STATES = 1 << 18
 
-#: Most steps of all scenes that are taken at a time, after which the time that the whole run would take is known better.
+#: Most steps, over all scenes, that are taken at a time. After each such block the time of the whole run is estimated again.
 MOST_STEPS = 1 << 18
 
-#: A batch is run again, up to `ROUNDS` times, until this time (s) of stepping is over.
+#: A batch is run repeatedly, at most `ROUNDS` times, until its steps have taken this time (s) in all.
 ENOUGH_S = 1.0
 
-#: Most time (s) of stepping of one batch; one that would take longer is not run to its end.
+#: Most time (s) of the steps of one batch. A batch that would take longer is stopped.
 MOST_S = 100.0
 
-#: Why bodies that touch have no copies, except one that lies flat on a level plane.
+#: The reason why scenes with bodies that touch have no copies. A body that lies flat on a level plane does have copies.
 NOT_TURNED = "the scenes of a batch are turned about the vertical, and bodies that touch are not turned"
 
 #: The seed of the angles.
@@ -70,7 +70,7 @@ SEED = 20
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """A batch to be run: the scene of a case and turned copies of it, `scenes` in all, and the truth of the case."""
+    """A batch to be run: the scene of a case and turned copies of it, `scenes` scenes in all, with the truth of the case."""
 
     case: Case
     engine: str
@@ -94,7 +94,7 @@ class Ran:
     position_error, attitude_error
         The largest errors (m, rad) over all scenes that did not fail.
     failed
-        The number of scenes that failed.
+        The number of scenes that failed: those whose errors are not finite.
     """
 
     outcome: Outcome
@@ -113,7 +113,7 @@ def plan(
     sizes: Sequence[int],
     timesteps: Sequence[float],
 ) -> list[Batch]:
-    """Return the batches of all methods that completed.
+    """Return the batches of all methods with completed runs. Mechanisms have none.
 
     Parameters
     ----------
@@ -122,9 +122,10 @@ def plan(
     engines
         The records of the engines by name.
     sizes
-        The numbers of scenes. An engine that steps one scene at a time is run with one scene alone.
+        The numbers of scenes. Of these, an engine that steps one scene at a time is run only with 1.
     timesteps
-        The time steps (s) that the user chose. If there are none, of each method the one nearest to the usual one is taken.
+        The time steps (s) that the user chose. If it is empty, each method is run with that of its time steps which is nearest
+        to the default.
     """
     return [
         Batch(results.cases[verdict.run.case], verdict.run.engine, verdict.run.method, size, truth.trajectory)
@@ -142,30 +143,43 @@ def rows(
     engines: Mapping[str, Engine],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[dict[str, Any]]:
-    """Run batches with nothing else running, each engine in a process of its own, and return one row for each.
+    """Run batches while nothing else runs, each engine in a separate process, and return one row for each batch.
 
-    Rows have the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`. The function `progress` is called with a text after
-    each batch; the other parameters are those of `plan`.
+    Rows have the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`.
+
+    Parameters
+    ----------
+    batches
+        The batches, as `plan` returns them.
+    results
+        The results of single runs.
+    engines
+        The records of the engines by name.
+    progress
+        A function that is called with a text after each batch.
     """
     batch_rows = []
     with pool.Workers(run, 1, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home, kept=True) as workers:
         for batch in batches:
             ran = workers.call(batch)
             truth = results.truth(batch.case.name, batch.method.timestep)
-            assert isinstance(truth, Truth)  # the batch has its trajectory
+            assert isinstance(truth, Truth)  # the batch was made with this truth
             batch_rows.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
             progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · in batches of {batch.scenes}")
     return batch_rows
 
 
 def rows_alike(*tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of several tables with the columns of all of them, in the order of the table with the most columns."""
+    """Return the rows of several tables, all with the columns of the table that has the most columns.
+
+    These columns contain those of the other tables. Values that a row lacks are None.
+    """
     columns = max((list(rows[0]) for rows in tables if rows), key=len)
     return [dict.fromkeys(columns) | dict(row) for rows in tables for row in rows]
 
 
 def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator[Verdict]:
-    """Yield the verdicts on completed runs with the chosen time steps, or with the one nearest to the usual one."""
+    """Yield the verdicts on completed runs with the chosen time steps, or with each method's step nearest to the default."""
     completed = [verdict for verdict in verdicts if verdict.discrepancy is not None]
     nearest: dict[object, float] = {}
     for verdict in completed:
@@ -178,8 +192,8 @@ def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator
 
 
 def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]:
-    """Return the row of a batch. Its errors are those of the case itself, its costs those of a step of one scene."""
-    case = replace(batch.case, expectations=())  # they are of single runs
+    """Return the row of a batch. Its errors are those of the case itself; its times are per step of one scene."""
+    case = replace(batch.case, expectations=())  # expectations are about single runs
     run = Run(case.name, batch.engine, engine.version, batch.method, ran.outcome, scene=case.scene)
     (row,) = judgement.records([judgement.verdict(case, truth, run)])
     row |= {**NO_COSTS, **dict.fromkeys(BATCH_COLUMNS)}
@@ -198,7 +212,7 @@ def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]
 
 
 def run(batch: Batch) -> Ran:
-    """Run a batch in this process."""
+    """Run a batch in this process, and return its measurements. Failures of the engine and the adapter are outcomes."""
     try:
         return _measured(batch)
     except SceneUnsupported as error:
@@ -211,7 +225,7 @@ def run(batch: Batch) -> Ran:
 
 @dataclass
 class _Pass:
-    """One run of a batch: the states of its first scene, the largest errors of all, and the times (s) that it took."""
+    """One run of a batch: the states of its first scene, the largest errors of each scene, and the times (s) of the run."""
 
     rows: Array
     position_error: Array
@@ -252,7 +266,7 @@ def _measured(batch: Batch) -> Ran:
 
 
 def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
-    """Run a batch from its start; None if it would take too long."""
+    """Run a batch from its start, and return its states, errors and times; None if it would take too long."""
     strides = np.diff(steps, prepend=0)
     stride = max(1, int(strides.max(initial=0)))
     size = max(1, min(MOST_STATES, MOST_STEPS // stride) // batch.scenes)
@@ -277,7 +291,10 @@ def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
 
 
 def turns(count: int) -> Array:
-    """Return quaternions (count, 4), w x y z, of turns about the vertical by any angles; the first is no turn."""
+    """Return quaternions (count, 4), w x y z, of turns about the vertical by random angles; the first is the identity.
+
+    Every call returns the same quaternions.
+    """
     halves = np.random.default_rng(SEED).uniform(0.0, np.pi, count)
     halves[0] = 0.0
     nothing = np.zeros(count)
@@ -285,7 +302,10 @@ def turns(count: int) -> Array:
 
 
 def turned(scene: Scene, count: int) -> list[Scene]:
-    """Return a scene and copies of it that are turned about the vertical, `count` scenes in all. Raises `SceneUnsupported`."""
+    """Return a scene and copies of it that are turned about the vertical, `count` scenes in all.
+
+    Raises `SceneUnsupported` for bodies that touch, except for a body that lies flat on a level plane.
+    """
     if touches(scene):
         raise SceneUnsupported(NOT_TURNED)
     initial, by = scene.initial, turns(count)
@@ -299,7 +319,7 @@ def turned(scene: Scene, count: int) -> list[Scene]:
 
 
 def errors(states: Array, truth: Trajectory) -> tuple[Array, Array]:
-    """Return the position errors (m) and the attitude errors (rad) of turned scenes, both (scenes, n).
+    """Return the position errors (m) and the attitude errors (rad) of turned scenes, both of shape (scenes, n).
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ COST_DIGITS = 6
 #: Factor by which a diagram extends below the truth's own error.
 BAND = 10.0
 
-#: If all errors exceed the truth's own by this factor, it is left out so that the curves have more room.
+#: If all errors exceed the truth's own error by this factor, the latter is left out, so that the curves have more room.
 FAR = 1e4
 
 #: Properties of marks without tooltips and without descriptions for screen readers.
@@ -27,7 +27,8 @@ QUIET = {"clip": True, "tooltip": None, "aria": False}
 def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKey, Line], truth_error: float = 0.0) -> Spec:
     """Return a chart of errors against computing time per simulated second, with the Pareto front of the methods shown.
 
-    A log scale cannot show zeros, which are left out. The parameter `hidden` holds the labels of methods that are switched off.
+    Zeros are left out, because a log scale cannot show them. The parameter `hidden` of the chart holds the labels of methods
+    that are switched off.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def _curves(lines: Sequence[Line]) -> Spec:
 
 
 def _front() -> list[Spec]:
-    """Return layers with the front as steps under the curves, and with rings around its points."""
+    """Return two layers: the front as a staircase, and rings around its points."""
     on_front, ink = [{"filter": "datum.front"}], {"color": {"value": INK}}
     order = {"field": "cost", "type": "quantitative"}
     step = {"type": "line", "interpolate": "step-after", "strokeWidth": 6, "opacity": 0.13}
@@ -118,7 +119,7 @@ def _front() -> list[Spec]:
 
 
 def _points(quantity: Quantity) -> list[Spec]:
-    """Return layers with the spread of the repeated timings and with points, the nearest of which grows at the pointer."""
+    """Return two layers: the spread of the repeated timings, and the points; the point nearest to the pointer is larger."""
     hover = {"type": "point", "on": "pointermove", "nearest": True, "clear": "pointerout", "encodings": ["x", "y"]}
     return [
         {"mark": {"type": "rule", "opacity": 0.35, **QUIET}, "encoding": {"x": {"field": "low"}, "x2": {"field": "high"}}},
@@ -134,7 +135,10 @@ def _points(quantity: Quantity) -> list[Spec]:
 
 
 def _tooltip(quantity: Quantity) -> Spec:
-    """Return the tooltip of a point. In its expression `datum` is the row, or the point, which has the row as its `datum`."""
+    """Return the tooltip of a point.
+
+    In its expression, `datum` is either the row, or an object whose attribute `datum` is the row.
+    """
     row = "(datum.datum || datum)"
     unit = f" + ' {quantity.unit}'" if quantity.unit else ""
     return {

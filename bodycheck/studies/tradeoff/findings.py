@@ -1,4 +1,4 @@
-"""Findings of the tradeoff study, as sentences made of measurements."""
+"""Findings of the tradeoff study: sentences about its measurements."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
@@ -21,7 +21,7 @@ CLAIMED = ("attitude", "position")
 #: A scheme explains a discrepancy if it leaves at most this share of it.
 EXPLAINED = 0.01
 
-#: Floors (rad, m) above this are not rounding and are reported.
+#: Floors (rad, m) are reported only above this value.
 LEAST_FLOOR = 1e-6
 
 #: Errors (rad, m) for which the cheapest method is named.
@@ -36,13 +36,13 @@ Lines = Mapping[RunKey, Line]
 #: A case, and an order observed in it.
 Place = tuple[CaseMeasurements, Order]
 
-#: A case, and the differences there of a method's attitude from that of a scheme and from that of the truth (rad).
+#: The name of a case, and the largest attitude differences (rad) of a method in it: from its scheme, and from the truth.
 Identified = tuple[str, float, float]
 
 #: A method, its smallest error (rad, m), and its smallest time step (s).
 Floor = tuple[RunKey, float, float]
 
-#: What is said of the causes of floors.
+#: The words of a finding about a floor for each of its causes.
 CAUSES = {
     "limit": ", because the runs tend to a motion other than the truth",
     "rounding": ", because of rounding in the engine's precision",
@@ -53,7 +53,14 @@ CAUSES = {
 def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes = NO_CLASSES) -> tuple[Finding, ...]:
     """Return the findings on orders, equal methods, schemes, floors and the cheapest methods.
 
-    Lines are by engine and integrator, and classes are those of methods that are the same algorithm.
+    Parameters
+    ----------
+    cases
+        The measurements of each case.
+    lines
+        The line of each method, by its engine and integrator.
+    classes
+        The classes of methods that are the same algorithm.
     """
     same = filter(None, (same_algorithm(classes),))
     orders = (*_orders(cases, lines), *_lost(cases, lines))
@@ -63,8 +70,8 @@ def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes =
 def falls_short(case: CaseMeasurements, order: Order) -> bool:
     """Return whether the observed order of attitude or position is lower than claimed.
 
-    Orders are compared only if the claimed order could have been observed: if the part of the error that depends on the time
-    step is far above the truth's own error, and not in contact.
+    Orders are compared only if the claimed order could have been observed: if the body is not in contact, and the part of the
+    error that depends on the time step is far above the truth's own error.
     """
     if order.quantity not in CLAIMED or order.order_high is None or order.claimed is None or case.contact:
         return False
@@ -85,7 +92,10 @@ def _own_points(case: CaseMeasurements, order: Order) -> list[Measured]:
 
 
 def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return a finding for each group of methods with the same orders below the claimed ones, or one that there are none."""
+    """Return a finding for each group of methods with the same orders below the claimed orders.
+
+    If orders were compared and no method has such an order, return a single finding that says so.
+    """
     claims = [
         (case, order)
         for case in cases
@@ -112,7 +122,7 @@ def _likeness(places: Sequence[Place]) -> object:
 
 
 def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
-    """Return a finding about methods that share the cases and orders of `places`."""
+    """Return a finding about methods that all have the cases and orders of `places`."""
     quantities: dict[str, list[str]] = defaultdict(list)
     for quantity in CLAIMED:
         observed_orders = sorted(order.order or 0.0 for _, order in places if order.quantity == quantity)
@@ -130,7 +140,10 @@ def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
 
 
 def _schemes(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return a finding for each textbook scheme and set of cases: which methods it is or is near, and what it explains."""
+    """Return a finding for each textbook scheme and set of cases.
+
+    It names the methods that agree with the scheme or are near it, and says which discrepancy the scheme explains.
+    """
     named: dict[tuple[str, RunKey], list[Identified]] = defaultdict(list)
     for case in cases:
         for order in {order.method: order for order in case.orders if order.nearest_scheme}.values():
@@ -164,7 +177,7 @@ def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) ->
 
 
 def _lost(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return a finding for each case and time after which methods lose the attitude with all time steps."""
+    """Return a finding for each case and each time after which methods lose the attitude with every time step."""
     lost: dict[tuple[str, float], list[Line]] = defaultdict(list)
     for case in cases:
         for order in case.orders:
@@ -183,7 +196,7 @@ def _lost(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
 
 
 def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return findings about errors above rounding that no time step reduces, for each engine and quantity the largest."""
+    """Return a finding about the largest floor above `LEAST_FLOOR` for each engine, quantity and cause of the floor."""
     floors: dict[tuple[str, str, str], dict[str, list[Floor]]] = defaultdict(lambda: defaultdict(list))
     for case in cases:
         for order in case.orders:
@@ -216,7 +229,8 @@ def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
     sentences: list[Finding] = []
     for quantity in CLAIMED:
         of_quantity = [case for case in cases if case.primary == quantity]
-        # Limits with the same cheapest runs share a finding: it names the lowest of them, or the highest that no run keeps.
+        # Limits with the same cheapest runs share a finding, which names the lowest of these limits; limits that no run keeps
+        # share a finding that names the highest of them.
         by_winners: dict[object, Finding] = {}
         for error in ROUND_ERRORS if of_quantity else ():
             ranked = {case.name: _ranking(case.points(quantity), error) for case in of_quantity}
@@ -281,7 +295,7 @@ def _at(point: Measured, lines: Lines) -> str:
 
 
 def _others(cases: Collection[str]) -> str:
-    """Return the words that follow the name of one case if there are other cases."""
+    """Return the words about the other cases, which follow the name of one case; empty if there is only one."""
     return f" and {count(len(cases) - 1, 'other case')}" if len(cases) > 1 else ""
 
 
@@ -290,5 +304,5 @@ def _names(lines: Sequence[Line]) -> str:
 
 
 def _range(texts: Sequence[str]) -> str:
-    """Return the range of sorted numbers, given as texts: the first and the last one, or one number if both are equal."""
+    """Return the range of sorted numbers, given as texts: the first and the last number, or one number if both are equal."""
     return texts[0] if texts[0] == texts[-1] else f"{texts[0]} to {texts[-1]}"

@@ -24,12 +24,12 @@ from bodycheck.studies.tradeoff.rows import RUNS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeoffResults(StudyResults):
-    """The costs of errors with each method, and the orders at which the errors vanish.
+    """The errors and costs of all runs, and the orders at which the errors of each method vanish.
 
     Attributes
     ----------
     rows
-        One for each run, with the columns of tradeoff.csv. Missing values are None.
+        A row for each run, with the columns of tradeoff.csv. Missing values are None.
     orders
         The orders of each method in each quantity.
     """
@@ -39,23 +39,23 @@ class TradeoffResults(StudyResults):
 
     @property
     def tables(self) -> dict[str, Table]:
-        """The tables `tradeoff` and `orders`. The unit of a floor is that of its quantity."""
+        """The tables `tradeoff` and `orders`. A floor has the unit of its quantity."""
         return {RUNS.name: Table.of(RUNS, self.rows), ORDERS.name: Table.of(ORDERS, self.orders)}
 
 
 def carry_out(runs: Ran, timesteps: Sequence[float], batch_sizes: Sequence[int], output: Output) -> TradeoffResults:
-    """Measure what runs cost and how their errors converge, and write the tables and the report.
+    """Measure the costs of runs and the convergence of their errors, and write the tables and the report.
 
     Parameters
     ----------
     runs
         The runs of the methods over their time steps.
     timesteps
-        The time steps (s) that the user asked for; empty for those that suit each case.
+        The time steps (s) that the user chose; empty if each case was run with the time steps that suit it.
     batch_sizes
         The numbers of scenes that are also run in one batch.
     output
-        Where the results go.
+        The folder and the formats of the results, and the display of progress.
     """
     results, engines = runs.results, runs.engines
     verdicts = judgement.judge(results)
@@ -88,19 +88,20 @@ def tradeoff(
     Parameters
     ----------
     cases, engine, integrator, jobs
-        As those of `bodycheck.run`.
+        The same as the parameters of `bodycheck.run`.
     timestep
-        Time steps (s); those that suit each case for none. Orders need five or more.
+        Time steps (s). If none are given, each case is run with time steps that suit it. Orders need five or more.
     batch
-        Numbers of scenes: that many turned copies of each case are also run in one batch, with the engines that step many
-        scenes at once. Without time steps, this is done at the step of each method nearest to 2 ms.
+        Numbers of scenes. For each of them, the case and turned copies of it, so many scenes in all, are also run in one batch
+        with the engines that step many scenes at once. If no time steps are given, each method is run with that of its time
+        steps which is nearest to 2 ms.
     out
-        A folder for the tables, the recorded runs and the report, which continues what was interrupted there.
+        A folder for the tables, the recorded runs and the report. An interrupted study in it is resumed.
 
     Raises
     ------
     BadInput, Failed
-        As `bodycheck.run`.
+        In the same cases as by `bodycheck.run`.
     """
     each = arguments.listed(cases)
     selected = arguments.given_cases(each)

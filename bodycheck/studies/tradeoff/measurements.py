@@ -1,4 +1,4 @@
-"""The measurements of one case of the tradeoff study, in the form that its report needs, and their Pareto front."""
+"""The measurements of one case of the tradeoff study, as the report needs them, and their Pareto front."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Measured:
-    """One measured method. `error` is in the quantity's unit, `cost` is the computing time (s) per simulated second."""
+    """A measured run. `error` is in the unit of its quantity; the costs are computing times (s) per simulated second."""
 
     engine: str
     version: str
@@ -47,7 +47,10 @@ class Measured:
 
 
 def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
-    """Return the methods that no other method surpasses in both error and cost, the cheapest first."""
+    """Return the Pareto front of the runs: those for which no other run has both a lower error and a lower cost.
+
+    They are sorted by cost, the cheapest first. Of runs with equal costs or equal errors, the front has only the best one.
+    """
     front: list[Measured] = []
     for method in sorted(measured(rows, quantity), key=lambda method: (method.cost, method.error)):
         if not front or method.error < front[-1].error:
@@ -56,7 +59,7 @@ def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
 
 
 def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
-    """Return the methods of those rows that have both an error of a quantity and a cost."""
+    """Return the runs of those rows that have both an error in a quantity and a cost."""
     methods = []
     for row in rows:
         errors = [row[column] for column in COLUMNS[quantity] if row.get(column) is not None]
@@ -68,7 +71,7 @@ def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
 
 
 def apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Return the rows of single runs, and those of batches."""
+    """Return two lists: the rows of single runs, and the rows of batches."""
     return [row for row in rows if row.get("batch") is None], [row for row in rows if row.get("batch") is not None]
 
 
@@ -83,7 +86,7 @@ class CaseMeasurements:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Return the quantities of `convergence.UNITS` in which any run has an error above the truth's own."""
+        """Return the quantities of `convergence.UNITS` in which the error of any run exceeds the truth's own error, by name."""
         by_name = {}
         for name in UNITS:
             errors = [point.error for point in measured(self._complete, name)]
@@ -94,16 +97,16 @@ class CaseMeasurements:
 
     @property
     def primary(self) -> str | None:
-        """Return the quantity that shows most: attitude, or position if nothing rotates, or None if neither was measured."""
+        """Return the main quantity of the case: attitude, or else position; None if neither is in `quantities`."""
         return next((name for name in ("attitude", "position") if name in self.quantities), None)
 
     @cached_property
     def contact(self) -> bool:
-        """Return whether the body is in contact, where the model matters more than the integrator."""
+        """Return whether the body is in contact, so that errors depend on the contact model more than on the integrator."""
         return any("penetration" in row for row in self._complete)
 
     def truth_error(self, quantity: str) -> float:
-        """Return the truth's own error in a quantity, in its unit and to the digits that are printed; 0 if it is not known."""
+        """Return the truth's own error in a quantity, in its unit and rounded as it is printed; 0 if it is not known."""
         column = FIGURES[COLUMNS[quantity][0]].bounded_by
         return float(bound(max((row[column] for row in self._complete if column in row), default=0.0)))
 
@@ -114,7 +117,7 @@ class CaseMeasurements:
     def front(self, quantity: str) -> list[Measured]:
         """Return the Pareto front of error and cost, the cheapest run first.
 
-        Errors below the truth's own count as equal to it, and so do errors with the same printed digits.
+        An error below the truth's own error counts as equal to it. Errors with the same printed digits count as equal.
         """
         least, columns = self.truth_error(quantity), COLUMNS[quantity]
         rows = [row | {name: _printed(max(row[name], least)) for name in columns if name in row} for row in self._complete]
@@ -125,7 +128,10 @@ class CaseMeasurements:
         return self._by_run[point.method, point.timestep]
 
     def coarsest(self, method: RunKey) -> Row | None:
-        """Return the row of a method's completed run with the largest time step, or None. Schemes are identified there."""
+        """Return the row of a method's completed run with the largest time step, or None if no run completed.
+
+        The scheme of a method is identified in this run.
+        """
         method_rows = [row for row in self._complete if method_of(row) == method]
         return max(method_rows, key=lambda row: float(row["timestep"]), default=None)
 

@@ -1,4 +1,4 @@
-"""The report of the tradeoff study: the cost of an error with each method, and the convergence of methods, case by case."""
+"""The report of the tradeoff study: for each case, the error and the cost of each method, and its convergence."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from bodycheck.studies.tradeoff.diagram import diagram
 from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Measured, Row, apart, method_of
 
-#: Lines by method with any time step, as a curve goes through all time steps.
+#: Lines by method. A key stands for all time steps of a method, because a curve goes through all of them.
 Lines = Mapping[RunKey, Line]
 
 #: Most time steps of one method that are listed one by one.
@@ -53,11 +53,11 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
     Parameters
     ----------
     header
-        Versions, machine and command.
+        The header of the results, with versions, machine and command.
     rows
         The rows of the study, one for each run.
     orders
-        The orders of its methods on its cases.
+        The observed orders of the methods on the cases.
     classes
         The classes of methods that are the same algorithm.
     """
@@ -126,7 +126,7 @@ def _part(case: CaseMeasurements, lines: Lines) -> Part:
 
 
 def _failures(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Return a sentence for each status other than ok, with the methods and time steps that ended so."""
+    """Return a sentence for each status other than ok, with the methods and time steps of the runs that have it."""
     steps: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         if row["status"] != "ok":
@@ -167,7 +167,7 @@ def _point_text(point: Measured, quantity: Quantity, lines: Lines) -> str:
 
 
 def _orders(case: CaseMeasurements) -> Table:
-    """Return a table with one row for each method: its orders, and its floors and scheme if any method has one."""
+    """Return a table with a row of orders for each method, and with columns for floors and schemes if any method has them."""
     methods: dict[RunKey, dict[str, Order]] = defaultdict(dict)
     for order in case.orders:
         methods[order.method][order.quantity] = order
@@ -275,7 +275,7 @@ def _front(case: CaseMeasurements, name: str) -> Table:
 
 
 def _floored(error: float, truth_error: float) -> Entry:
-    """Return the cell of an error on a front, where errors below the truth's own count as equal to it."""
+    """Return the cell of an error on a front. An error below the truth's own error is written as lying within it."""
     if 0 < truth_error >= error:
         return Entry(within(truth_error), None, "within the truth's own error")
     return Entry(number(error), error)

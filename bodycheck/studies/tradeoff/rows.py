@@ -1,4 +1,4 @@
-"""The tables of the study: tradeoff.csv, whose columns are those of results and of costs, and orders.csv."""
+"""The tables of the study: tradeoff.csv, with the columns of results, costs and batches, and orders.csv."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,7 @@ from bodycheck.figures.column import Column
 from bodycheck.results.tables import RESULTS, RUN, RUN_FILLED, Table
 from bodycheck.studies.orders import ORDERS
 
-#: Columns after those of results: what a step costs.
+#: The columns of costs, which follow the columns of results.
 COSTS = (
     Column("time_per_step_low", "number", "Time per step, low", "smallest time per step of the repeated timings", "s"),
     Column("time_per_step_high", "number", "Time per step, high", "largest time per step of the repeated timings", "s"),
@@ -20,7 +20,7 @@ COSTS = (
     Column("engine_share", "number", "Engine share", "share of the time that passes in the engine's own calls", counts="share"),
 )
 
-#: Columns after those of costs. Rows of single runs have the last two, and the others are empty in them.
+#: The columns of batches, which follow the columns of costs. In rows of single runs, only the last two of them are not empty.
 BATCHES = (
     Column("worst_position_error", "number", "Worst position error", "largest position error of all scenes of a batch", "m"),
     Column("worst_attitude_error", "number", "Worst attitude error", "largest attitude error of all scenes of a batch", "rad"),
@@ -36,7 +36,7 @@ BATCHES = (
 COST_COLUMNS = tuple(column.name for column in COSTS)
 BATCH_COLUMNS = tuple(column.name for column in BATCHES)
 
-#: The table of runs and of batches, with what they cost.
+#: The table of runs and of batches, with their costs.
 RUNS: Table[Mapping[str, Any]] = Table(
     "tradeoff",
     "errors and costs over time steps",

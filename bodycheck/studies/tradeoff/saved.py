@@ -10,12 +10,12 @@ from bodycheck.studies.orders import ORDERS
 from bodycheck.studies.tradeoff import page as tradeoff
 from bodycheck.studies.tradeoff.rows import RUNS
 
-#: The file by which its folder is recognised, which is that of its runs.
+#: The file by which the folder of a trade-off is recognised: the table of its runs.
 FILE = RUNS.file
 
 
 def read(folder: Path) -> StudyReport:
-    """Return the report of a trade-off, in a folder. Raises `BadFolder` and errors of damaged files."""
+    """Return the report of a finished trade-off in a folder. Raises `BadFolder` and the errors of damaged files."""
     results = reading.finished_runs(folder)
     rows = reading.rows(folder, RUNS)
     reading.check_runs(

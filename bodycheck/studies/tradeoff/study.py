@@ -44,12 +44,12 @@ def plan(
     integrators
         Spellings of methods; all that the engines offer if it is empty.
     timesteps
-        Time steps (s); those of each case's ladder if it is empty.
+        Time steps (s). If it is empty, each case has the time steps of its ladder (`timesteps.ladder`).
 
     Raises
     ------
     BadInput
-        As `bodycheck.running.plan.plan`.
+        If no engine has a method, a time step is not possible, or there is nothing to run.
     """
     check(cases, engines, integrators, timesteps)
     tasks = tuple(
@@ -71,8 +71,8 @@ def price(
 ) -> list[dict[str, Any]]:
     """Measure the costs of runs, and return one row per run with the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`.
 
-    Costs are measured with nothing else running, for all runs of a case in turn, each engine in a process of its own. A run
-    that did not complete has none. If a measurement fails, the row has no cost but a reason. Missing values are None.
+    Costs are measured while nothing else runs, for all runs of a case in turn, each engine in a separate process. A run that
+    did not complete has no cost. If a measurement fails, the row has a reason instead of a cost. Missing values are None.
 
     Parameters
     ----------
@@ -108,19 +108,19 @@ def _task(case: Case, verdict: Verdict) -> Task:
 
 
 def _stretch(task: Task, verdict: Verdict) -> Stretch:
-    assert isinstance(verdict.outcome, Completed)  # it has a discrepancy
+    assert isinstance(verdict.outcome, Completed)  # only completed runs have a discrepancy
     return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
 
 
 def _claims(engine: Engine, key: RunKey) -> Integrator:
     """Return the integrator of a run, with the order and the evaluations that its engine claims."""
     integrator = integrator_of(engine, key.method)
-    assert integrator is not None  # it was run
+    assert integrator is not None  # the engine ran it
     return integrator
 
 
 def _costs(row: Mapping[str, Any], measured: Measured | None, evaluations: int | None) -> dict[str, Any]:
-    """Return the cost columns of a row. The times of the run itself are left out, because other runs disturbed them."""
+    """Return the cost columns of a row. They do not contain the times of the run itself, which other runs disturbed."""
     if measured is None:
         return dict(NO_COSTS)
     costs = cost_columns(measured.times, measured.processor_times, row["timestep"], row["steps"])
@@ -129,7 +129,7 @@ def _costs(row: Mapping[str, Any], measured: Measured | None, evaluations: int |
 
 
 def cost_columns(times: Array, processor_times: Array, timestep: float, steps: int) -> dict[str, float]:
-    """Return the columns that follow from the times of rounds alone.
+    """Return the columns of the cost that are computed from the times of the rounds.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def cost_columns(times: Array, processor_times: Array, timestep: float, steps: i
     timestep
         The time step (s).
     steps
-        The number of all steps, of all scenes together.
+        The number of steps, summed over all scenes.
     """
     step = summarise(times)
     return {
@@ -165,7 +165,7 @@ def orders(
     engines: Mapping[str, Engine],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[Order]:
-    """Return the orders of every method in every quantity, with the schemes that the runs with the largest steps agree with.
+    """Return the orders of every method in every quantity, with the scheme identified in the method's run at the largest step.
 
     Parameters
     ----------
@@ -192,10 +192,10 @@ def orders(
 
 
 def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine: Engine) -> Iterator[Order]:
-    """Yield the orders of one method from the verdicts on its completed runs, which begin with the largest time step."""
+    """Yield the orders of one method. verdicts: those on its completed runs, sorted by time step, the largest first."""
     coarsest = verdicts[0].run
     truth = results.truth(case.name, coarsest.method.timestep)
-    assert isinstance(truth, Truth)  # its run has a discrepancy
+    assert isinstance(truth, Truth)  # a run without a truth has no discrepancy
     roundoff = ROUNDOFF[engine.precision]
     named = identify(case, coarsest, truth, roundoff)
     runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]

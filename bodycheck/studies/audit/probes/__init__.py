@@ -1,4 +1,4 @@
-"""The probes of the audit: each asks one question of a method by flights with one obvious answer."""
+"""The probes of the audit. Each looks for a few properties of a method by flights whose motion is obvious."""
 
 from collections.abc import Mapping
 

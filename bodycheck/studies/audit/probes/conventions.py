@@ -1,7 +1,7 @@
-"""The columns and frames in which a method returns its states, and flights in the columns and frames of the contract.
+"""Find the columns and frames in which a method returns its states, and convert states to those of the contract.
 
-They are found from two steps of a sphere that flies and spins. Nothing is taken from the states alone: the velocity is compared
-with the displacement in a step, and the angular velocity with the turn.
+The convention is determined from two steps of a sphere that flies and spins. The velocity is compared with the displacement in
+a step, and the angular velocity with the turn in a step.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,10 +17,11 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
 from bodycheck.studies.audit.probes.scenes import SPHERE
 
-#: All components differ in size, and no one vector is near another in either frame.
+#: The launch. All components differ in size, and no vector is close to another vector in either frame.
 LAUNCH = State((0.31, -0.52, 0.87), (6 / 9, -2 / 9, 4 / 9, 5 / 9), (0.61, -0.37, 1.13), (-0.93, 0.42, 0.58))
 
-#: The farthest that a direction may be from the one that it is taken for. In two steps the sphere turns by less than that.
+#: The largest distance of a returned direction from the direction with which it is identified. In two steps the sphere turns by
+#: less than this angle (rad).
 NEAR = 0.1
 
 
@@ -31,13 +32,15 @@ class Convention:
     Parameters
     ----------
     columns
-        The index of each of the 13 columns of the contract among those that are returned.
+        The index of each of the contract's 13 columns among the returned columns.
     conjugate
         Whether the quaternion takes world components to body components.
     velocity_in_body, spin_in_world
-        Whether the velocity is along the axes of the body, and the angular velocity along those of the world.
+        Whether the components of the velocity are along the axes of the body, and the components of the angular velocity along
+        the axes of the world.
     takes_velocity_in_body, takes_spin_in_world
-        Whether the body moves as if the launch had been given along these axes.
+        Whether the body moves as if the initial velocity had been given along the axes of the body, and the initial angular
+        velocity along the axes of the world.
     """
 
     columns: tuple[int, ...] = tuple(range(13))
@@ -49,7 +52,10 @@ class Convention:
 
 
 def in_contract(states: Array, known: Convention) -> Array:
-    """Return states (n, 13) in the columns and frames of the contract, with unit quaternions."""
+    """Return states (n, 13) in the columns and frames of the contract, with unit quaternions.
+
+    states: the states (n, 13) in the convention `known`.
+    """
     states = states[:, list(known.columns)]
     attitude = normalise(states[:, 3:7])
     attitude = conjugate(attitude) if known.conjugate else attitude
@@ -59,7 +65,10 @@ def in_contract(states: Array, known: Convention) -> Array:
 
 
 def watch(pilot: Pilot, flight: Flight) -> Array | NotFlown:
-    """Return the states (n, 13) of a flight in the columns and frames of the contract, however the method returns them."""
+    """Return the states (n, 13) of a flight in the columns and frames of the contract, or why there are none.
+
+    If the convention of the method cannot be determined, the states are returned unchanged.
+    """
     known, flown = convention(pilot), pilot.recall(flight)
     if isinstance(flown, NotFlown):
         return flown
@@ -69,7 +78,7 @@ def watch(pilot: Pilot, flight: Flight) -> Array | NotFlown:
 
 
 def convention(pilot: Pilot) -> Convention | NotFlown:
-    """Return the convention of a method, or why it cannot be determined."""
+    """Return the convention of a method, or the reason why it cannot be determined."""
     flown = pilot.recall(Flight(Scene(SPHERE, LAUNCH), pilot.timestep, (1, 1)))
     if isinstance(flown, NotFlown):
         return flown
@@ -80,7 +89,10 @@ def convention(pilot: Pilot) -> Convention | NotFlown:
 
 @lru_cache(maxsize=8)
 def _told(states: bytes) -> Convention | NotFlown:
-    """Return the convention by the states (2, 13) of the launch after its two steps, which all probes of a method share."""
+    """Return the convention that follows from the states after the two steps of the launch, or why there is none.
+
+    states: the bytes of the states (2, 13). The result is cached, because all probes of a method need it.
+    """
     first, second = np.frombuffer(states).reshape(2, 13)
     axes = min(permutations(range(3)), key=lambda order: float(np.abs(first[list(order)] - LAUNCH.position).sum()))
     order, inverse = _attitude(normalise(first[3:7]))
@@ -104,7 +116,10 @@ def _told(states: bytes) -> Convention | NotFlown:
 
 
 def _attitude(returned: Array) -> tuple[list[int], bool]:
-    """Return the columns of w, x, y, z and whether it is the inverse, of a unit quaternion (4,) near that of the launch."""
+    """Return the columns of w, x, y, z in the states, and whether the returned quaternion is the inverse of the attitude.
+
+    returned: a unit quaternion (4,) close to the quaternion of the launch or to its inverse, from columns 3 to 6 of a state.
+    """
     given = np.array(LAUNCH.quaternion)
     choices = [(order, inverse) for order in ([0, 1, 2, 3], [3, 0, 1, 2]) for inverse in (False, True)]
 
@@ -119,7 +134,20 @@ def _attitude(returned: Array) -> tuple[list[int], bool]:
 def _velocities(
     returned: Array, attitude: Array, motion: Array, turn: Array
 ) -> Iterator[tuple[float, tuple[int, ...], bool, bool]]:
-    """Yield the distance of velocities (6,) from a motion, their columns, and whether they are in the other frames."""
+    """Yield a fit for each of the two orders of velocity and angular velocity in the returned components (6,).
+
+    A fit has the distance from the directions of motion and turn, the columns of the velocities in a state, and whether the
+    velocity is along the axes of the body and the angular velocity along the axes of the world.
+
+    Parameters
+    ----------
+    returned
+        The last six components of a state.
+    attitude
+        The attitude (4,).
+    motion, turn
+        The displacement (3,) in a step, world frame, and the rotation (3,) in a step, body frame.
+    """
     velocities = [(motion, False), (rotate(conjugate(attitude), motion), True)]
     spins = [(turn, False), (rotate(attitude, turn), True)]
     for first, second in ((0, 3), (3, 0)):
@@ -130,13 +158,16 @@ def _velocities(
 
 
 def _fits(returned: Array, candidates: Sequence[tuple[Array, bool]]) -> Iterator[tuple[float, tuple[int, ...], bool]]:
-    """Yield how far the components (3,) of a vector, in every order, are in direction from each candidate."""
+    """Yield the distance in direction between a vector (3,) and each candidate, for every order of the vector's components.
+
+    Each result also has the order and the flag of the candidate.
+    """
     for candidate, other_frame in candidates:
         for order in permutations(range(3)):
             yield _apart(returned[list(order)], candidate), order, other_frame
 
 
 def _apart(one: Array, other: Array) -> float:
-    """Return the distance of the directions of two vectors (3,)."""
+    """Return the distance between the unit vectors along two vectors (3,); 2 if a vector is zero."""
     sizes = float(np.linalg.norm(one)), float(np.linalg.norm(other))
     return float(np.linalg.norm(one / sizes[0] - other / sizes[1])) if all(sizes) else 2.0

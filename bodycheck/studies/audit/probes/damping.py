@@ -1,11 +1,12 @@
-"""Probes of what is lost: damping, by which a sphere in uniform motion loses speed and spin, and the energy of a top.
+"""Probes of losses: the damping of the speed and the spin of a sphere in uniform motion, and the energy of a top.
 
-The speed u of a sphere that nothing acts on is constant. By a law of damping du/dt = -(c + k u) u the rate -d(ln u)/dt is
-c + k u, and it is measured at two speeds. What a scheme loses by its truncation error vanishes with the time step, and what is
-lost by a law of damping does not; so the rates are measured with twice the time step too, and extrapolated to none.
+The speed u of a sphere on which nothing acts is constant. By a law of damping du/dt = -(c + k u) u, the rate -d(ln u)/dt is
+c + k u, and it is measured at two speeds. The loss by the truncation error of a scheme vanishes with the time step, but the
+loss by a law of damping does not. Therefore the rates are also measured with twice the time step, and extrapolated to a time
+step of 0.
 
-A symmetrical top gains or loses the same rotational energy in every step of a scheme, because of its symmetry, so that nothing
-oscillates. What the damping that was found takes is not counted again.
+Because of its symmetry, a symmetrical top gains or loses the same rotational energy in every step of a scheme, so that the
+energy does not oscillate. The loss by the damping that was found is not counted again.
 """
 
 from dataclasses import dataclass
@@ -22,34 +23,35 @@ from bodycheck.studies.audit.probes.conventions import watch
 from bodycheck.studies.audit.probes.falling import roundoff
 from bodycheck.studies.audit.probes.scenes import TOP, coast
 
-#: Speeds in m/s, and spins in rad/s, of the launches.
+#: Speeds (m/s) and spins (rad/s) of the two launches.
 SLOW, FAST = 1.0, 8.0
 
-#: The number of steps, and the least time step (s): rounding makes a rate the larger, the shorter the steps are.
+#: The number of steps, and the shortest time step (s). With shorter steps, rounding would cause larger errors of a rate.
 STEPS, SHORTEST = 32, 4e-3
 
-#: The relative change of a speed in a step, in units of roundoff, that rounding explains: that of some dozen operations.
+#: The largest relative change of a speed in a step that rounding in some dozen operations can explain, in units of roundoff.
 ROUNDINGS = 16
 
-#: The least rate (1/s) that counts as damping: a loss of 3 % a year. Solvers that iterate leave smaller ones.
+#: The smallest rate (1/s) that counts as damping: a loss of 3 % a year. Iterative solvers cause smaller rates.
 LEAST = 1e-9
 
-#: The part of one rate that a term of the law must make: the means of speeds over a flight are not exact.
+#: The smallest fraction of a rate that a term of the law must contribute, because mean speeds over a flight are not exact.
 SHARE = 0.002
 
-#: The part of a coefficient that is left with half a time step. It is 1 of a law, and half or less of a truncation error.
+#: A coefficient belongs to a law if more than this fraction of it remains with half the time step. The fraction is 1 for a law,
+#: and half or less for a truncation error.
 LASTS = 0.6
 
-#: The spin of the top: one turn a second (rad/s).
+#: The angular velocity (rad/s) of the top: one turn per second.
 TOP_SPIN = (0.6 * tau, 0.0, 0.8 * tau)
 
-#: The number of its turns, and of samples.
+#: The number of turns of the top, and the number of samples.
 TURNS, SAMPLES = 2, 20
 
-#: The relative change of the energy in a step, in units of roundoff, that rounding explains.
+#: The largest relative change of the energy in a step that rounding can explain, in units of roundoff.
 ENERGY_ROUNDINGS = 4
 
-#: The part of the loss to damping by which the measured damping may be off.
+#: The relative error that the measured loss by damping may have.
 DAMPING_OFF = 0.01
 
 #: The columns of the velocity and the angular velocity.
@@ -59,14 +61,15 @@ PLACES: dict[Columns, slice] = {"velocity": slice(7, 10), "angular velocity": sl
 
 @dataclass(frozen=True)
 class Law:
-    """A law of damping: the coefficients c (1/s) and k (1/m or 1/rad), 0 where it has no such term.
+    """A law of damping: the coefficients c (1/s) and k (1/m or 1/rad), which are 0 for terms that the law lacks.
 
     Parameters
     ----------
     linear, quadratic
         The coefficients, extrapolated to a time step of 0.
     stepped
-        The coefficients with the audited time step, or `SHORTEST`, which are those of what a scheme makes of the law.
+        The coefficients measured with the audited time step, or with `SHORTEST` if that is larger. They describe the damping
+        that the scheme makes of the law at this time step.
     """
 
     linear: float = 0.0
@@ -74,12 +77,15 @@ class Law:
     stepped: tuple[float, float] = (0.0, 0.0)
 
     def loss(self, speeds: Array, times: Array) -> float:
-        """Return the fall of the logarithm of a speed, given at instants (n,), with that time step."""
+        """Return the decrease of the logarithm of a speed by the coefficients `stepped`.
+
+        speeds: the speeds (n,). times: their instants (n,), s.
+        """
         return float(np.trapezoid(self.stepped[0] + self.stepped[1] * speeds, times))
 
 
 def damping(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return findings of linear-damping, angular-damping, and quadratic-damping of the velocity and the angular velocity."""
+    """Return findings about linear-damping, angular-damping, and quadratic-damping of the velocity and the angular velocity."""
     return (
         *_findings(pilot, "velocity", "linear-damping", "1/m"),
         *_findings(pilot, "angular velocity", "angular-damping", "1/rad"),
@@ -97,7 +103,8 @@ def law(pilot: Pilot, which: Columns) -> Law | NotFlown:
     coarser = _rates(pilot, which, 2)
     if isinstance(coarser, NotFlown):
         return coarser
-    # The rates of double steps have half the rounding, and so twice the others less them 2.5 times that.
+    # Rates with double steps have half the rounding error. Twice the rates with single steps, less the rates with double steps,
+    # therefore have 2.5 times the rounding error of single steps.
     least = max(2.5 * allowed, LEAST, SHARE * float(np.abs(here[0]).max()))
     fine, coarse, speeds = _coefficients(*here), _coefficients(*coarser), (1.0, float(here[1].max()))
     linear, quadratic = (
@@ -108,7 +115,10 @@ def law(pilot: Pilot, which: Columns) -> Law | NotFlown:
 
 
 def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
-    """Return c and k of the rates c + k u (2,) at two speeds u (2,); without k where a limit makes the speeds the same."""
+    """Return the coefficients c and k from the rates c + k u (2,) at two speeds u (2,).
+
+    If a limit makes the two speeds nearly equal, k is 0.
+    """
     if abs(speeds[1] - speeds[0]) < 0.1 * speeds[1]:
         return float(rates.mean()), 0.0
     quadratic = float((rates[1] - rates[0]) / (speeds[1] - speeds[0]))
@@ -116,7 +126,7 @@ def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
 
 
 def _rates(pilot: Pilot, which: Columns, multiple: int) -> Array | NotFlown:
-    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with a multiple of the time step."""
+    """Return an array (2, 2) with the rates (1/s) of both launches and their mean speeds, at a multiple of the time step."""
     rates, timestep = [], multiple * max(SHORTEST, pilot.timestep)
     for speed in (SLOW, FAST):
         states = watch(pilot, Flight(coast(speed, speed), timestep, (1,) * STEPS))
@@ -144,13 +154,13 @@ def _finding(which: Property, name: str, coefficient: float, unit: str) -> Findi
 
 
 def spinning_top(pilot: Pilot) -> Flight:
-    """Return the flight of the top."""
+    """Return the flight of the spinning top."""
     steps = max(1, round(TURNS / SAMPLES / pilot.timestep))
     return Flight(Scene(TOP, State(angular_velocity=TOP_SPIN)), pilot.timestep, (steps,) * SAMPLES)
 
 
 def energy(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of energy-per-turn."""
+    """Return a finding about the property energy-per-turn, whose value is the relative change of the energy in a turn."""
     flight = spinning_top(pilot)
     states, damped = watch(pilot, flight), law(pilot, "angular velocity")
     for result in (states, damped):

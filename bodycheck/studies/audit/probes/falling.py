@@ -1,13 +1,13 @@
-"""Probes by a body that falls: of precision, of the time base, and of gravity.
+"""Probes of precision, of the time base and of gravity, by a falling body.
 
-- precision: the number of binary digits that the numbers of a falling body have;
-- time base: whether a step lasts as long as it should;
+- precision: the number of binary digits in the states of a falling body;
+- time base: whether a step advances the body by the time step;
 - gravity: substeps, and whether a step moves the body before gravity acts on it.
 
-In each step of h' seconds the height changes by h' ((1 - a) v_old + a v_new): with a = 1 the velocity is advanced before the
-position, with a = 0 after it, and with a = 1/2 the displacement is of second order. With n equal substeps, of which each
-advances the velocity first, a = (n + 1) / (2 n), because the velocity grows evenly over the substeps; with each advancing the
-position first, a = (n - 1) / (2 n).
+In each step of h' seconds the height changes by h' ((1 - a) v_old + a v_new). If a = 1, the velocity is advanced before the
+position; if a = 0, it is advanced after the position; if a = 1/2, the displacement is of second order. With n equal substeps
+that each advance the velocity first, a = (n + 1) / (2 n), because the velocity grows evenly over the substeps. With n equal
+substeps that each advance the position first, a = (n - 1) / (2 n).
 """
 
 from dataclasses import dataclass
@@ -24,38 +24,39 @@ from bodycheck.studies.audit.probes.scenes import SPHERE
 #: The number of steps of the fall.
 STEPS = 64
 
-#: The launch is not a number of single precision, nor slow enough for a body to be put to sleep.
+#: The launch. Its numbers are not numbers of single precision, and the body is too fast to be put to sleep.
 LAUNCH = State((0.0, 0.0, 0.1), velocity=(0.0, 0.0, -1.1))
 
 #: Binary digits of the significands of single and double precision.
 SINGLE, DOUBLE = 24, 53
 
-#: The least number of changes of a value that tell. One of double precision fits into single precision once in 2^29.
+#: The smallest number of changes of a value from which its precision is determined. By chance, one number of double precision
+#: in 2^29 is also a number of single precision.
 ENOUGH = 8
 
-#: The largest relative deviation, in units of roundoff, that rounding explains: the heights of 64 steps are fitted.
+#: The largest relative deviation of the time base that rounding can explain, in units of roundoff. It is fitted to 64 steps.
 TIME_ROUNDINGS = 1000
 
 #: The largest relative deviation of a number of substeps from an integer.
 NEAR_INTEGER = 0.02
 
-#: The largest number of substeps that can be told from a displacement of second order.
+#: The largest number of substeps that can be distinguished from a displacement of second order.
 MOST_SUBSTEPS = 50
 
 
 @dataclass(frozen=True)
 class Fall:
-    """The fall of a body: the time for which it moves in a step, and how its displacement follows from its velocities.
+    """The fall of a body: the time for which it moves in a step, and the relation of its displacement to its velocities.
 
     Parameters
     ----------
     timestep
-        The time (s) for which it moves in a step.
+        The time (s) for which the body moves in a step.
     weight
-        The weight a of the new velocity in a displacement.
+        The weight a of the new velocity in the displacement of a step.
     uncertainty
-        The relative deviation of that time which is left by residuals of the fit, and by the change of the acceleration in a
-        step, because damping acts on the velocities between substeps too.
+        The relative error that `timestep` may have, because the fit has residuals, and because the acceleration changes during
+        a step if damping acts on the velocities between substeps.
     """
 
     timestep: float
@@ -64,12 +65,15 @@ class Fall:
 
 
 def fall(timestep: float) -> Flight:
-    """Return the flight of a body that falls, with each of its steps."""
+    """Return the flight of a falling body, with a state after every step."""
     return Flight(Scene(SPHERE, LAUNCH, gravity=9.81), timestep, (1,) * STEPS)
 
 
 def falling(pilot: Pilot) -> Fall | NotFlown:
-    """Return the fall of a body, by a fit to displacements and velocities, so that neither gravity nor damping matters."""
+    """Return the fall of a body, or the reason why it cannot be determined.
+
+    It is fitted to displacements and velocities, so that it depends neither on gravity nor on damping.
+    """
     states = watch(pilot, fall(pilot.timestep))
     if isinstance(states, NotFlown):
         return states
@@ -80,7 +84,7 @@ def falling(pilot: Pilot) -> Fall | NotFlown:
     parts = np.stack([(old + new) / 2, new - old], axis=1)
     timestep, part = np.linalg.lstsq(parts, moved)[0].tolist()
     uneven = float(np.ptp(new - old)) / float(np.abs(new).max()) / 100
-    # A hundredth of what the weight makes of a step: larger residuals mean another law.
+    # The limit is a hundredth of the effect of the weight in a step. Larger residuals mean another law of displacement.
     residual = float(np.abs(parts @ [timestep, part] - moved).max())
     if not residual < 0.01 * pilot.timestep * change:
         return NotFlown("the displacement in a step is not a mean of its two velocities")
@@ -88,7 +92,7 @@ def falling(pilot: Pilot) -> Fall | NotFlown:
 
 
 def precision(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of single-precision."""
+    """Return a finding about the property single-precision."""
     digits = significand(pilot)
     if isinstance(digits, NotFlown):
         return not_probed("precision", digits.reason, "single-precision")
@@ -98,10 +102,11 @@ def precision(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def significand(pilot: Pilot) -> int | NotFlown:
-    """Return the number of binary digits, that of single or of double precision, in which a method keeps its states.
+    """Return the number of binary digits with which a method keeps its states: `SINGLE` or `DOUBLE`.
 
-    A body falls, and all its heights or all its velocities are numbers of single precision if they are kept in it. Both are
-    looked at because an adapter may convert one of them in double precision.
+    If all values of any changing component of the position or the velocities of a falling body are numbers of single precision,
+    the states are kept in single precision. All components are examined, because an adapter may convert some of them in double
+    precision.
     """
     flown = pilot.recall(fall(pilot.timestep))
     if isinstance(flown, NotFlown):
@@ -116,12 +121,15 @@ def significand(pilot: Pilot) -> int | NotFlown:
 
 
 def roundoff(pilot: Pilot) -> float:
-    """Return the unit roundoff of a method: that of the precision found, or the adapter's if that is larger."""
+    """Return the unit roundoff of a method: for the precision found, or for the adapter's stated precision if it is larger."""
     return max(pilot.roundoff, ROUNDOFF["float32"] if significand(pilot) == SINGLE else 0.0)
 
 
 def time_base(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of time-base: the displacement in a step divided by velocity and time step, less 1."""
+    """Return a finding about the property time-base.
+
+    Its value is the time for which a body moves in a step, divided by the time step, minus 1.
+    """
     seen = falling(pilot)
     if isinstance(seen, NotFlown):
         return not_probed("time base", seen.reason, "time-base")
@@ -131,7 +139,7 @@ def time_base(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def gravity(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return findings of substeps and gravity-after-position."""
+    """Return findings about the properties substeps and gravity-after-position."""
     seen = falling(pilot)
     if isinstance(seen, NotFlown):
         return not_probed("gravity", seen.reason, "substeps", "gravity-after-position")
@@ -142,7 +150,10 @@ def gravity(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _substeps(lead: float) -> Finding:
-    """Return the finding of substeps, the number of which is 1 / |2 a - 1| for the weight a of the new velocity."""
+    """Return the finding about substeps, whose number is 1 / |lead|.
+
+    lead: 2 a - 1, where a is the weight of the new velocity in a displacement.
+    """
     if abs(lead) <= 1 / MOST_SUBSTEPS:
         reason = "the displacement in a step is of second order, and so it is with any number of substeps"
         return not_probed("gravity", reason, "substeps")[0]

@@ -1,10 +1,11 @@
 """Probes of limits: the largest speed and the largest spin that a sphere can have, and its largest turn in one step.
 
-A sphere is launched very fast and half as fast, in steps so short that damping takes nothing away and that a limit of the
-turn in a step is far. Where both launches end with the same speed, there is a limit.
+A sphere is launched very fast, and at half that speed. The time steps are so short that damping has no effect and that a limit
+of the turn in a step is not reached. If both launches end with the same speed, there is a limit.
 
-Then it spins so fast that it turns by most of a revolution in a step, and more slowly. A scheme may turn it by another angle:
-one that advances the quaternion linearly turns it by 2 atan(h w / 2) instead of h w. But only a limit makes all turns alike.
+Then the sphere spins so fast that it turns by most of a revolution in a step, and also more slowly. A scheme may turn it by
+another angle than h w: a scheme that advances the quaternion linearly turns it by 2 atan(h w / 2). But only a limit makes all
+turns equal.
 """
 
 import numpy as np
@@ -16,30 +17,30 @@ from bodycheck.studies.audit.probe import Finding, Property, not_probed
 from bodycheck.studies.audit.probes.conventions import watch
 from bodycheck.studies.audit.probes.scenes import coast
 
-#: The larger launch in m/s and rad/s; the smaller is half of it.
+#: The speed (m/s) and the spin (rad/s) of the faster launch; the other launch has half of both.
 LAUNCH = 1e4
 
-#: The largest limit that is looked for. A launch may lose more than the last tenth to damping.
+#: The largest limit that is searched for. Larger values are not reported, because a launch may lose a tenth to damping.
 LARGEST = 9e3
 
 #: The time step (s) and the number of steps.
 TIMESTEP, STEPS = 1e-5, 3
 
-#: Relative deviation of speeds that count as the same: rounding in single precision, and damping, change them less.
+#: Relative deviation below which speeds count as equal. Rounding in single precision and damping change them less.
 SAME = 1e-2
 
-#: The turns (rad) in a step that a method is asked for: the first set that it can make without giving up.
+#: The turns (rad) in a step: the first set that a method completes without giving up is used.
 TURNS = ((6.0, 5.5, 5.0), (1.2, 1.1, 1.0))
 
-#: The spin (rad/s) of the largest turn, and the part of a limit of the spin that it may be.
+#: The spin (rad/s) of the largest turn, and the largest fraction of a spin limit that it may be.
 SPIN, BELOW_LIMIT = 30.0, 0.8
 
-#: Relative deviation of turns that count as the same; those of schemes differ by some percent.
+#: Relative deviation below which turns count as equal. Without a limit, the turns of a scheme differ by some percent.
 SAME_TURN = 2e-3
 
 
 def limits(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return findings of speed-limit and spin-limit."""
+    """Return findings about the properties speed-limit and spin-limit."""
     return (
         _finding("speed-limit", _limit(pilot, slice(7, 10)), "m/s"),
         _finding("spin-limit", spin_limit(pilot), "rad/s"),
@@ -47,7 +48,7 @@ def limits(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def spin_limit(pilot: Pilot) -> tuple[float, str] | NotFlown | None:
-    """Return the largest spin (rad/s) and a description of the limit; None if there is none up to `LARGEST`."""
+    """Return the limit of the spin (rad/s) and a description of it; None if there is no limit up to `LARGEST`."""
     return _limit(pilot, slice(10, 13))
 
 
@@ -69,7 +70,10 @@ def _limit(pilot: Pilot, columns: slice) -> tuple[float, str] | NotFlown | None:
 
 
 def _slower(states: Array, columns: slice) -> Array:
-    """Return the last velocity (3,), or the last displacement divided by the time step where that is slower."""
+    """Return a velocity (3,) from the last state, by its columns.
+
+    For the columns of the linear velocity, the last displacement divided by the time step is returned if it is slower.
+    """
     vector = states[-1, columns]
     moved = (states[-1, :3] - states[-2, :3]) / TIMESTEP
     slower = columns == slice(7, 10) and np.linalg.norm(moved) < (1 - SAME) * np.linalg.norm(vector)
@@ -86,7 +90,7 @@ def _finding(which: Property, limit: tuple[float, str] | NotFlown | None, unit: 
 
 
 def turning(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of turn-limit."""
+    """Return a finding about the property turn-limit."""
     limit = spin_limit(pilot)
     spin = min(SPIN, BELOW_LIMIT * limit[0]) if isinstance(limit, tuple) else SPIN
     for wanted in TURNS:
@@ -100,14 +104,14 @@ def turning(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _turns(states: Array, timestep: float) -> Array:
-    """Return the turns (rad) of two steps (2, 2) by the spin, and by the attitudes, of which only up to pi can be told."""
+    """Return the turns (rad) in two steps (2, 2): the first column by the spin, the second by the attitudes, at most pi."""
     attitudes = np.concatenate([[(1.0, 0.0, 0.0, 0.0)], states[:, 3:7]])
     by_spin = np.linalg.norm(states[:, 10:], axis=1) * timestep
     return np.stack([by_spin, geodesic_angle(attitudes[:-1], attitudes[1:])], axis=1)
 
 
 def _turn_finding(wanted: Array, seen: Array) -> Finding:
-    """Return the finding from the turns asked for (n,), and those seen (n, 2, 2): by spin and by attitude, in two steps."""
+    """Return the finding from the turns (rad) of the launches in a step (n,) and the turns observed (n, 2, 2) by `_turns`."""
     expected = f"none below {wanted[0]:g} rad"
     for step in (0, 1):
         for way, words in enumerate(("of the angular velocity", "of the attitude alone")):

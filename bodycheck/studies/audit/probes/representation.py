@@ -1,9 +1,9 @@
-"""The probe of representations: whether one body moves alike however an engine is given it.
+"""The probe of representations: whether a body moves in the same way in whatever form an engine is given it.
 
-The body tumbles freely and falls, given along its principal axes and in each of `representations`. All are flown with three
-time steps, the audited one and twice and four times that. For mechanics the motions are the same. For a scheme in
-the coordinates of the frame that it is given, they may differ by an error that vanishes with the time step. A difference that
-does not vanish is a fault.
+The body tumbles freely and falls. It is given along its principal axes and in each of `representations`, and flown with three
+time steps: the audited time step, and twice and four times as much. In mechanics all motions are the same. With a scheme in the
+coordinates of the given frame, they may differ by an error that vanishes with the time step. A difference that does not vanish
+is a fault.
 """
 
 from collections.abc import Sequence
@@ -27,24 +27,27 @@ SCENE = Scene(
     gravity=9.81,
 )
 
-#: Time steps in audited ones, and the number of the largest that a flight has. Few and large steps show a difference above
-#: rounding, which grows with their number.
+#: Time steps as multiples of the audited time step.
 MULTIPLES = (4, 2, 1)
+
+#: The number of the largest time steps in a flight, and the number of samples. A difference is visible above rounding with few,
+#: large steps, because rounding grows with the number of steps.
 LONGEST_STEPS, SAMPLES = 50, 5
 
-#: The roundings, of the size of a quantity and all with one sign, that one step may make. A step computes some hundred products
-#: and sums, whose roundings have either sign. The motion of `SCENE` makes an error of the start at most 1.4 times as large,
-#: measured against the same sizes (`differences`).
+#: The largest sum of the rounding errors in one step, in units of roundoff times the size of a quantity. A step computes some
+#: hundred products and sums, whose rounding errors have either sign. The motion of `SCENE` amplifies an initial error at most
+#: 1.4 times, relative to the same sizes (`differences`).
 ROUNDINGS_A_STEP = 16
 
-#: The least ratio of two differences, each without its part of first order, of which the second is at half the time step, if
-#: they vanish: they are of second order and shrink fourfold, and a difference that does not vanish does not shrink.
+#: The smallest ratio of the remainders at a time step and at half of it (see `Difference.vanishes`) for which a difference
+#: counts as vanishing. The remainder of a vanishing difference is of second order and shrinks fourfold; otherwise it does not
+#: shrink.
 LEAST_RATIO = 2.0
 
 
 @dataclass(frozen=True)
 class Difference:
-    """The differences of a quantity of two motions, at several instants with several time steps.
+    """The differences of a quantity between two motions, at several instants and with several time steps.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ class Difference:
     vectors
         The differences (steps, instants, 3), the largest time step first.
     rounding
-        The largest differences that rounding explains, for each time step (steps,).
+        The largest difference that rounding can explain, for each time step (steps,).
     """
 
     unit: str
@@ -62,20 +65,21 @@ class Difference:
 
     @property
     def sizes(self) -> Array:
-        """The largest difference over all instants (steps,), in the unit."""
+        """The largest difference over all instants, for each time step (steps,), in the unit."""
         return _largest(self.vectors)
 
     @property
     def excess(self) -> float:
-        """The largest ratio of a difference to the difference that rounding explains."""
+        """The largest ratio, over the time steps, of the difference to the largest difference that rounding can explain."""
         return float((self.sizes / self.rounding).max())
 
     @property
     def vanishes(self) -> bool:
-        """True if the difference tends to zero with the time step, or to no more than rounding.
+        """True if the difference tends to zero with the time step, or to a value within rounding.
 
-        What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order. A term of
-        higher order is opposed to the difference, and shrinks slowly where the order grows from 1 to 2 within the time steps.
+        The remainder 2 D(h) - D(2h) of the difference D has no part of first order; it is the limit plus terms of higher order.
+        A remainder opposed to the difference counts as a term of higher order. Such a remainder shrinks slowly if the observed
+        order grows from 1 to 2 within the range of time steps.
         """
         left = 2 * self.vectors[1:] - self.vectors[:-1]
         coarse, fine = _largest(left).tolist()
@@ -84,14 +88,14 @@ class Difference:
 
     @property
     def order(self) -> float:
-        """The order with which the difference vanishes, observed with the smallest pair of time steps that both show it."""
+        """The order with which the difference vanishes, from the smallest pair of time steps at which it exceeds rounding."""
         seen = self.sizes > self.rounding
         coarse, fine = self.sizes[1:] if seen[1:].all() else self.sizes[:-1]
         return log2(coarse / fine) if fine else inf
 
 
 def representation(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding for each representation other than the one along the principal axes."""
+    """Return a finding for each of `representations`, which are compared with the body along its principal axes."""
     plain = _flown(pilot, Representation("principal axes", SCENE.body))
     return tuple(_finding(pilot, plain, given) for given in representations(SCENE.body))
 
@@ -122,13 +126,16 @@ def _finding(pilot: Pilot, plain: Array | NotFlown, given: Representation) -> Fi
 
 
 def _said(given: Representation, difference: Difference, verdict: Literal["found", "none"], words: str) -> Finding:
-    """Return the finding of the difference at the audited time step."""
+    """Return the finding about a representation, whose value is the difference at the audited time step."""
     value = float(difference.sizes[-1])
     return Finding("representation", f"representation: {given.name}: {words}", verdict, value, difference.unit, "0")
 
 
 def _flown(pilot: Pilot, given: Representation) -> Array | NotFlown:
-    """Return the states (steps, instants, 13) of the centre of mass and the principal axes, the largest time step first."""
+    """Return the states (steps, instants, 13) of the principal frame of a body that is flown in a representation.
+
+    The states with the largest time step come first.
+    """
     scene, motions = started(given, SCENE), []
     for multiple in MULTIPLES:
         strides = (LONGEST_STEPS // SAMPLES * MULTIPLES[0] // multiple,) * SAMPLES
@@ -140,7 +147,9 @@ def _flown(pilot: Pilot, given: Representation) -> Array | NotFlown:
 
 
 def differences(one: Array, other: Array, timestep: float, roundoff: float) -> Sequence[Difference]:
-    """Return the differences of two motions in attitude, position, velocity and angular velocity, in the order of preference.
+    """Return the differences of two motions in attitude, position, velocity and angular velocity, in this order.
+
+    It is the order in which a difference is preferred for the finding.
 
     Parameters
     ----------
@@ -150,7 +159,7 @@ def differences(one: Array, other: Array, timestep: float, roundoff: float) -> S
         The smallest time step (s).
     roundoff
         The unit roundoff of the engine. In each step rounding adds up to `ROUNDINGS_A_STEP` times the roundoff, relative to the
-        size of a quantity and to the distance that its rate of change covers in the whole flight.
+        size of a quantity plus, for attitude and position, the distance covered at the largest rate in the whole flight.
     """
     duration = LONGEST_STEPS * MULTIPLES[0] * timestep
     relative = multiply(conjugate(other[..., 3:7]), one[..., 3:7])
@@ -172,5 +181,5 @@ def differences(one: Array, other: Array, timestep: float, roundoff: float) -> S
 
 
 def _largest(vectors: Array) -> Array:
-    """Return the largest length of vectors (steps, instants, 3) for each time step (steps,)."""
+    """Return the length of the longest of the vectors (steps, instants, 3) for each time step (steps,)."""
     return np.asarray(np.linalg.norm(vectors, axis=-1).max(axis=-1))

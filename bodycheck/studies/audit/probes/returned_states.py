@@ -1,4 +1,4 @@
-"""The probe of the states that are returned: the frames of velocities, the order of components, the norm of quaternions."""
+"""The probe of returned states: the frames of velocities, the order of components, and the norm of quaternions."""
 
 import numpy as np
 
@@ -8,12 +8,12 @@ from bodycheck.studies.audit.probes.conventions import Convention, convention
 from bodycheck.studies.audit.probes.damping import spinning_top
 from bodycheck.studies.audit.probes.falling import roundoff
 
-#: The largest deviation of a norm from 1, in units of roundoff, that rounding explains.
+#: The largest deviation of a norm from 1 that rounding can explain, in units of roundoff.
 ROUNDINGS = 16
 
 
 def returned_states(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return findings of frame, order and quaternion-norm."""
+    """Return findings about the properties frame, order and quaternion-norm."""
     known = convention(pilot)
     if isinstance(known, NotFlown):
         return (*not_probed("returned states", known.reason, "frame", "order"), _norm(pilot))
@@ -26,7 +26,7 @@ def returned_states(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _frames(known: Convention) -> str:
-    """Return in words which vectors are in other frames than those of the contract."""
+    """Return words about the quantities that are not in the frames of the contract; empty if there are none."""
     said = {
         "the quaternion takes world components to body components": known.conjugate,
         "the velocity is along the axes of the body": known.velocity_in_body,
@@ -38,7 +38,7 @@ def _frames(known: Convention) -> str:
 
 
 def _orders(known: Convention) -> str:
-    """Return in words which components are in another order than that of the contract."""
+    """Return the names of the components in their returned order; empty if this is the order of the contract."""
     if known.columns == Convention().columns:
         return ""
     names = np.array(["x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"])

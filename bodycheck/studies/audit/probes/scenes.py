@@ -1,11 +1,11 @@
-"""The bodies and launches of the probes, each with one obvious answer."""
+"""The bodies and launches of the probes, whose motions are obvious."""
 
 from bodycheck.reference.scene import Body, Scene, State, Vector
 
-#: A body of which every axis is principal and which therefore keeps its spin.
+#: A body with equal moments of inertia. Every axis is a principal axis, so that its spin is constant.
 SPHERE = Body(2.0, (0.1, 0.1, 0.1))
 
-#: A body with an axis of symmetry: its spin goes round the axis K steadily, and its rotational energy is constant.
+#: A body with an axis of symmetry K. Its spin precesses about K at a constant rate, and its rotational energy is constant.
 TOP = Body(2.0, (0.2, 0.2, 0.3))
 
 #: A body with three different moments.
@@ -23,6 +23,7 @@ def along(size: float) -> Vector:
 def coast(speed: float, spin: float) -> Scene:
     """Return the sphere in uniform straight motion, with a speed (m/s) and a spin (rad/s) about the direction of flight.
 
-    Velocity and spin are parallel, so that also a scheme in velocities along the body's axes has nothing to turn.
+    Velocity and spin are parallel. Therefore the velocity is also constant along the axes of the body, and a scheme with
+    velocities in the body frame does not need to rotate it.
     """
     return Scene(SPHERE, State(velocity=along(speed), angular_velocity=along(spin)))

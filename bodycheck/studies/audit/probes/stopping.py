@@ -1,6 +1,6 @@
-"""Probes by a body in uniform motion that an engine interrupts: sleeping stops a slow one, a reset puts a fast one back.
+"""Probes of sleeping, which stops a slow body in uniform motion, and of silent resets, which put a fast body back.
 
-An engine that says that it started over ends the flight, which is no silent reset.
+If an engine reports a reset, the flight ends; this is not a silent reset.
 """
 
 from collections.abc import Callable
@@ -14,32 +14,36 @@ from bodycheck.studies.audit.probe import Finding, not_probed
 from bodycheck.studies.audit.probes.conventions import watch
 from bodycheck.studies.audit.probes.scenes import DIRECTION, coast
 
-#: The speeds (m/s) between which a threshold is looked for, and how long (s) a body is watched.
+#: The speeds (m/s) between which the threshold of sleeping is searched for, and the duration (s) of a flight.
 SLOWEST, FASTEST = 1e-4, 10.0
 DURATION = 3.0
 
-#: The number of single steps that are watched first, and that of strides for the rest.
+#: The number of single steps at the start of a flight, and the number of strides in its remaining duration.
 FIRST, STRIDES = 64, 100
 
-#: The parts of the launch speed with which a body moves or is still. One that crawls after damping is between them for a while,
-#: and one that is put to sleep stops within one stride of many steps.
+#: The fractions of the launch speed from which a body counts as moving, and up to which it counts as still. The speed of a body
+#: that crawls because of damping lies between them for a while. A body that is put to sleep stops within one stride.
 MOVING, STILL = 1e-2, 1e-3
 
-#: Speeds (m/s) of the launches between which the one is looked for from which on a body is put back.
+#: The launch speeds (m/s) between which the threshold is searched for, above which a body is put back to its start.
 SLOW, FAST = 1e3, 1e13
 
 #: The number of steps of these launches.
 STEPS = 3
 
-#: The part of the way that it came, or comes in a step, within which of its start a body is back, and that of its speed.
+#: Tolerances of a body that is put back: of its distance from the start, relative to the distance that it had travelled or
+#: travels in a step, and of its speed, relative to the launch speed.
 BACK = 1e-2
 
-#: The relative distance of the two values between which the answer changes, in the end.
+#: The relative distance of the two values between which an answer changes, at which the bisection ends.
 CLOSE = 2e-3
 
 
 def sleeping(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of sleeping: the threshold of the speed (m/s) of a body without spin."""
+    """Return a finding about the property sleeping.
+
+    Its value is the speed (m/s) below which a body without spin is put to sleep.
+    """
     long = max(1, ceil((DURATION / pilot.timestep - FIRST) / STRIDES))
     strides = (1,) * FIRST + (long,) * STRIDES
     still = _still(pilot, SLOWEST, strides)
@@ -62,7 +66,7 @@ def sleeping(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _still(pilot: Pilot, speed: float, strides: tuple[int, ...]) -> NDArray[np.bool_] | NotFlown:
-    """Return in which strides (n,) a body that moved before is still, and all of those after them."""
+    """Return for each stride (n,) whether the body is still, having stopped within this stride or an earlier stride."""
     states = watch(pilot, Flight(coast(speed, 0.0), pilot.timestep, strides))
     if isinstance(states, NotFlown):
         return states
@@ -73,7 +77,10 @@ def _still(pilot: Pilot, speed: float, strides: tuple[int, ...]) -> NDArray[np.b
 
 
 def resets(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of silent-reset: the distance (m) or the speed (m/s) from which on a body is put back."""
+    """Return a finding about the property silent-reset.
+
+    Its value is the distance (m) or the speed (m/s) above which a body is put back to its start.
+    """
     near, far = _put_back(pilot, SLOW, pilot.timestep), _put_back(pilot, FAST, pilot.timestep)
     if isinstance(near, NotFlown):
         return not_probed("resets", near.reason, "silent-reset")
@@ -81,7 +88,7 @@ def resets(pilot: Pilot) -> tuple[Finding, ...]:
     if near:
         return (Finding("silent-reset", f"resets: at {SLOW:g} m/s", "found", None, "m/s", expected),)
     if far is not True:
-        # An engine that gives up a flight, or whose states are no numbers, does not keep it silent.
+        # If an engine gives up a flight, or its states are not numbers, the failure is not silent.
         words = f"resets: at {FAST:g} m/s: {far.reason}" if isinstance(far, NotFlown) else "resets"
         return (Finding("silent-reset", words, "none", expected=expected),)
 
@@ -89,7 +96,7 @@ def resets(pilot: Pilot) -> tuple[Finding, ...]:
         return _put_back(pilot, speed, pilot.timestep) is not True
 
     speed = threshold(flies, SLOW, FAST)
-    # In steps of an eighth it comes less than half as far.
+    # With an eighth of the time step, the body comes less than half as far, so that only a limit of the speed puts it back.
     if _put_back(pilot, 1.1 * speed, pilot.timestep / 8) is True:
         return (Finding("silent-reset", "resets: by the speed", "found", speed, "m/s", expected),)
     distance = speed * pilot.timestep * STEPS
@@ -97,7 +104,7 @@ def resets(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _put_back(pilot: Pilot, speed: float, timestep: float) -> bool | NotFlown:
-    """Return whether a body is at or near its start after some step, at rest or with the velocity of the launch."""
+    """Return whether, after any step, a body is back near its start, at rest or with the velocity of the launch."""
     states = watch(pilot, Flight(coast(speed, 0.0), timestep, (1,) * STEPS))
     if isinstance(states, NotFlown):
         return states
@@ -108,14 +115,14 @@ def _put_back(pilot: Pilot, speed: float, timestep: float) -> bool | NotFlown:
 
 
 def threshold(answer: Callable[[float], bool], below: float, above: float) -> float:
-    """Return the value between two positive ones at which an answer changes, to a thousandth of it.
+    """Return the value at which an answer changes, between two positive values, to within a thousandth of it.
 
     Parameters
     ----------
     answer
-        A function of the value, whose results at `below` and `above` are True and False in this order.
+        A function of the value, which returns True at `below` and False at `above`.
     below, above
-        The two values, in either order.
+        The two values. Either may be the larger.
     """
     while abs(above / below - 1) > CLOSE:
         middle = sqrt(below * above)

@@ -1,10 +1,10 @@
-"""Probes by a body with three moments A, B, C that tumbles: of the gyroscopic torque, of scales, and of the origin.
+"""Probes of the gyroscopic torque, of scales and of the origin, by a tumbling body with three different moments A, B, C.
 
-It is launched with an angular velocity (0, w2, w3) in its own frame. By Euler's equations only the first component
-changes at first, at the rate (B - C) w2 w3 / A, which damping, along the angular velocity, does not change.
+The body is launched with an angular velocity (0, w2, w3) in its own frame. By Euler's equations only the first component
+changes at first, at the rate (B - C) w2 w3 / A. Damping acts along the angular velocity and does not change this rate.
 
-Without forces it tumbles alike whatever its mass, its size and its place. The scales are powers of two, so that they change no
-rounding of a scheme that multiplies and divides alone.
+Without forces, the motion of the body does not depend on its mass, its size and its position. The scales are powers of two, so
+that they change no rounding in a scheme that only multiplies and divides.
 """
 
 from collections.abc import Mapping
@@ -23,34 +23,34 @@ from bodycheck.studies.audit.probes.scenes import TRIAXIAL
 #: The angular velocity (rad/s) of the launch.
 SPIN = (0.0, 1.2, 1.6)
 
-#: Slow, so that damping in proportion to the square of the speed takes little of it.
+#: The velocity (m/s) of the launch. It is slow, so that quadratic damping changes it little.
 VELOCITY = (0.11, -0.07, 0.19)
 
 #: The launch, and the strides to each of its states: 64 steps.
 LAUNCH = State(velocity=VELOCITY, angular_velocity=SPIN)
 STRIDES = (1,) * 8 + (8,) * 7
 
-#: The least fraction that is told from errors of the scheme, of second order in h w.
+#: The smallest missing fraction that is distinguished from errors of the scheme, which are of second order in h w.
 LEAST = 0.02
 
-#: The factors of the mass, at the same size, and those of the size, at the same mass, in words.
+#: The factors of the mass, at the same size, and the factors of the size, at the same mass, by their words.
 MASSES = {"1/1024 of the mass": 2.0**-10, "1024 times the mass": 2.0**10}
 SIZES = {"1/128 of the size": 2.0**-7, "128 times the size": 2.0**7}
 
 #: The distance from the origin along each axis (m).
 FAR = 1024.0
 
-#: The relative change of a velocity in a step, in units of roundoff, that rounding explains.
+#: The largest relative change of a velocity in a step that rounding can explain, in units of roundoff.
 ROUNDINGS = 4
 
 
 def gyroscopic(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return a finding of no-gyroscopic-torque: the fraction of the torque that is missing."""
+    """Return a finding about the property no-gyroscopic-torque, whose value is the missing fraction of the torque."""
     missing = _missing(pilot, STRIDES, 1)
     if isinstance(missing, NotFlown):
         return not_probed("gyroscopic", missing.reason, "no-gyroscopic-torque")
     if abs(missing) > LEAST:
-        # What damping takes in a step, and other errors of the step, vanish with it.
+        # The effect of damping in a step and the other errors of a step vanish with the time step.
         finer = _missing(pilot, (1,), 2)
         missing = missing if isinstance(finer, NotFlown) else 2 * finer - missing
     lacks = abs(missing) > LEAST
@@ -58,9 +58,9 @@ def gyroscopic(pilot: Pilot) -> tuple[Finding, ...]:
 
 
 def _missing(pilot: Pilot, strides: tuple[int, ...], parts: int) -> float | NotFlown:
-    """Return the fraction of the torque that is missing in the first step, or why the body cannot be flown.
+    """Return the fraction of the torque that is missing in the first step, or the reason why there is no flight.
 
-    The step is the audited one divided by `parts`. Its duration is measured by the fall of a body where that can be flown.
+    The time step is the audited time step divided by `parts`. If a fall can be flown, the duration of a step is measured by it.
     """
     states, seen = watch(pilot, Flight(Scene(TRIAXIAL, LAUNCH), pilot.timestep / parts, strides)), falling(pilot)
     if isinstance(states, NotFlown):
@@ -72,9 +72,9 @@ def _missing(pilot: Pilot, strides: tuple[int, ...], parts: int) -> float | NotF
 
 
 def scales(pilot: Pilot) -> tuple[Finding, ...]:
-    """Return the findings of scale-dependence and of origin-dependence.
+    """Return findings about the properties scale-dependence and origin-dependence.
 
-    The value of each is the largest relative difference of the velocity or the angular velocity within 64 steps.
+    The value of each finding is the largest relative difference of the velocity or the angular velocity within 64 steps.
     """
     base, (a, b, c) = Scene(TRIAXIAL, LAUNCH), TRIAXIAL.moments
     heavier = {words: Body(TRIAXIAL.mass * s, (a * s, b * s, c * s)) for words, s in MASSES.items()}
