@@ -154,3 +154,10 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
                 answers[index], cost=seconds.median / step, cost_low=seconds.low / step, cost_high=seconds.high / step
             )
     return sorted(timed, key=_rank)
+
+
+def _rank(answer: Answer) -> tuple[bool, float, float]:
+    """Return a sort key: answers that keep the limit come first, by cost, then the largest step; others follow by error."""
+    if answer.reached:
+        return False, math.inf if answer.cost is None else answer.cost, -(answer.timestep or 0.0)
+    return True, math.inf if answer.error is None else answer.error, 0.0
