@@ -1,8 +1,8 @@
 """A brick, cylinder or ellipsoid that falls on the plane, with a face, an edge, a corner or a point of its surface.
 
-Until the first touch it is in free flight. What an impact at several points does does not follow from the laws of rigid bodies
-and of friction, and where a body goes that has hit the plane beside its centre is not followed: from then on there are
-inequalities alone.
+Until the first touch it is in free flight. The result of an impact at several points does not follow from the laws of rigid
+bodies and of friction, and the motion after an impact beside the centre of mass is not computed: from the first touch on, only
+inequalities are known.
 """
 
 import math
@@ -23,7 +23,7 @@ from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaterni
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: The normal, along the axes of the plane.
+#: The normal of the plane, along the axes of the plane.
 NORMAL = (0.0, 0.0, 1.0)
 
 #: Relative error of a number of the widest type after a few roundings.
@@ -32,7 +32,7 @@ ROUNDINGS = 16 * float(np.finfo(Wide).eps)
 #: Relative error of a height above the plane.
 HEIGHT_ROUNDINGS = 16 * EPS
 
-#: Into how many parts an interval is divided in the search for the first touch, and the most of such searches.
+#: The number of parts into which an interval is divided in the search for the first touch, and the largest number of searches.
 PARTS = 128
 MAX_SEARCHES = 2000
 
@@ -40,9 +40,10 @@ MAX_SEARCHES = 2000
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
     """The motion of a body that falls on the plane, at ascending times (n,) >= 0 (s): NaN from the first touch on.
 
-    A body that lies on an edge or a corner at the start has no motion at all. None for a sphere, for one that lies on a face
-    or rolls, and for pushes. Raises `NotModelled` where nothing slips, since no friction is enough for an impact, and
-    `OutOfReach` where the first touch is not found.
+    If the body lies on an edge or a corner at the start, all states are NaN. Returns None for a sphere, for a body that lies on
+    a face or rolls, and with pushes. Raises `NotModelled` for a body that reaches into the plane or falls on a plane with
+    infinite friction, since no finite coefficient is large enough for an impact, and `OutOfReach` if the first touch is not
+    found.
     """
     if len(problem.bodies) != 1 or problem.pushes:
         return None
@@ -65,9 +66,10 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _lowest(body: ContactBody) -> int | None:
-    """With how many points a body is lowest: 1 for a corner, 2 for an edge, 4 for a face; None for a sphere.
+    """The number of lowest points of a body: 1 for a corner, 2 for an edge, 4 for a face; None for a sphere.
 
-    Those that roll where they lie, an ellipsoid and a cylinder on its side, have 4: their truth is not this way's.
+    An ellipsoid and a cylinder on its side, which can roll, count as 4, so that this way leaves them to others if they touch
+    the plane.
     """
     if isinstance(body.shape, Sphere):
         return None
@@ -81,7 +83,7 @@ def _lowest(body: ContactBody) -> int | None:
 
 
 def _flight(problem: Problem, body: ContactBody, times: Array) -> tuple[WideArray, ...]:
-    """Position, velocity (n, 3), quaternion (n, 4), spin (n, 3), and bounds (n,) of attitude and spin, in free flight."""
+    """Positions, velocities (n, 3), quaternions (n, 4) and spins (n, 3) in free flight, and bounds (n,) of the last two."""
     t = times.astype(Wide)[:, None]
     position = body.position + t * (body.velocity + t * problem.gravity / 2)
     velocity = body.velocity + t * problem.gravity
@@ -90,7 +92,7 @@ def _flight(problem: Problem, body: ContactBody, times: Array) -> tuple[WideArra
         return position, velocity, np.tile(body.quaternion, (len(times), 1)), np.zeros_like(position), still, 0 * still
     alone = _alone(body)
     turned = closed_form.flight(alone, times)
-    # The doubles that the closed form begins with are not the numbers of the file.
+    # The closed form starts from doubles, which differ from the numbers of the file by rounding.
     begun = 2 * EPS * np.asarray(amplification(start(alone), times))
     speed = float(np.linalg.norm(body.spin.astype(float)))
     rotation, bounds = turned.motion, turned.bounds
@@ -99,7 +101,7 @@ def _flight(problem: Problem, body: ContactBody, times: Array) -> tuple[WideArra
 
 
 def _alone(body: ContactBody) -> Scene:
-    """The rotation of a body as that of a scene, along the axes of the plane."""
+    """A scene of the body alone, with its attitude and spin, along the axes of the plane."""
     a, b, c = map(float, body.moments)
     w, x, y, z = map(float, body.quaternion)
     attitude: Quaternion = (w, x, y, z)
@@ -113,10 +115,10 @@ def _gaps(problem: Problem, body: ContactBody, times: Array) -> WideArray:
 
 
 def _first_touch(problem: Problem, body: ContactBody, until: float) -> Event | None:
-    """The first impact within some time (s); None where there is none.
+    """The first impact until the time `until` (s); None if there is none.
 
-    Between instants of a grid the gap changes by at most the largest speed of a point of the body, so that no touch between
-    them is missed: an interval in which one is possible is divided further, until it is a rounding of time.
+    Between instants of a grid the gap changes at most at the largest speed of a point of the body, so that no touch between
+    them is missed: an interval in which a touch is possible is divided further, until its length is a rounding of the time.
     """
     if not until:
         return None
@@ -140,7 +142,7 @@ def _first_touch(problem: Problem, body: ContactBody, until: float) -> Event | N
 
 
 def _centre_touches(problem: Problem, body: ContactBody) -> float:
-    """The time (s) at which the centre of mass would reach the plane, so that the body has touched it; infinite if never."""
+    """The time (s) at which the centre of mass would reach the plane, after the first touch; infinite if it never does."""
     height, speed, pull = float(body.position[2]), float(body.velocity[2]), -float(problem.gravity[2])
     if pull:
         return 2 * (speed + math.sqrt(speed**2 + 2 * pull * height)) / pull
@@ -148,10 +150,10 @@ def _centre_touches(problem: Problem, body: ContactBody) -> float:
 
 
 def _top_speed(problem: Problem, body: ContactBody, until: float) -> float:
-    """The largest speed (m/s) along the normal of any point of the body within some time (s)."""
+    """A bound of the speed (m/s) along the normal of any point of the body until the time `until` (s)."""
     radius = float(np.linalg.norm(_half_lengths(body)))
     low, _, high = sorted(map(float, body.moments))
-    # Neither energy nor angular momentum change in flight, so that no component exceeds this.
+    # Neither energy nor angular momentum changes in flight, so that the angular velocity does not exceed this.
     spin = float(np.linalg.norm(body.spin.astype(float))) * math.sqrt(high / low)
     return abs(float(body.velocity[2])) + abs(float(problem.gravity[2])) * until + spin * radius
 
@@ -163,7 +165,7 @@ def _half_lengths(body: ContactBody) -> Vector:
         case Cylinder(radius, half_length):
             return radius, 0.0, half_length
         case _:
-            raise TypeError(body.shape)  # `_lowest` has sorted it out
+            raise TypeError(body.shape)  # excluded by `_lowest`
 
 
 def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
@@ -180,7 +182,7 @@ def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
 
 
 def _states(problem: Problem, body: ContactBody, times: Array, until: float, events: tuple[Event, ...]) -> ContactMotion:
-    """The states of the flight, and NaN from an instant on."""
+    """The states of the flight at times (n,), s, which are NaN from the instant `until` (s) on."""
     position, velocity, quaternion, spin, turned, spun = _flight(problem, body, times)
     size = np.abs(body.position).max() + times * (np.abs(body.velocity).max() + times * np.abs(problem.gravity).max())
     speed = np.abs(body.velocity).max() + times * np.abs(problem.gravity).max()

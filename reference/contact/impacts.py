@@ -1,11 +1,12 @@
 """The impacts of bodies on a plane, measured from sampled states by the same formulas for the truth and for every engine.
 
-Between contacts the centre of mass flies along an arc that gravity and constant pushes alone decide. Two samples belong to one
-arc if the velocity along the normal changes between them by just that. The samples between two arcs are a contact. It is an
-impact where the body comes to it at a speed, and its instant is where the arcs before and after meet: that of a rigid body
-exactly, but for rounding, however the samples lie. A soft contact lasts for some time, and its instant is within it.
+Between contacts the centre of mass flies along an arc that depends on gravity and constant pushes alone. Two samples belong to
+the same arc if the velocity along the normal changes between them by exactly the effect of these forces. The samples between
+two arcs are a contact. It is an impact if the body approaches the plane before it, and its instant is the instant at which the
+arcs before and after meet. For a rigid body this instant is exact except for rounding, wherever the samples are. A soft contact
+lasts for some time, which contains its instant.
 
-An arc after an impact is seen where two samples lie on it. What is shorter cannot be told from a contact.
+An arc after an impact is seen if two samples lie on it. A shorter flight cannot be distinguished from a contact.
 """
 
 import math
@@ -20,11 +21,11 @@ from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Push, Sphere
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: By how much a change of velocity may differ from that of an arc, relative to it, and to the largest speed. Engines have
-#: these changes but for the rounding of their numbers, which may be single precision.
+#: The largest difference of a change of velocity from the change along an arc, relative to the latter, and to the largest
+#: speed. In engines the changes are equal except for rounding, which may be that of single precision.
 ON_ARC, ROUNDED = 1e-3, 1e-6
 
-#: Part of the speed before an impact below which a body no longer comes to the plane.
+#: The fraction of the speed before an impact below which a body no longer counts as approaching the plane.
 STILL = 1e-3
 
 
@@ -35,18 +36,19 @@ class Impact:
     Attributes
     ----------
     time
-        Where the arcs before and after meet; where none is seen after it, when the body touches the plane (s).
+        The instant at which the arcs before and after meet; if no arc is seen after it, the instant at which the body touches
+        the plane (s).
     start, end
-        The last sample before the contact, and the first after it (s); where no arc is seen after it, the first at which the
-        body no longer comes to the plane.
+        The instants (s) of the last sample before the contact and of the first sample after it; if no arc is seen after it, of
+        the first sample at which the body no longer approaches the plane.
     before
         Speed towards the plane just before (m/s).
     after
-        Speed away from it just after (m/s); NaN where no arc is seen after it.
+        Speed away from the plane just after (m/s); NaN if no arc is seen after it.
     velocity
-        (3,) velocity just after, world frame (m/s), or that at `end` where no arc is seen.
+        (3,) velocity just after, world frame (m/s); if no arc is seen after it, the velocity at `end`.
     shortest
-        The shortest flight after the impact that would have been seen (s).
+        The shortest flight after the impact that would have been seen (s); NaN if an arc is seen.
     """
 
     time: float
@@ -64,14 +66,14 @@ class Impact:
 
 
 def impacts(body: Touching, motion: Trajectory, gravity: float, pushes: tuple[Push, ...]) -> tuple[Impact, ...]:
-    """The impacts of a body on the plane, ascending.
+    """The impacts of a body on the plane, in ascending order of time.
 
     Parameters
     ----------
     body
         The body.
     motion
-        Its states (n, ...).
+        The states (n, ...) of the body.
     gravity
         Gravitational acceleration, along -z (m/s^2).
     pushes
@@ -95,7 +97,7 @@ def impacts(body: Touching, motion: Trajectory, gravity: float, pushes: tuple[Pu
 
 
 def _accelerations(times: Array, gravity: float, pushes: tuple[Push, ...], mass: float) -> Array:
-    """The accelerations (n - 1, 3), m/s^2, of a body that flies, in the middle between instants (n,)."""
+    """The accelerations (n - 1, 3), m/s^2, of a body that flies, in the middles of the intervals between times (n,), s."""
     accelerations = np.zeros((len(times) - 1, 3))
     accelerations[:, 2] = -gravity
     middles = (times[1:] + times[:-1]) / 2
@@ -105,14 +107,17 @@ def _accelerations(times: Array, gravity: float, pushes: tuple[Push, ...], mass:
 
 
 def _groups(off: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """The first and the last sample of each contact: of intervals in turn that are on no arc, (n - 1,)."""
+    """Yield the indices of the first and the last sample of each contact. off: (n - 1,) whether each interval is on no arc."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]]).astype(int)))
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         yield int(first), int(last)
 
 
 def _impact(body: Touching, motion: Trajectory, pulls: Array, first: int, last: int, seen: bool) -> Impact:
-    """The contact between two samples as an impact. seen: whether there are samples on an arc after it."""
+    """The impact in the contact between the samples `first` and `last`.
+
+    pulls: (n - 1, 3) accelerations in flight (m/s^2). seen: whether there are samples on an arc after the contact.
+    """
     normal, t = np.array(body.normal), motion.t
     height, speed = motion.position @ normal, motion.velocity @ normal
     pull = pulls[max(first - 1, 0)]

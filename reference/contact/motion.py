@@ -12,8 +12,8 @@ from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: What happens at an instant: bodies hit each other or the plane; a body that slips begins to roll; one that rolls or rests
-#: begins to slip; one comes to rest; one that stands begins to tip.
+#: The kind of an event: bodies hit each other or the plane; a body that slips begins to roll; a body that rolls or rests begins
+#: to slip; a body comes to rest; a body that stands begins to tip.
 EventKind = Literal["impact", "roll", "slip", "rest", "tip"]
 
 
@@ -24,15 +24,15 @@ class Event:
     Attributes
     ----------
     kind
-        What happens.
+        The kind of the event.
     time, error
         The instant, and the bound of its error (s).
     body
-        The place of the body.
+        The index of the body.
     position, velocity, spin
         Position (m) and velocity (m/s) of its centre of mass and its angular velocity (rad/s) just after, world frame.
     normal_speed
-        Speed towards the plane just before an impact (m/s); 0 for anything else.
+        Speed towards the plane just before an impact (m/s); 0 for any other event.
     """
 
     kind: EventKind
@@ -47,7 +47,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Interface:
-    """Two bodies, or a body and the plane (`WORLD`), by their places, and the normal force (N) between them while all rest."""
+    """The indices of two bodies, or of a body and the plane (`WORLD`), and the normal force (N) between them at rest."""
 
     bodies: tuple[int, int]
     load: float
@@ -60,25 +60,25 @@ class ContactMotion:
     Attributes
     ----------
     position, velocity
-        (b, n, 3) of the centres of mass (m, m/s). They, and all other states and bounds, are NaN where mechanics gives
-        inequalities alone and no motion: there, no errors are computed.
+        (b, n, 3) position (m) and velocity (m/s) of the centres of mass. These and all other states and bounds are NaN at
+        instants at which mechanics determines only inequalities: no errors are computed there.
     quaternion
         (b, n, 4) attitudes w, x, y, z, body to plane.
     spin
         (b, n, 3) angular velocities along the axes of the bodies (rad/s).
     errors
-        (n,) bounds of the errors of these in any body, by the names of `bounds.STATES`, without the rounding to doubles.
+        (n,) bounds of the errors of the states of any body, by the names of `bounds.STATES`, without the rounding to doubles.
     events
-        What happens within the instants, ascending. Its vectors are along the axes of the plane.
+        The events until the last instant, in ascending order of time. Their vectors are along the axes of the plane.
     model, reason
-        The equations that were solved, and why they are exact for the scene.
+        The equations that were solved, and the reason why they are exact for the scene.
     friction
-        The smallest coefficient with which nothing slips along a motion without slip; 0 where something slips, or where any
-        does.
+        The smallest coefficient of friction with which nothing slips along a motion without slip; 0 if something slips, or if
+        any coefficient suffices.
     interfaces
-        Where bodies bear each other while all of them rest for the whole motion; empty where any moves.
+        The loads between bodies if all of them rest for the whole motion; empty if any body moves.
     witness
-        The independent solution that the bounds rely on; empty where there is none.
+        The independent solution on which the bounds rely; empty if there is none.
     """
 
     position: WideArray
@@ -95,7 +95,7 @@ class ContactMotion:
 
 
 def known_at(motion: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:
-    """A motion whose states and bounds are NaN at those of its instants (n,) at which it is not known."""
+    """A motion with NaN for its states and bounds at the instants at which it is not known. known: (n,)."""
     states = motion.position, motion.velocity, motion.quaternion, motion.spin
     position, velocity, quaternion, spin = (np.where(known[:, None], rows, np.longdouble(math.nan)) for rows in states)
     errors = {name: np.where(known, bound, math.nan) for name, bound in motion.errors.items()}

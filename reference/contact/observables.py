@@ -1,4 +1,4 @@
-"""Observables of bodies that touch: slip, the begin of rolling, rest, depth, tilt, and the work of pushes.
+"""Observables of bodies that touch: slip, the beginning of rolling, rest, depth, tilt, and the work of pushes.
 
 They are computed from sampled states alone, with the same formulas for the truth and for every engine.
 """
@@ -20,19 +20,19 @@ from bodycheck.reference.trajectory import Array, Trajectory
 
 @dataclass(frozen=True)
 class Rolling:
-    """When a body begins to roll (s), and its velocity (3,) then, world frame (m/s)."""
+    """The instant at which a body begins to roll (s), and its velocity (3,) at this instant, world frame (m/s)."""
 
     time: float
     velocity: Array
 
 
 def depth(body: Touching, motion: Trajectory) -> Array:
-    """Depth (n,), m, of the lowest point of a body below the plane, along its normal; zero where it is above it."""
+    """Depth (n,), m, of the lowest point of a body below the plane, along the normal; zero while it is above the plane."""
     return contact_observables.depth(body.shape, motion, body.normal)
 
 
 def lean(body: Touching, motion: Trajectory) -> Array | None:
-    """Angle (n,), rad, between the plane and the face of a body that is nearest to it; None for a body without faces."""
+    """Angle (n,), rad, between the plane and the face of a body that is nearest to the plane; None for a body without faces."""
     down = into_plane(body, motion)
     match body.shape:
         case Brick():
@@ -47,7 +47,7 @@ def lean(body: Touching, motion: Trajectory) -> Array | None:
 
 
 def slip(body: Touching, motion: Trajectory) -> Array:
-    """Speed (n,), m/s, along the plane, of the point of a body that is nearest to it."""
+    """Speed (n,), m/s, along the plane, of the point of a body that is nearest to the plane."""
     normal = np.array(body.normal)
     spin = rotate(motion.quaternion, motion.angular_velocity)
     moved = motion.velocity + np.cross(spin, rotate(motion.quaternion, lowest(body, motion)))
@@ -56,10 +56,10 @@ def slip(body: Touching, motion: Trajectory) -> Array:
 
 
 def rolling(body: Touching, motion: Trajectory, until: float) -> Rolling:
-    """When a body that slips at t = 0 begins to roll; the last instant before `until` (s) where it slips there.
+    """The instant at which a body that slips at t = 0 begins to roll; if it slips until `until` (s), the last instant before.
 
-    It rolls where its slip stays below `STOP_SPEED_FRACTION` of the initial one. Friction reduces it at an even rate, so the
-    instant is extrapolated from the last two samples above that, and the velocity from the next two, as `rest` is.
+    The body rolls when its slip stays below `STOP_SPEED_FRACTION` of the initial slip. Friction reduces the slip at a constant
+    rate, so the instant is extrapolated from the last two samples above this limit, and the velocity from the next two samples.
     """
     early = motion.part(motion.t <= until)
     t, slips = early.t, slip(body, early)
@@ -73,12 +73,12 @@ def rolling(body: Touching, motion: Trajectory, until: float) -> Rolling:
 
 
 def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity: float) -> float:
-    """When a body comes to rest (s): the last instant where it still moves there.
+    """The instant (s) at which a body comes to rest; if it still moves at the last instant, the last instant.
 
-    It rests where its speed, that of its kinetic energy, stays below `STOP_SPEED_FRACTION` of the largest. A spin about the
-    normal does not count for a sphere, since nothing brakes it. The instant is between the last sample above that and the next,
-    where the last two samples above it, or the last two bounces that are seen, extrapolate to: exactly for a body that slides
-    or bounces as a rigid one does.
+    The body rests when the speed of its kinetic energy (see `_speeds`) stays below `STOP_SPEED_FRACTION` of the largest speed.
+    A spin about the normal does not count for a sphere, since nothing brakes it. The instant is extrapolated from the last two
+    samples above this limit, or from the last bounce that is seen; for a sliding body it is not later than the next sample. It
+    is exact for a body that slides or bounces as a rigid body.
     """
     speeds = _speeds(body, motion)
     last = _last(speeds > STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)))
@@ -90,25 +90,25 @@ def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity
         return _extrapolated(motion.t, speeds, last)
     ratio = hits[-1].after / hits[-1].before
     settled = hits[-1].time + 2 * hits[-1].after / fall / (1 - ratio)
-    # Bounces below the fraction go on for the rest of the sum.
+    # Bounces with speeds below the fraction continue for the remainder of the geometric series.
     slack = 2 * STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)) / fall / (1 - ratio)
     return float(np.clip(settled, motion.t[last], motion.t[last + 1] + slack))
 
 
 def stays(body: Touching, motion: Trajectory, error: Array) -> NDArray[np.bool_]:
-    """At which instants (n,) a body has ceased to move along the normal for good, where its velocity has errors (n,), m/s."""
+    """Return at which instants (n,) a body has finally ceased to move along the normal. error: (n,) of its velocity (m/s)."""
     still = np.abs(motion.velocity @ np.array(body.normal)) <= error
     return np.asarray(np.logical_and.accumulate(still[::-1])[::-1])
 
 
 def rests(motion: Trajectory, error: Array) -> NDArray[np.bool_]:
-    """At which instants (n,) the centre of mass has come to rest for good, where its velocity has errors (n,), m/s."""
+    """Return at which instants (n,) the centre of mass has finally come to rest. error: (n,) of its velocity (m/s)."""
     still = np.sqrt(dot(motion.velocity, motion.velocity)) <= error
     return np.asarray(np.logical_and.accumulate(still[::-1])[::-1])
 
 
 def crept(motion: Trajectory, body: Touching, start: float) -> float | None:
-    """Return the mean speed (m/s) of the centre of mass along the plane from an instant (s) on; None without two samples."""
+    """Return the mean speed (m/s) of the centre of mass along the plane from `start` (s) on; None for less than two samples."""
     later = np.flatnonzero(motion.t >= start)
     if len(later) < 2:
         return None
@@ -121,7 +121,7 @@ def crept(motion: Trajectory, body: Touching, start: float) -> float | None:
 def work(push: Push, motion: Trajectory) -> Array:
     """Work (n,), J, that a push has done on a body up to each instant.
 
-    It is the force times the way of the point where it acts.
+    It is the scalar product of the force and the displacement of its point of application.
     """
     arm = rotate(motion.quaternion, np.tile(np.array(push.point), (len(motion), 1)))
     spin = rotate(motion.quaternion, motion.angular_velocity)
@@ -132,9 +132,9 @@ def work(push: Push, motion: Trajectory) -> Array:
 
 
 def _at(t: Array, values: Array, rates: Array, time: float) -> float:
-    """A quantity with values and rates (n,) at a time (s); its first or last value outside the instants (n,).
+    """A quantity at a time (s), from its values and rates (n,) at instants t (n,), s; beyond these its first or last value.
 
-    It is exact where the second derivative is constant on either side of that time.
+    It is exact if the second derivative is constant on either side of this time.
     """
     if time <= t[0] or len(t) == 1:
         return float(values[0])
@@ -147,7 +147,10 @@ def _at(t: Array, values: Array, rates: Array, time: float) -> float:
 
 
 def _speeds(body: Touching, motion: Trajectory) -> Array:
-    """The speed (n,), m/s, at which all of a body would have its kinetic energy."""
+    """The speed (n,), m/s, at which a body would have its kinetic energy without rotation.
+
+    The spin of a sphere about the normal does not count.
+    """
     turning = motion.angular_velocity
     if isinstance(body.shape, Sphere):
         down = into_plane(body, motion)
@@ -156,13 +159,16 @@ def _speeds(body: Touching, motion: Trajectory) -> Array:
 
 
 def _last(moving: NDArray[np.bool_]) -> int:
-    """The place of the last sample that is true; -1 if none is."""
+    """The index of the last sample that is true; -1 if none is true."""
     indices = np.flatnonzero(moving)
     return int(indices[-1]) if len(indices) else -1
 
 
 def _extrapolated(t: Array, speeds: Array, last: int) -> float:
-    """When speeds (n,) that fall evenly reach zero after the last sample that moves, and no later than the next one."""
+    """The instant (s) at which speeds (n,) that decrease linearly reach zero, at most that of the sample after `last`.
+
+    last: index of the last sample that moves.
+    """
     index = min(last + 1, len(t) - 1)
     time = float(t[index])
     if 0 < last < len(t) - 1 and speeds[last - 1] > speeds[last]:

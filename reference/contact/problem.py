@@ -16,8 +16,8 @@ from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Plane, Push, Scene, Shape
 from bodycheck.reference.witness import WideArray
 
-#: Ratio of a velocity along the normal to the whole velocity, or of a distance from the plane to the size of the body, up to
-#: which it is what the decimals of a file leave of a zero.
+#: The ratio of a velocity along the normal to the whole velocity, or of a distance from the plane to the size of the body, up
+#: to which the velocity or distance counts as zero, because of the decimals in the file.
 NONE = 1e-12
 
 
@@ -68,7 +68,7 @@ class Problem:
     pushes
         The constant forces, with components along the axes of the plane.
     turn
-        (4,) unit quaternion w, x, y, z from the axes of the plane to those of the world.
+        (4,) unit quaternion w, x, y, z from the axes of the plane to the axes of the world.
     """
 
     bodies: tuple[ContactBody, ...]
@@ -108,7 +108,7 @@ def problem(scene: AnyScene) -> Problem:
 
 
 def _body(scene: Scene, back: tuple[Real, Real, Real, Real]) -> ContactBody:
-    """The only body of a scene. back: the rotation from the axes of the world to those of the plane."""
+    """The only body of a scene. back: the quaternion from the axes of the world to the axes of the plane."""
     if scene.drag:
         raise NotModelled("drag on a body that touches a plane")
     begin = start(scene)
@@ -131,7 +131,7 @@ def _bodies(mechanism: Mechanism, back: tuple[Real, Real, Real, Real]) -> tuple[
     bodies = []
     for body in mechanism.bodies:
         inertia, begin = exact.inertia(body), body.start
-        assert begin is not None  # bodies on joints have no plane
+        assert begin is not None  # a scene with a plane has no joints
         xx, yy, zz, *products = inertia.tensor
         if any(products):
             raise NotModelled("a body on a plane whose frame is not that of its principal axes")

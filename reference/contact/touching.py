@@ -1,4 +1,4 @@
-"""The bodies of a scene with a plane, as what is measured of their motion needs them."""
+"""The bodies of a scene with a plane, with the properties that the observables of their motion need."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side; its lowest
-#: point is then the middle of its line.
+#: The cosine of the angle between the axis of a cylinder and the plane's normal up to which the cylinder lies on its side. Its
+#: lowest point is then the middle of its line of contact.
 LYING = 1e-2
 
 
@@ -39,7 +39,7 @@ class Touching:
 
 
 def touching(scene: AnyScene) -> tuple[Touching, ...]:
-    """The bodies of a scene with a plane; empty where one of them has no shape, or there is no plane."""
+    """The bodies of a scene with a plane; empty if a body has no shape, or there is no plane."""
     plane = scene.plane
     if plane is None:
         return ()
@@ -54,7 +54,7 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
 
 
 def pushes_on(scene: AnyScene, index: int) -> tuple[Push, ...]:
-    """The pushes on the body at a place."""
+    """The pushes on the body with an index."""
     return tuple(push for push in scene.pushes if push.body == index)
 
 
@@ -64,7 +64,7 @@ def into_plane(body: Touching, motion: Trajectory) -> Array:
 
 
 def lowest(body: Touching, motion: Trajectory) -> Array:
-    """The point (n, 3), m, of a body that is nearest to the plane, or farthest below it, along the axes of the body."""
+    """The point (n, 3), m, of a body that is nearest to the plane or farthest below it, from its centre, in its frame."""
     down = into_plane(body, motion)
     match body.shape:
         case Sphere(radius):

@@ -1,4 +1,4 @@
-"""The truth of a scene of bodies that touch: the motion of its way in the world, in doubles, with all bounds."""
+"""The truth of a scene of bodies that touch: the motion by its way, converted to the world and to doubles, with all bounds."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
 from bodycheck.reference.witness import WideArray, conserved_errors
 
-#: Roundings of a state that is turned into the world and printed, relative to its size.
+#: The number of roundings of a state in its conversion to the world and to doubles, relative to its size.
 PRINTED_ROUNDINGS = 4.0
 
-#: The name of the software.
+#: The name of the software in results.
 BACKEND = "numpy"
 
 
 def computed_contact(scene: AnyScene, times: Array) -> Computed:
-    """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises as `truth.truth` does."""
+    """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises the same exceptions as `truth.truth`."""
     task = problem(scene)
     motion = contact_motion(task, np.asarray(times, dtype=float))
     trajectory = _in_world(motion, task.turn, np.asarray(times, dtype=float))
@@ -55,7 +55,7 @@ def computed_contact(scene: AnyScene, times: Array) -> Computed:
 
 
 def _in_world(motion: ContactMotion, turn: WideArray, times: Array) -> Trajectory:
-    """The trajectory of a motion along the axes of the plane, in the world and in doubles."""
+    """Convert a motion along the axes of the plane to a trajectory in the world, in doubles. turn: from plane to world."""
     return Trajectory(
         times,
         rotate(turn, motion.position).astype(float),
@@ -66,7 +66,7 @@ def _in_world(motion: ContactMotion, turn: WideArray, times: Array) -> Trajector
 
 
 def _errors(motion: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
-    """The bounds of states: those of the way, and what printing adds."""
+    """The bounds of the errors of states: the bounds of the way, plus the roundings to doubles."""
     sizes = {
         "error": np.ones(len(trajectory)),
         "position_error": _largest(trajectory.position),
@@ -77,7 +77,7 @@ def _errors(motion: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
 
 
 def _largest(vectors: Array) -> Array:
-    """The largest lengths (n,) over the bodies of vectors (b, n, 3)."""
+    """The largest lengths (n,), over all bodies, of vectors (b, n, 3)."""
     return np.asarray(np.linalg.norm(vectors, axis=-1).max(axis=0))
 
 

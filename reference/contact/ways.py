@@ -1,6 +1,6 @@
-"""The ways that compute motions of bodies that touch. The first way that knows a scene computes its motion.
+"""The ways that compute motions of bodies that touch. The first way that models a scene computes its motion.
 
-Engines have no infinite coefficient of friction: `finite` gives them one that suffices where nothing slips.
+Engines have no infinite coefficient of friction: `finite` replaces it by a coefficient that is large enough to prevent slip.
 """
 
 import functools
@@ -24,8 +24,8 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 
-#: A way: the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that it does not know. It raises
-#: `NotModelled` for one of its kind that has neither a motion nor an inequality, with the reason.
+#: A way: a function that returns the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that is not of
+#: its kind. It raises `NotModelled`, with the reason, for a problem of its kind without a known motion or inequality.
 Way = Callable[[Problem, Array], ContactMotion | None]
 
 WAYS: tuple[Way, ...] = (
@@ -39,12 +39,12 @@ WAYS: tuple[Way, ...] = (
     dropped.motion,
 )
 
-#: By how much the friction that engines are given is larger than the smallest one that holds.
+#: The factor by which the coefficient of friction for engines exceeds the smallest coefficient that holds.
 MARGIN = 2.0
 
 
 def contact_motion(problem: Problem, times: Array) -> ContactMotion:
-    """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled`."""
+    """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the problem."""
     for way in WAYS:
         if (motion := way(problem, times)) is not None:
             return motion
@@ -53,16 +53,17 @@ def contact_motion(problem: Problem, times: Array) -> ContactMotion:
 
 @functools.lru_cache(maxsize=8)
 def ends(scene: AnyScene, duration: float) -> ContactMotion:
-    """The motion of a scene of bodies that touch at the start and at the end of a run, whose duration is in s.
+    """The motion of a scene of bodies that touch, at the start and at the end of a run. duration: of the run (s).
 
-    It is what must be known of the motion to run the scene in an engine: the friction that holds, and what bodies at rest bear.
-    A process that runs the scene with many methods computes it once. Raises `NotModelled`.
+    An engine's run of the scene needs two of its results: the friction that prevents slip, and the loads between bodies at
+    rest. The result is cached, so that a process that runs the scene with many methods computes it once. Raises `NotModelled`
+    as `contact_motion` does.
     """
     return contact_motion(problem_of(scene), np.array([0.0, duration]))
 
 
 def finite(scene: AnyScene, duration: float) -> AnyScene:
-    """A scene in which every infinite coefficient of friction is twice the smallest one that holds along the truth.
+    """The scene, with `MARGIN` times the smallest coefficient that holds in place of every infinite coefficient of friction.
 
     duration: of the run (s). Raises `NotModelled` as `ends` does.
     """

@@ -1,12 +1,14 @@
 """Mechanisms: bodies on joints, and their motion.
 
-`mechanism` has what a mechanism is, `joint_types` the table of the types of joints, `coordinates` how the coordinates of joints
-are laid out in arrays, and `exact` the numbers of a mechanism in exact arithmetic.
+`mechanism` defines a mechanism, `joint_types` contains the table of the types of joints, `coordinates` describes the layout of
+the coordinates of joints in arrays, and `exact` computes the numbers of a mechanism in exact arithmetic.
 
-The way of the truth without loops is `recursion`. `tree` splits a mechanism into trees of links on elementary joints, with
-`frames` in exact arithmetic. `articulated` has the articulated-body recursion in any arithmetic, and `link_states` the system
-of first order that follows from it. `tree_equations` and, with dry friction, `stick_slip` solve its equations by
-heyoka in any type; where it is not installed, `recursion` does by DOP853. `poses` leads back to joints and bodies.
+`recursion` computes the truth of mechanisms without loops. `tree` splits a mechanism into trees of links on elementary joints,
+with `frames` in exact arithmetic. `articulated` contains the articulated-body recursion in any arithmetic, and `link_states`
+the system of first order that follows from it. `tree_equations` and, with dry friction, `stick_slip` solve these equations by
+heyoka in any floating-point type; where heyoka is not installed, `recursion` solves them by DOP853. `poses` computes the motion
+of joints and bodies from the motion of links.
 
-`forms` has the motions in closed form, `lagrangian` the witness, and `loops` those of mechanisms whose chains are closed.
+`forms` contains the motions in closed form, `lagrangian` the witness, and `loops` the motions and witnesses of mechanisms with
+closed chains.
 """

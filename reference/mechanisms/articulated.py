@@ -1,13 +1,13 @@
 """The articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7) in any arithmetic.
 
-Numbers are floats, arrays of any type, or expressions of heyoka, which drops what is multiplied by zero. So the recursion of
-a chain in a plane has the operations of a plane alone. All vectors are along the axes of the frames of links (see `tree`). An
-acceleration is that of the origin of such a frame, angular before linear, and a force is about it, torque before force.
+Numbers are floats, arrays of any type, or expressions of heyoka, which drops terms that are multiplied by zero. So the
+recursion of a plane chain contains only the operations of plane motion. All vectors are along the axes of the frames of links
+(see `tree`). Accelerations refer to the origin of such a frame, angular before linear, and so do forces, torque before force.
 
-Each link has first the acceleration that it would have if no joint accelerated, and the force that this takes. Then from the
-tips to the root the inertia of each link with all that hangs from it is found, one coordinate after another is eliminated
-from it, and the rest is passed to the parent. Last, from the root to the tips, the joints' accelerations follow. The velocity
-of an origin is never needed, only the angular velocity.
+The first pass computes the acceleration that each link would have if no joint accelerated, and the force that this requires.
+The second pass goes from the tips to the root: it computes the inertia of each link with all links that hang from it,
+eliminates one coordinate after another, and passes the remaining inertia and force to the parent. The third pass computes the
+joints' accelerations from the root to the tips. Only angular velocities are needed, not the velocities of origins.
 """
 
 import operator
@@ -36,9 +36,9 @@ ZERO: Vec = [0, 0, 0]
 
 @dataclass(frozen=True, eq=False)
 class Accelerations:
-    """The derivatives of the rates of each link; of a free one the acceleration (6,) along its own axes without gravity.
+    """The derivatives of the rates of each link; of a free link the acceleration (6,), without gravity, along its own axes.
 
-    strains: for each link with one coordinate, the force that would keep it from accelerating, with the other sign.
+    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating.
     """
 
     rates: list[Vec]
@@ -47,7 +47,7 @@ class Accelerations:
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """The numbers of a link.
+    """The constants of a link.
 
     Attributes
     ----------
@@ -59,9 +59,9 @@ class Constants:
     tensor, differences
         (6,) inertia XX, YY, ZZ, XY, XZ, YZ about the origin, and (3,) ZZ - YY, XX - ZZ, YY - XX (kg m^2).
     armature, damping, stiffness, force
-        What acts at the joint's own coordinate: the force is `force` - `stiffness` q - `damping` v.
+        Inertia and force along the joint's own coordinate; the force is `force` - `stiffness` q - `damping` v.
     moves
-        1, or 0 for a joint that is held.
+        1, or 0 for a joint that is held fixed.
     """
 
     turn: Sequence[Number]
@@ -79,10 +79,10 @@ class Constants:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link in some arithmetic: its kind, the place of its parent (-1: what does not move), its numbers and its state.
+    """A link in any arithmetic: its kind, the index of its parent (-1: the fixed base), its constants and its state.
 
-    coordinates: q of a revolute or prismatic joint; of any other the quaternion w, x, y, z from the link's axes to the joint's.
-    rates: v of a revolute or prismatic joint; of any other the angular velocity (3,) against the joint along the link's axes.
+    coordinates: q of a revolute or prismatic joint, else the quaternion w, x, y, z from the link's axes to the joint's axes.
+    rates: v of a revolute or prismatic joint, else the angular velocity (3,) relative to the joint, along the link's axes.
     """
 
     kind: Kind
@@ -96,8 +96,8 @@ class Link:
 class _Motion:
     """The results of the outward pass for a link.
 
-    spin: angular velocity. squares: the matrix that maps a fixed point to its centripetal acceleration. angular, linear: the
-    acceleration if no joint accelerated. crossing: the rotation of the joint, and its displacement.
+    spin: angular velocity. squares: the matrix that maps a point of the link to its centripetal acceleration. angular, linear:
+    the acceleration if no joint accelerated. rotation, displacement: the rotation and the displacement of the joint.
     """
 
     spin: Vec
@@ -112,8 +112,9 @@ class _Motion:
 class _Step:
     """The numbers from which the acceleration along an eliminated coordinate follows.
 
-    component: which of the six it is. ratio: its part of the acceleration of the link, with the other sign. given: its part of
-    the forces. weight: the inertia along it. moves: as in `Constants`.
+    component: the index of the coordinate among the six. The acceleration is `given` - `ratio` . a, where a (6,) is the
+    acceleration of the link without this coordinate: `given` is due to the forces. weight: the inertia along the coordinate.
+    moves: as in `Constants`.
     """
 
     component: int
@@ -124,21 +125,21 @@ class _Step:
 
 
 class Rotation:
-    """A rotation by a matrix, from a child's axes to its parent's."""
+    """A rotation from a child's axes to its parent's axes, given by a matrix."""
 
     def __init__(self, rows: Rows) -> None:
         self.rows = rows
 
     def out(self, v: Vec) -> Vec:
-        """A vector along the parent's axes, along the child's."""
+        """Convert a vector from the parent's axes to the child's axes."""
         return [_dot([row[k] for row in self.rows], v) for k in range(3)]
 
     def back(self, v: Vec) -> Vec:
-        """A vector along the child's axes, along the parent's."""
+        """Convert a vector from the child's axes to the parent's axes."""
         return [_dot(row, v) for row in self.rows]
 
     def block(self, block: Rows, symmetric: bool) -> Rows:
-        """A matrix along the child's axes, along the parent's."""
+        """Convert a matrix from the child's axes to the parent's axes."""
         half = [[_dot(row, [line[k] for line in block]) for k in range(3)] for row in self.rows]
         if not symmetric:
             return [[_dot(line, row) for row in self.rows] for line in half]
@@ -153,9 +154,10 @@ class AboutZ(Rotation):
         self.cosine, self.sine = cosine, sine
 
     def block(self, block: Rows, symmetric: bool) -> Rows:
-        """A matrix along the child's axes, along the parent's.
+        """Convert a matrix from the child's axes to the parent's axes.
 
-        The trace and the antisymmetric part of its first two rows and columns do not change; the rest turns by twice the angle.
+        In the first two rows and columns, the trace and the antisymmetric part do not change, and the remaining part turns by
+        twice the angle.
         """
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = block
         double_sine, double_cosine = 2 * self.sine * self.cosine, 1 - 2 * self.sine * self.sine
@@ -185,9 +187,9 @@ def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: A
     links
         The links, each after its parent.
     gravity
-        (3,) gravitational acceleration along the axes of what does not move (m/s^2).
+        (3,) gravitational acceleration along the axes of the fixed base (m/s^2).
     functions
-        What has the functions `sin` and `cos` of the arithmetic.
+        A module or object with the functions `sin` and `cos` of the arithmetic.
     """
     motions, forces = _outward(links, gravity, functions)
     inertias = [_rigid(link.constants) for link in links]
@@ -216,7 +218,7 @@ def _outward(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -
 
 
 def _moved(link: Link, parent: _Motion, functions: Any) -> _Motion:
-    """The motion of a link whose joint does not accelerate."""
+    """The motion of a link if its joint does not accelerate. parent: the motion of its parent."""
     turn, offset = Rotation(_square(link.constants.turn)), list(link.constants.offset)
     spin, angular = turn.out(parent.spin), turn.out(parent.angular)
     at_joint = _sum(parent.linear, [_dot(row, offset) for row in parent.squares])
@@ -251,7 +253,7 @@ def _squares(spin: Vec) -> Rows:
 
 
 def _inertial_force(constants: Constants, motion: _Motion) -> Vec:
-    """The torque and the force that the motion of a rigid link takes."""
+    """The torque and the force (6,) that the motion of a rigid link requires."""
     moment, (xx, yy, zz, xy, xz, yz) = list(constants.moment), constants.tensor
     (x, y, z), (_, (_, _, s_yz), _) = motion.spin, motion.squares
     (_, s_xy, s_xz), (dx, dy, dz) = motion.squares[0], constants.differences
@@ -280,7 +282,7 @@ def _rigid(constants: Constants) -> Rows:
 
 
 def _efforts(link: Link) -> list[Number]:
-    """The forces of a joint along its freedoms."""
+    """The forces of a joint along its degrees of freedom, in the order of `FREEDOMS`."""
     constants = link.constants
     if len(link.coordinates) == 1:
         (q,), (v,) = link.coordinates, link.rates
@@ -291,7 +293,7 @@ def _efforts(link: Link) -> list[Number]:
 
 
 def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Constants) -> tuple[Rows, Vec, _Step]:
-    """Inertia and force without the coordinate along component k, and what its acceleration follows from."""
+    """Return inertia and force without the coordinate along component k, and the numbers that determine its acceleration."""
     armature, moves = constants.armature, constants.moves
     column = [row[k] for row in inertia]
     weight = column[k] + armature
@@ -300,7 +302,7 @@ def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Con
     released, need = [entry * moves for entry in ratio], effort - force[k]
     left = _mirrored(lambda i, j: inertia[i][j] - column[i] * released[j], 6)
     rest = [part + share * need for part, share in zip(force, released, strict=True)]
-    # Along the coordinate itself only the armature is left, or all where it is held, in terms that do not cancel.
+    # Along the coordinate itself only the armature remains, or the whole inertia if it is held; these terms do not cancel.
     kept = (armature + (1 - moves) * column[k]) * inverse
     for j in range(6):
         left[k][j] = left[j][k] = column[j] * kept
@@ -310,7 +312,7 @@ def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Con
 
 
 def _passed(inertia: Rows, force: Vec, constants: Constants, motion: _Motion) -> tuple[Rows, Vec]:
-    """Inertia and force of a link along the axes of its parent, about the parent's origin."""
+    """Convert inertia and force of a link to the axes and the origin of its parent."""
     turned, moved = (motion.rotation, motion.displacement), (Rotation(_square(constants.turn)), list(constants.offset))
     for rotation, shift in (turned, moved):
         blocks = [[row[:3] for row in inertia[:3]], [row[3:] for row in inertia[:3]], [row[3:] for row in inertia[3:]]]
@@ -322,7 +324,7 @@ def _passed(inertia: Rows, force: Vec, constants: Constants, motion: _Motion) ->
 
 
 def _shifted(angular: Rows, mixed: Rows, linear: Rows, shift: Vec) -> Rows:
-    """The inertia (6, 6) about a point from which the present one is at `shift`."""
+    """The inertia (6, 6) about a new point, from which the present point is at `shift`."""
     added = _transposed([_cross(shift, row) for row in linear])
     after = _sum_rows(mixed, added)
     before, beyond = [_cross(shift, row) for row in mixed], [_cross(shift, row) for row in after]
@@ -345,7 +347,7 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
                 (Rotation(_square(link.constants.turn)), list(link.constants.offset)),
                 (motion.rotation, motion.displacement),
             ):
-                # The displacement of a slider is along the axes that its rotation leaves alone.
+                # The displacement is along the axes before the rotation, which do not differ from those after it for a slider.
                 linear = rotation.out(_sum(linear, _cross(angular, shift)))
                 angular = rotation.out(angular)
             whole = [*angular, *linear]
@@ -391,6 +393,6 @@ def _square(entries: Sequence[Number]) -> Rows:
 
 
 def _mirrored(entry: Any, size: int = 3) -> Rows:
-    """A symmetric matrix whose upper half is given."""
+    """The symmetric matrix whose entries on and above the diagonal are entry(i, j)."""
     half = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
     return [[half[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]

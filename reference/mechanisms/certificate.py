@@ -1,7 +1,7 @@
 """The certificate of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
 
-The ways are the truth, the recursion where the truth is a closed form, the Lagrangian, and the recursion in arithmetic so wide
-that the growth of its rounding errors stays far below what is certified.
+The ways are the truth, the recursion if the truth is a closed form, the Lagrangian, and the recursion in arithmetic so wide
+that its rounding errors, with their growth, stay far below the certified bound.
 """
 
 import contextlib
@@ -42,19 +42,19 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness
 from bodycheck.reference.witnesses import DOP853_ROUNDINGS
 
-#: Relative error that the witness of a mechanism with loops may have besides that of the way: its tolerance, as it grows.
+#: Relative error that the witness of a mechanism with loops may have in addition to the error of the way, from its tolerance.
 LOOPS_TOLERANCE = 1e-12
 
 
 def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
-    """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises as `mechanism_truth` does."""
+    """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises what `mechanism_truth` raises."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
         course = followed(mechanism, times)
         witness = witness_of(mechanism, times, course)
         truth = joined(mechanism, times, course, witness).truth
         rounded = printed(mechanism, times, course)
-        assert truth.joints is not None  # which a mechanism has
+        assert truth.joints is not None  # the truth of a mechanism always has joints
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
         ways = [Way(TRUTH_WAY, stated, rounded.bounds.of_states()), *_other_ways(mechanism, times, course, witness)]
         differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
@@ -77,7 +77,7 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
 
 
 def _other_ways(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Iterator[Way]:
-    """Every way but that of the truth, with bounds of its own errors. witness: that of the truth, whose are not known."""
+    """Every way except the truth's, with bounds of its errors. witness: the truth's witness, without bounds of its errors."""
     grown = course.growth
     if mechanism.loops and witness is not None:
         yield from _ways_with_loops(mechanism, times, course, witness)
@@ -93,7 +93,7 @@ def _other_ways(mechanism: Mechanism, times: Array, course: Followed, witness: W
 
 
 def _ways_with_loops(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> Iterator[Way]:
-    """The witness of a mechanism with loops and, besides the Lagrangian, the equations of every body, if they can follow it."""
+    """The witness of a mechanism with loops and, if it is the Lagrangian, the equations of all bodies if they can follow it."""
     grown = growth_with_loops(mechanism, growth_instants(times))
     if grown is None or course.growth is None or not witness.name.startswith(solution.NAME):
         yield replace(witness, errors=_errors_with_loops(mechanism, course, witness))
@@ -107,13 +107,16 @@ def _ways_with_loops(mechanism: Mechanism, times: Array, course: Followed, witne
 
 
 def _errors_with_loops(mechanism: Mechanism, course: Followed, way: Way) -> dict[str, Array]:
-    """Errors (n,) of a collocation with loops that is a witness: as much as those of its way, and more by its tolerance."""
+    """Errors (n,) of a witness with loops by collocation: the errors of the truth's way, plus the tolerance of the witness."""
     largest = sizes(mechanism, way.motion)
     return {name: course.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
 
 
 def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
-    """Return the number of roundings of the Lagrangian, measured as for the recursion. grown: at the `growth_instants`."""
+    """Return the number of roundings of the Lagrangian, measured as for the recursion.
+
+    grown: the growth of an error at the `growth_instants` of the times (n,), s.
+    """
     dtype, _, _ = arithmetic()
     if dtype is np.float64:
         return DOP853_ROUNDINGS
@@ -125,12 +128,12 @@ def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) 
 
 def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
     growth = by_recursion(mechanism, growth_instants(times)).growth
-    assert growth is not None  # which the recursion always has
+    assert growth is not None  # the recursion always has a growth
     return growth
 
 
 def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way]:
-    """The recursion in multiprecision that leaves digits for the growth of rounding, where it can follow the motion."""
+    """The recursion in multiprecision with spare digits for the growth of rounding errors, if it can follow the motion."""
     needed = SPARE_BITS + math.log2(float(np.max(grown.of_any, initial=1.0)))
     bits = next((bits for bits in BITS if bits >= needed), None)
     with contextlib.suppress(OutOfReach, NotModelled, ImportError):
@@ -157,6 +160,6 @@ def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way
 
 
 def rounded_to_wide(values: WideArray) -> WideArray:
-    """Multiprecision numbers in the widest type of NumPy."""
+    """Multiprecision numbers, rounded to the widest type of NumPy."""
     head: Any = values.astype(float)
     return np.asarray(head.astype(np.longdouble) + (values - head).astype(float))

@@ -1,19 +1,20 @@
 """The layout of the coordinates and velocities of joints in arrays.
 
-The coordinates of a mechanism are those of its joints one after another, in the order of the file, and so are its velocities.
+The coordinates of a mechanism are the coordinates of its joints one after another, in the order of the file; the velocities
+likewise.
 
 - revolute: the angle about the axis (rad); its rate.
 - prismatic: the displacement along the axis (m); its rate.
-- universal: the angle about x of the joint's frame, then that about the turned y (rad); their rates.
+- universal: the angle about x of the joint's frame, then the angle about the turned axis y (rad); their rates.
 - planar: x and y (m) along x and y of the joint's frame, then the angle about its z (rad); their rates.
 - spherical: the quaternion w, x, y, z from the child's frame to the joint's frame; the angular velocity in the child's frame
   (rad/s).
-- free: x, y, z (m) of the child's origin in the joint's frame, and the quaternion w, x, y, z from the child's frame to it;
-  the velocity of the child's origin along the axes of the joint's frame (m/s), and the angular velocity in the child's frame
-  (rad/s).
+- free: x, y, z (m) of the child's origin in the joint's frame, and the quaternion w, x, y, z from the child's frame to the
+  joint's frame; the velocity of the child's origin along the axes of the joint's frame (m/s), and the angular velocity in the
+  child's frame (rad/s).
 - fixed: none.
 
-A free body, which no joint has as its child, has no coordinates here.
+A free body, which is the child of no joint, has no coordinates here.
 """
 
 from dataclasses import dataclass
@@ -51,9 +52,9 @@ def places(mechanism: Mechanism) -> tuple[tuple[slice, slice], ...]:
 
 
 def by_name(mechanism: Mechanism, motion: JointMotion) -> dict[str, dict[str, Array]]:
-    """Coordinates and velocities by the names of joints, with the keys `position` and `velocity`.
+    """Return the coordinates and velocities of each joint, by its name, under the keys `position` and `velocity`.
 
-    Those of a joint with one coordinate are arrays (n,), of others (n, k).
+    They are arrays (n,) for a joint with one coordinate, and (n, k) for a joint with several.
     """
     pairs = zip(mechanism.joints, places(mechanism), strict=True)
     return {

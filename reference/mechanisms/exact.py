@@ -1,7 +1,8 @@
 """The numbers of a mechanism in exact arithmetic: inertia, frames of joints, and the initial states of free bodies.
 
-The way of the truth begins here. Its witness has code of its own from the file on. The functions import the arithmetic,
-because processes of engines and commands import this module and have a mechanism only now and then.
+The truth starts from these numbers. Its witness does not use them: its code is separate and starts from the numbers of the
+file. The functions import the exact arithmetic only when they are called, because processes of engines and commands import this
+module and seldom have a mechanism.
 """
 
 import functools
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Inertia:
-    """Mass (kg), centre of mass in the body's frame (m), and the inertia tensor about it along the body's axes (kg m^2)."""
+    """Mass (kg), centre of mass in the body's frame (m), inertia about the centre of mass along the body's axes (kg m^2)."""
 
     mass: "Real"
     centre: "Vector3"
@@ -38,7 +39,7 @@ def inertia(body: JointedBody) -> Inertia:
 
 @dataclass(frozen=True)
 class NearestInertia:
-    """The doubles nearest to an inertia: see `Inertia`; the tensor is XX, YY, ZZ, XY, XZ, YZ."""
+    """The doubles that are nearest to the numbers of an `Inertia`; the tensor is XX, YY, ZZ, XY, XZ, YZ."""
 
     mass: float
     centre: Vector
@@ -47,7 +48,7 @@ class NearestInertia:
 
 @functools.lru_cache(maxsize=1024)
 def nearest_inertia(body: JointedBody) -> NearestInertia:
-    """The doubles that are nearest to the inertia of a body, which engines get."""
+    """The doubles that are nearest to the inertia of a body; the engines receive these."""
     from bodycheck.reference.exact.numbers import doubles
 
     exact_inertia = inertia(body)
@@ -57,7 +58,7 @@ def nearest_inertia(body: JointedBody) -> NearestInertia:
 
 @functools.lru_cache(maxsize=1024)
 def unit_axis(joint: Joint) -> "Vector3":
-    """The axis of a joint, of length one, in the joint's frame."""
+    """The unit axis of a joint, in the joint's frame."""
     from bodycheck.reference.exact.numbers import MP, vector
 
     x, y, z = vector(joint.axis)
@@ -69,7 +70,7 @@ def unit_axis(joint: Joint) -> "Vector3":
 
 
 def nearest_axis(joint: Joint) -> Vector:
-    """The doubles that are nearest to the axis of a joint, of length one."""
+    """The doubles that are nearest to the unit axis of a joint, in the joint's frame."""
     from bodycheck.reference.exact.numbers import doubles
 
     x, y, z = doubles(unit_axis(joint))
@@ -93,7 +94,7 @@ def nearest_turn(orientation: Attitude) -> Quaternion:
 
 
 def rates(orientation: Attitude, rotation: Vector | EulerRates) -> "Vector3":
-    """The angular velocity (rad/s) in the body's frame of a free body."""
+    """The angular velocity (rad/s) of a free body in the body's frame, from the attitude and rotation that the file gives."""
     from bodycheck.reference.exact.numbers import vector
     from bodycheck.reference.exact.rotations import body_rates
 

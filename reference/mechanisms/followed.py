@@ -1,9 +1,9 @@
-"""Ways to the motion of a mechanism, with what is known of their own error: closed forms, the recursion, and their witnesses.
+"""Ways to the motion of a mechanism, with bounds of their errors: closed forms, the recursion, and their witnesses.
 
-A closed form has bounds of its own. The recursion is integrated in the widest type of NumPy (heyoka), or in double precision
-(SciPy). The error of the former is measured: the recursion is followed in double precision too, and how far that gets from the
-wide motion, in roundings times the growth of an error (`growth`), says how many roundings the recursion makes. As many are made
-in the wide type, and grow as much.
+A closed form has bounds of its errors. The recursion is integrated in the widest type of NumPy (heyoka), or in double precision
+(SciPy). With heyoka the error is measured: the recursion is integrated in double precision too, and its distance from the wide
+motion, divided by the growth of an error (`growth`) times one rounding, is the number of roundings. The integration in the wide
+type makes the same number of roundings, and they grow by the same factor.
 """
 
 from collections.abc import Sequence
@@ -37,35 +37,35 @@ from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDE
 #: Instants, evenly spaced, at which the growth of an error is measured.
 GROWTH_INSTANTS = 129
 
-#: Roundings that an integration by Taylor's method makes at least, before they grow.
+#: The least number of roundings of an integration by Taylor's method, before they grow.
 FEWEST_ROUNDINGS = 8.0
 
-#: By how much the measured number of roundings may be too small: rounding in the two types is not the same, and growth is
+#: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
 #: measured in a few directions only.
 CAUTION = 8.0
 
-#: Roundings of a number that grows with time, such as the angle of a wheel, and of what follows from it.
+#: Number of roundings of a stored number that grows with time, such as the angle of a wheel, and of numbers computed from it.
 STORED_ROUNDINGS = 16.0
 
-#: Part of the length of a mechanism by which loops that the Lagrangian holds together may come apart.
+#: The largest gap of a loop, as a fraction of the length of the mechanism, in a motion by the Lagrangian.
 OPEN = 1e-9
 
-#: Name of the equations of the recursion in results.
+#: The name of the recursion in results.
 RECURSION = "articulated-body recursion"
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A motion with what is known of its own error.
+    """A motion with the bounds and the growth of its errors.
 
     Attributes
     ----------
     way
-        The motion, with bounds of its errors before it is rounded to doubles.
+        The motion before it is rounded to doubles, with bounds of its errors.
     model, reason, backend
-        As of a truth.
+        As in `Truth`.
     growth
-        The growth of an error at the same instants; None where it is not known.
+        The growth of an error at the same instants; None if it is not known.
     form
         Whether the way is a closed form.
     """
@@ -79,7 +79,10 @@ class Followed:
 
 
 def followed(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism at ascending times (n,), s. Raises `NotModelled` and `OutOfReach`."""
+    """The motion of a mechanism at ascending times (n,), s, by its closed form, or otherwise by multipliers or the recursion.
+
+    Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
+    """
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
@@ -87,7 +90,10 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
 
 
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
-    """The witness of a motion: the recursion of a closed form, else the Lagrangian; None where it cannot follow the motion."""
+    """The witness of a motion: the recursion for a closed form, else the Lagrangian; None if it cannot follow the motion.
+
+    The witness of a mechanism with loops is another one: see `_loops_witness`.
+    """
     if mechanism.loops:
         return _loops_witness(mechanism, times, course)
     if not course.form:
@@ -101,7 +107,7 @@ def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | No
 
 
 def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | None:
-    """The motion by the Lagrangian at times (n,), s; None where it cannot follow it.
+    """The motion by the Lagrangian at times (n,), s; None if the Lagrangian cannot follow the motion.
 
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
@@ -120,9 +126,9 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
 
 def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
-    """The phases in which joints with dry friction slip or stick until the last of times (n,), s, by the recursion.
+    """The phases in which joints with dry friction slip or stick, until the last of times (n,), s, by the recursion.
 
-    What a joint does in a phase is what it does in the middle of it: where it sticks, its velocity is zero.
+    The sign of a joint's velocity in the middle of a phase tells whether it slips forwards or backwards or sticks.
     """
     end = times[-1:] if len(times) else np.zeros(1)
     changes = [change.time for change in recursion.follow(mechanism, end).changes]
@@ -140,7 +146,7 @@ def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
 
 
 def _as_errors(mechanism: Mechanism, times: Array, strays: Sequence[Stray]) -> dict[str, Array]:
-    """Errors (n,) at times (n,), s, that wrong velocities of joints cause, by the names of `bounds.STATES`."""
+    """Errors (n,) at times (n,), s, that wrong velocities of joints, `strays`, cause, by the names of `bounds.STATES`."""
     errors, length = {name: np.zeros(len(times)) for name in STATES if strays}, reach(mechanism)
     for stray in strays:
         later = np.maximum(times - stray.since, 0.0)
@@ -154,13 +160,13 @@ def _as_errors(mechanism: Mechanism, times: Array, strays: Sequence[Stray]) -> d
 
 
 def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` where the recursion has no model of a mechanism."""
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops."""
     if mechanism.loops:
         raise NotModelled("closed loops")
 
 
 def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism by the recursion, with what is known of its own error."""
+    """The motion of a mechanism at ascending times (n,), s, by the recursion, with bounds of its errors."""
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
     measured = growth_instants(times)
@@ -179,13 +185,13 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism with loops by multipliers. The growth of errors is stated, but the witness shows their size."""
+    """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
 
 def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
-    """The growth of an error of a mechanism with loops; None where the Lagrangian cannot follow it, or without heyoka."""
+    """The growth of an error of a mechanism with loops; None without heyoka, or if the Lagrangian cannot follow the motion."""
     if arithmetic()[0] is np.float64 or any(joint is None for joint in mechanism.joint_of):
         return None
     measured = growth_instants(times)
@@ -200,9 +206,10 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
 
 
 def _loops_witness(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
-    """The witness of a mechanism with loops: the multipliers of a closed form, else the Lagrangian or the equations of bodies.
+    """The witness of a mechanism with loops: for a closed form the multipliers, else the Lagrangian or the equations of bodies.
 
-    The Lagrangian cannot pass positions in which a mechanism could also move in another way, and has no free bodies in loops.
+    The Lagrangian cannot pass positions in which a mechanism can change to another mode of motion, and does not model loops
+    with free bodies. Returns None if no witness can follow the motion.
     """
     if not course.form and (way := _closed_lagrangian(mechanism, times)) is not None:
         return way
@@ -213,7 +220,7 @@ def _loops_witness(mechanism: Mechanism, times: Array, course: Followed) -> Way 
 
 
 def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
-    """The motion by the Lagrangian with multipliers; None where it cannot follow it, or where loops come apart."""
+    """The motion by the Lagrangian with multipliers; None without heyoka, if it cannot follow the motion, or if loops open."""
     way = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
     if way is None or float(np.max(gaps(mechanism, way.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
         return None
@@ -221,19 +228,23 @@ def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
-    """Return the number of roundings of an integration: its difference from the same one in doubles, over grown roundings."""
+    """Return the number of roundings of an integration.
+
+    It is the largest difference of the integration in doubles, `base`, from the wide one, `wide`, divided by one rounding of
+    doubles times its growth, and at least `FEWEST_ROUNDINGS`.
+    """
     off = apart(mechanism, base, wide)
     return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
 
 
 def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
-    """Bounds (n,) of the errors of an integration that makes some roundings, each of which is eps, and how they have grown."""
+    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
     largest = sizes(mechanism, motion)
     return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
 
 
 def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
-    """The motion of a mechanism by its closed form. All joints that move stand on the world."""
+    """The motion of a mechanism by its closed form. The parent of every joint that moves is at rest."""
     joints = form.follow(times)
     motion = Motion(joints.position, joints.velocity, bodies_of(mechanism, times, joints.position, joints.velocity))
     largest = sizes(mechanism, motion)
@@ -263,7 +274,7 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
 
 
 def _growth_of(mechanism: Mechanism, times: Array) -> Growth | None:
-    """The growth of an error along a motion in closed form; None where the recursion cannot follow it."""
+    """The growth of an error along a motion in closed form; None if the recursion cannot follow the motion."""
     measured = growth_instants(times)
     try:
         require_modelled(mechanism)
@@ -274,7 +285,7 @@ def _growth_of(mechanism: Mechanism, times: Array) -> Growth | None:
 
 
 def growth_instants(times: Array) -> Array:
-    """The instants (m,), s, at which growth is measured until the last of times (n,), s."""
+    """The instants (m,), s, from 0 to the last of times (n,), s, at which growth is measured."""
     end = float(times[-1]) if len(times) else 0.0
     return np.linspace(0.0, end, GROWTH_INSTANTS) if end else np.zeros(1)
 
@@ -298,7 +309,7 @@ def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
 
 
 def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
-    """The motion by the Lagrangian and DOP853, whose equations take a small part of the time of the recursion's there."""
+    """The motion by the Lagrangian and DOP853, which evaluates these equations much faster than those of the recursion."""
     return _motion_of(solution.follow_in_doubles(mechanism, times), times)
 
 

@@ -1,4 +1,4 @@
-"""Frames in other frames, at rest and moving, in exact arithmetic."""
+"""Frames relative to other frames, at rest and moving, in exact arithmetic."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,27 +7,27 @@ from bodycheck.reference.exact.inertia import Components, MassProperties
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, cross, matrix, multiply, plus, scaled, turned, unit
 
-#: What is smaller than its terms by this factor is what rounding has left of a zero.
+#: A sum that is smaller than its terms by this factor is taken to be zero, apart from rounding.
 NEGLIGIBLE = MP.mpf(10) ** -80
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A frame in another: the unit quaternion from its axes to those of the other, and its origin in the other (m)."""
+    """A frame in an outer frame: the unit quaternion from its axes to the outer axes, and its origin in the outer frame (m)."""
 
     turn: Quaternion4 = IDENTITY
     origin: Vector3 = ORIGIN
 
     def then(self, inner: "Place") -> "Place":
-        """A frame that is given in this one, in the other."""
+        """The place in the outer frame of a frame that is given in this frame."""
         return Place(multiply(self.turn, inner.turn), self.point(inner.origin))
 
     def point(self, inner: Vector3) -> Vector3:
-        """A point that is given in this frame, in the other."""
+        """The coordinates in the outer frame of a point that is given in this frame (m)."""
         return plus(self.origin, rotated(self.turn, inner))
 
     def inverse(self) -> "Place":
-        """The other frame in this one."""
+        """The place of the outer frame in this frame."""
         back = conjugate(self.turn)
         return Place(back, rotated(back, scaled(MP.mpf(-1), self.origin)))
 
@@ -36,7 +36,7 @@ class Place:
 class Moving:
     """A frame that moves in the world.
 
-    pose: where it is. velocity: that of its origin, world (m/s). spin: angular velocity along its own axes (rad/s).
+    pose: its place in the world. velocity: of its origin, world (m/s). spin: angular velocity along its own axes (rad/s).
     """
 
     pose: Place = Place()
@@ -44,13 +44,17 @@ class Moving:
     spin: Vector3 = ORIGIN
 
     def carried(self, inner: Place) -> "Moving":
-        """A frame that is fixed in this one."""
+        """The motion in the world of a frame that is fixed in this frame, at `inner`."""
         arm = rotated(self.pose.turn, inner.origin)
         swung = cross(rotated(self.pose.turn, self.spin), arm)
         return Moving(self.pose.then(inner), plus(self.velocity, swung), rotated(conjugate(inner.turn), self.spin))
 
     def moved(self, inner: Place, velocity: Vector3, spin: Vector3) -> "Moving":
-        """A frame that moves in this one: its velocity along the axes of this frame, its angular velocity along its own."""
+        """The motion in the world of a frame that moves in this frame.
+
+        inner: its place in this frame. velocity: of its origin relative to this frame, along the axes of this frame (m/s).
+        spin: its angular velocity relative to this frame, along its own axes (rad/s).
+        """
         at = self.carried(inner)
         return Moving(at.pose, plus(at.velocity, rotated(self.pose.turn, velocity)), plus(at.spin, spin))
 
@@ -61,7 +65,7 @@ def rotated(turn: Quaternion4, v: Vector3) -> Vector3:
 
 
 def onto(axis: Vector3) -> Quaternion4:
-    """The smallest rotation that takes z to a direction of length one."""
+    """The unit quaternion of the smallest rotation that takes z to a unit vector."""
     x, y, z = axis
     if abs(x) + abs(y) < NEGLIGIBLE:
         return IDENTITY if z > 0 else (MP.mpf(0), MP.mpf(1), MP.mpf(0), MP.mpf(0))
@@ -69,7 +73,7 @@ def onto(axis: Vector3) -> Quaternion4:
 
 
 def cleaned(values: Sequence[Real], scale: Real) -> tuple[Real, ...]:
-    """Numbers without what rounding has left of zeros and ones. scale: the size of the terms of which they are sums."""
+    """Replace numbers that differ from zero or one only by rounding. scale: the size of the terms of which they are sums."""
     limit = NEGLIGIBLE * scale
     return tuple(
         MP.mpf(0) if abs(value) <= limit else MP.sign(value) if abs(abs(value) - 1) <= NEGLIGIBLE else value for value in values
@@ -77,12 +81,12 @@ def cleaned(values: Sequence[Real], scale: Real) -> tuple[Real, ...]:
 
 
 def placed(properties: MassProperties, pose: Place) -> MassProperties:
-    """Mass properties that are given in one frame, in another, in which that frame is `pose`."""
+    """Convert mass properties from a frame to an outer frame. pose: the place of the frame in the outer frame."""
     return MassProperties(properties.mass, pose.point(properties.centre), _turned_tensor(pose.turn, properties.tensor))
 
 
 def about_origin(properties: MassProperties) -> Components:
-    """The inertia tensor about the origin of the frame, by the parallel-axis theorem."""
+    """The inertia tensor about the origin of the frame instead of the centre of mass, by the parallel-axis theorem."""
     (x, y, z), m = properties.centre, properties.mass
     xx, yy, zz, xy, xz, yz = properties.tensor
     return (
@@ -96,7 +100,10 @@ def about_origin(properties: MassProperties) -> Components:
 
 
 def _turned_tensor(turn: Quaternion4, tensor: Components) -> Components:
-    """A tensor along other axes, to which a unit quaternion leads. Off the diagonal are the components themselves."""
+    """Convert a tensor to other axes. turn: unit quaternion from its axes to the other axes.
+
+    The components off the diagonal, XY, XZ and YZ, are the entries of the tensor, without a change of sign.
+    """
     if turn == IDENTITY:
         return tensor
     xx, yy, zz, xy, xz, yz = tensor

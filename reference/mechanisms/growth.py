@@ -1,11 +1,11 @@
 """The growth of an error along the motion of a mechanism, from nudged motions in double precision.
 
-A motion is followed again from a state that is nudged by a small part of the sizes of coordinates and velocities. How far it
-gets from the motion that is not nudged, per nudge, is the growth of an error. Where it has got so far that growth would not be
-proportional any more, its distance is scaled back to the size of a nudge, and the motion goes on from there (Benettin et al.,
-Meccanica 15, 1980), so that growth has no limit. Errors are made at all times, and one that is made later can grow more than
-one at the start; so motions are nudged at later instants too. One motion is nudged in its angles alone: what is said of an
-error at the start is how an error of the initial angles grows in the angles.
+A motion is followed again from a state that is nudged by a small part of the sizes of coordinates and velocities. Its distance
+from the motion that is not nudged, divided by the nudge, is the growth of an error. When the distance becomes so large that it
+is no longer proportional to the nudge, it is scaled back to the size of a nudge, and the motion continues from there (Benettin
+et al., Meccanica 15, 1980), so that the growth can become arbitrarily large. Errors arise at all times, and a later error can
+grow more than an error at the start; so motions are nudged at later instants too. One motion is nudged in its angles alone: it
+gives the growth `of_start`, the error of angles per error of the initial angles.
 """
 
 from collections.abc import Iterator
@@ -20,37 +20,39 @@ from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.mechanisms.ways import Follow, Motion, apart, letters, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: The size of a nudge, relative to the sizes of coordinates and velocities: between a rounding and what is not small.
+#: The size of a nudge, relative to the sizes of coordinates and velocities: large beside a rounding, and small beside `SMALL`.
 NUDGE = 2.0**-30
 
-#: Deviation, relative to the sizes, up to which it is proportional to the nudge.
+#: Deviation, relative to the sizes, up to which deviations are taken to be proportional to the nudge.
 SMALL = 1e-2
 
-#: When motions are nudged, as parts of the duration; the first one in its angles alone, the others in everything.
+#: The times of the nudges, as parts of the duration: the first motion is nudged in its angles alone, the others in all
+#: coordinates and velocities.
 STARTS = (0.0, 0.0, 1 / 3, 2 / 3)
 
-#: Growth from where on nothing is known any more, in any arithmetic.
+#: The growth at which nothing is known of a motion any more, in any arithmetic.
 LARGEST = 1e30
 
-#: Most scalings of one nudged motion.
+#: The largest number of pieces of a nudged motion, between which its deviation is scaled back.
 MOST_PIECES = 40
 
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """By how much a relative error of the state has grown at most until m instants.
+    """The largest growth of a relative error of the state until each of m instants.
 
     Attributes
     ----------
     t
         (m,) instants (s), ascending.
     figures
-        (m,) errors per unit of relative error made at any earlier time, by the names of `bounds.STATES`, in their units, never
-        decreasing. An error of one is one radian, one length of the mechanism, and the largest speeds and rates of the motion.
+        (m,) errors, in SI units, per unit of a relative error made at any earlier time, by the names of `bounds.STATES`; never
+        decreasing. A relative error of 1 is one radian, one length of the mechanism, and the largest speeds and rates of the
+        motion: see `scales`.
     of_any
-        (m,) the largest of these in those units.
+        (m,) the largest of the relative errors per relative error.
     of_start
-        (m,) by how much an error of the angles at t = 0 has grown in the angles, never decreasing.
+        (m,) the error of the angles per error of the angles at t = 0; never decreasing.
     """
 
     t: Array
@@ -59,7 +61,7 @@ class Growth:
     of_start: Array
 
     def until(self, times: Array) -> "Growth":
-        """The growth at other times (n,), s: that at the next instant that is not before."""
+        """The growth at other times (n,), s: at each time, the growth at the first instant that is not earlier."""
         places = np.minimum(np.searchsorted(self.t, times), len(self.t) - 1)
         figures = {name: values[places] for name, values in self.figures.items()}
         return Growth(times, figures, self.of_any[places], self.of_start[places])
@@ -73,10 +75,10 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     mechanism
         The mechanism.
     follow
-        How a mechanism is followed in double precision, from t = 0 on. A nudged motion for which it raises `OutOfReach` does
-        not count.
+        The function that follows a mechanism in double precision, from t = 0 on. A nudged motion for which it raises
+        `OutOfReach` does not count.
     base
-        The motion at the instants in double precision.
+        The motion at the instants t in double precision.
     t
         (m,) ascending instants (s), the first of which is 0.
     """
@@ -98,7 +100,10 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
 
 
 def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
-    """The sizes of the states of a motion, by the names of `bounds.STATES`: one radian, a length, and the largest rates."""
+    """The sizes of the states of a motion, by the names of `bounds.STATES`.
+
+    They are one radian, the length of the mechanism (m), and the largest speed (m/s) and rate (rad/s) of the motion.
+    """
     largest = {name: float(values.max(initial=0.0)) for name, values in sizes(mechanism, motion).items()}
     length = reach(mechanism)
     rate = largest["angular_velocity_error"] or 1 / (duration or 1.0)
@@ -119,9 +124,10 @@ def _deviations(
     units: dict[str, float],
     start: Mechanism,
 ) -> Iterator[tuple[slice, dict[str, Array]]]:
-    """Deviations per nudge of a motion that is nudged at an instant, piece by piece: at which instants, and by figure.
+    """Yield the deviations per nudge of a motion that is nudged at the instant t[first], piece by piece.
 
-    start: the mechanism that starts from the nudged state at that instant.
+    Each piece has the slice of its instants and the deviations there, by the names of `bounds.STATES`. start: the mechanism
+    that starts from the nudged state at that instant.
     """
     grown = 1.0
     for _ in range(MOST_PIECES):
@@ -133,7 +139,7 @@ def _deviations(
             return
         differences = apart(mechanism, nudged, base.part(slice(first, None)))
         relative = np.max([differences[name] / units[name] for name in STATES], axis=0)
-        # A nudge of a mechanism with loops is closed before it is followed, and has another size then.
+        # The loops of a nudged mechanism are closed before it is followed, which changes the size of the nudge.
         nudge = float(relative[0]) if mechanism.loops else NUDGE
         if not nudge:
             return
@@ -172,7 +178,7 @@ def _nudged(
 
 
 def _between(mechanism: Mechanism, base: Motion, other: Motion, part: float) -> Mechanism:
-    """A mechanism that starts a part of the way from one state to another, both at one instant."""
+    """A mechanism whose start is interpolated between two states at one instant. part: 0 for `base`, 1 for `other`."""
 
     def mixed(one: Array, two: Array) -> Array:
         return np.asarray(one + part * (two - one))

@@ -1,9 +1,9 @@
-"""The types of joints: one entry of `JOINT_TYPES` each, from which kinematics, coordinates, requirements and keys follow.
+"""The types of joints: each has an entry in `JOINT_TYPES`, which determines its kinematics, coordinates, requirements and keys.
 
-A joint lets the frame of its child move against its own by elementary motions, one behind another: slides, and behind them
-turns or a ball. The motions say how many coordinates and velocities the joint has, what each of them is, and how the child
+A joint lets the frame of its child move relative to its own frame by a chain of elementary motions: slides, followed by turns
+or a ball. The motions determine how many coordinates and velocities the joint has, what each of them is, and how the child
 moves. The witnesses (`lagrangian.border`, `loops.body_space`) do not read this table: each has its own derivation of every
-type, so that an error here is seen as a disagreement of two ways.
+type, so that an error here appears as a disagreement of two ways.
 """
 
 from dataclasses import dataclass
@@ -12,24 +12,24 @@ from typing import Literal
 
 from bodycheck.reference.robots.model import RobotJointType
 
-#: The names of the types, for type checkers; each has its entry in `JOINT_TYPES`.
+#: The names of the types, for type checkers; each has an entry in `JOINT_TYPES`.
 JointType = Literal["revolute", "prismatic", "spherical", "free", "fixed", "planar", "universal"]
 
-#: The elementary motions, and their axes: one of the joint's frame, or that which the key `axis` gives.
+#: The elementary motions, and their axes: an axis of the joint's frame, or the axis that the key `axis` gives.
 MotionKind = Literal["slide", "turn", "ball"]
 Axis = Literal["x", "y", "z", "given"]
 
-#: What the coordinates and the velocities of an elementary motion are, a letter each: lengths (l), angles (a), or the
-#: quaternion of an attitude (q).
+#: The meanings of the coordinates and of the velocities of an elementary motion, a letter each: length (l), angle (a), or
+#: component of the quaternion of an attitude (q).
 LETTERS: dict[MotionKind, tuple[str, str]] = {"slide": ("l", "l"), "turn": ("a", "a"), "ball": ("qqqq", "aaa")}
 
 
 @dataclass(frozen=True)
 class ElementaryMotion:
-    """A slide along an axis, a turn about one, or a ball, which turns about any.
+    """A slide along an axis, a turn about an axis, or a ball, which turns about any axis.
 
-    The coordinate of a slide or a turn is its length (m) or angle (rad). Those of a ball are the quaternion w, x, y, z from the
-    frame behind it to that before it, and its velocities the angular velocity in the frame behind it (rad/s).
+    The coordinate of a slide or a turn is its length (m) or angle (rad). The coordinates of a ball are the quaternion w, x, y,
+    z from the frame after it to the frame before it, and its velocities are the angular velocity in the frame after it (rad/s).
     """
 
     kind: MotionKind
@@ -61,7 +61,7 @@ class StartKeys:
     table
         The name of the table in the JSON Schema of case files.
     joint
-        The joint that has it, in words.
+        The type of joint that has the table, in words.
     keys
         The keys in the order of the schema.
     position, velocity
@@ -82,21 +82,21 @@ class JointForm:
     Attributes
     ----------
     name, meaning
-        Its name, and what it is as a sentence.
+        The name, and a sentence that says what it is.
     motions
-        Its elementary motions from the joint's frame to that of the child. Slides come first. Behind them `kinematics` can find
-        the coordinates of one turn, of turns about x and y, or of a ball.
+        The elementary motions from the joint's frame to the child's frame. Slides come first. After the slides, `kinematics`
+        supports one turn, turns about x and y, or a ball.
     effect
-        The name of what an engine must model for it.
+        The name of the effect that an engine must model for this joint.
     heads
-        The units of its coordinates and velocities for the heads of columns.
+        The units of the coordinates and of the velocities for the heads of columns.
     start
-        The table `initial` in a case file; None where there are no coordinates.
+        The table `initial` in a case file; None if the joint has no coordinates.
     damped
-        Whether a case file may give it the key `damping`; joints with the key `axis` have that and others of their own.
+        Whether a case file may give it the key `damping`; joints with the key `axis` have this key and others in any case.
     robot, mjcf
-        The type of joint of a robot model, as in a URDF, and of MJCF that moves so; None for none. Without a type of its own
-        a joint is written as its elementary motions.
+        The corresponding type of joint in a robot model, as in URDF, and in MJCF; None if there is no such type. The joint is
+        then written as its elementary motions.
     """
 
     name: JointType
@@ -111,41 +111,41 @@ class JointForm:
 
     @cached_property
     def coordinates(self) -> str:
-        """The meanings of its coordinates, a letter of `LETTERS` each."""
+        """The meanings of the coordinates, as a string with a letter of `LETTERS` for each."""
         return "".join(LETTERS[motion.kind][0] for motion in self.motions)
 
     @cached_property
     def velocities(self) -> str:
-        """The meanings of its velocities, a letter of `LETTERS` each."""
+        """The meanings of the velocities, as a string with a letter of `LETTERS` for each."""
         return "".join(LETTERS[motion.kind][1] for motion in self.motions)
 
     @property
     def slides(self) -> tuple[ElementaryMotion, ...]:
-        """Its slides."""
+        """The slides of the joint."""
         return tuple(motion for motion in self.motions if motion.kind == "slide")
 
     @property
     def turns(self) -> tuple[ElementaryMotion, ...]:
-        """Its turns, or its ball."""
+        """The turns of the joint, or its ball."""
         return tuple(motion for motion in self.motions if motion.kind != "slide")
 
     @property
     def has_axis(self) -> bool:
-        """True if a case file gives its axis."""
+        """True if a case file gives the axis of the joint."""
         return any(motion.axis == "given" for motion in self.motions if motion.kind != "ball")
 
     @property
     def has_quaternion(self) -> bool:
-        """True if its last four coordinates are a quaternion."""
+        """True if the last four coordinates are a quaternion."""
         return "q" in self.coordinates
 
     @property
     def transmits(self) -> bool:
-        """True if a force can act between its bodies: it allows less than any motion."""
+        """True if a force can act between the bodies of the joint, because it has fewer than six velocities."""
         return len(self.velocities) < 6
 
     def columns(self, letter: str) -> slice:
-        """The columns, among its coordinates, of those that have a letter, which are side by side."""
+        """The slice of the coordinates with a given letter, which are adjacent; an empty slice if no coordinate has it."""
         first = self.coordinates.find(letter)
         return slice(first, first + self.coordinates.count(letter)) if first >= 0 else slice(0, 0)
 

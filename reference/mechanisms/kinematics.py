@@ -1,7 +1,8 @@
-"""Poses and velocities of the bodies of a mechanism from the coordinates of its joints, and these from the poses.
+"""The states of the bodies of a mechanism from the coordinates and velocities of its joints, and the reverse.
 
-One formula gives the joint coordinates of the truth and of every engine: engines return states of bodies, and what they store
-of their joints may lag by a step. Everything is in double precision. The conventions are those of `coordinates`.
+The joint coordinates of the truth and of every engine follow by the same formula from the states of the bodies, since the joint
+coordinates that an engine stores may lag by a step. Everything is in double precision. The conventions are those of
+`coordinates`.
 """
 
 from collections.abc import Iterator
@@ -27,11 +28,11 @@ class _Frame:
     Attributes
     ----------
     origin, velocity
-        (n, 3) position (m) and velocity (m/s) of its origin, along the axes of the world or of another frame.
+        (n, 3) position (m) and velocity (m/s) of its origin, relative to the world or another outer frame and along its axes.
     turn
-        (n, 4) unit quaternions from its axes to these.
+        (n, 4) unit quaternions from its axes to the axes of the outer frame.
     rate
-        (n, 3) its angular velocity against them, along its own axes (rad/s).
+        (n, 3) its angular velocity relative to the outer frame, along its own axes (rad/s).
     """
 
     origin: Array
@@ -40,7 +41,7 @@ class _Frame:
     rate: Array
 
     def after(self, parent: "_Frame") -> "_Frame":
-        """This motion, which is relative to a parent, in the frame to which the motion of the parent is relative."""
+        """Convert this motion, which is relative to `parent`, to the frame to which the motion of `parent` is relative."""
         return _Frame(
             parent.origin + rotate(parent.turn, self.origin),
             normalise(multiply(parent.turn, self.turn)),
@@ -49,7 +50,7 @@ class _Frame:
         )
 
     def seen_from(self, parent: "_Frame") -> "_Frame":
-        """This motion relative to that of a parent, both relative to the same frame: the inverse of `after`."""
+        """This motion relative to `parent`, where both are given relative to the same frame. The inverse of `after`."""
         back = conjugate(parent.turn)
         origin, turn = rotate(back, self.origin - parent.origin), normalise(multiply(back, self.turn))
         return _Frame(
@@ -72,12 +73,12 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
     free
         The states (f, n, ...) of the f bodies that are the child of no joint, in the order of the file; None if there are none.
     t
-        (n,) instants (s), which are needed where no body is free.
+        (n,) instants (s), which are needed if no body is free.
 
     Raises
     ------
     ValueError
-        If the instants are not known.
+        If both `t` and `free` are None.
     """
     instants = t if t is not None else free.t if free is not None else None
     if instants is None:
@@ -86,7 +87,7 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
     frames: dict[int, _Frame] = {WORLD: _at_rest(len(instants))}
     unheld = (index for index, joint in enumerate(mechanism.joint_of) if joint is None)
     for row, index in enumerate(unheld):
-        assert free is not None  # a mechanism with free bodies has their states
+        assert free is not None  # required for a mechanism with free bodies
         frames[index] = _frame_of(mechanism.bodies[index], free.body(row))
     for joint in from_the_root(mechanism):
         coordinates, moving = held[joint]
@@ -100,9 +101,10 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
 def joints(mechanism: Mechanism, trajectory: Trajectory) -> JointMotion:
     """The motion of the joints (n instants) from the states (b, n, ...) of the bodies.
 
-    Where the bodies of a joint have come apart, its coordinates are what is left of their relative motion along them. Angles go
-    on over full turns: from one instant to the next the mean of both rates predicts the turns, and the poses decide the rest.
-    They begin, as the signs of quaternions do, from the initial values of the mechanism at t = 0.
+    Where the bodies of a joint have come apart, its coordinates are the components of their relative motion that the joint
+    allows. Angles continue beyond full turns: from one instant to the next, the mean of both rates predicts the number of full
+    turns, and the poses determine the angle within a turn. The angles, and the signs of quaternions, continue from the initial
+    values of the mechanism at t = 0.
     """
     pairs = [_coordinates(joint, _relative(mechanism, joint, trajectory), trajectory.t) for joint in mechanism.joints]
     nothing = np.empty((len(trajectory), 0))
@@ -134,8 +136,8 @@ def start_of(mechanism: Mechanism) -> JointMotion:
 def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
     """Return the largest distance (n,) that the bodies of a joint, or the points of a loop, have come apart (m).
 
-    It is the distance between the origins of the joint's frame on both bodies, without what the joint allows: along the axis of
-    a prismatic joint, in the plane of a planar one, and anywhere for a free one.
+    For a joint it is the distance of the child's origin from the origin of the joint's frame, without the displacements that
+    the joint allows: along the axis of a prismatic joint, in the plane of a planar joint, in any direction for a free joint.
     """
     largest = np.zeros(len(trajectory))
     for joint in mechanism.joints:
@@ -150,7 +152,7 @@ def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
 
 
 def from_the_root(mechanism: Mechanism) -> Iterator[Joint]:
-    """The joints in an order in which each comes after that whose child is its parent."""
+    """The joints, each after the joint of its parent."""
     above = mechanism.joint_of
     done: set[int] = set()
 
@@ -182,7 +184,7 @@ def _at_rest(n: int) -> _Frame:
 
 
 def _joint_frame(joint: Joint, parent: _Frame) -> _Frame:
-    """The motion of a joint's frame, which is fixed in that of its parent."""
+    """The motion of a joint's frame, which is fixed in the frame of its parent."""
     n = len(parent.origin)
     fixed = _Frame(_each(joint.position, n), _each(exact.nearest_turn(joint.attitude), n), np.zeros((n, 3)), np.zeros((n, 3)))
     return fixed.after(parent)
@@ -240,7 +242,7 @@ def _along(joint: Joint, motion: ElementaryMotion, vectors: Array) -> Array:
 
 
 def _x_seen_behind_y(angle: Array) -> Array:
-    """The axis x (n, 3) along the axes of a frame that is turned about y by angles (n,)."""
+    """The components (n, 3) of the axis x along the axes of frames that are turned about y by angles (n,)."""
     return np.stack([np.cos(angle), np.zeros(len(angle)), np.sin(angle)], axis=-1)
 
 
@@ -254,7 +256,7 @@ def _coordinates(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:
 
 
 def _turning(joint: Joint, seen: _Frame, t: Array, first: int) -> tuple[Array, Array]:
-    """The coordinates (n, c) and velocities (n, u) of the turns or the ball of a joint. first: the column of the first one."""
+    """The coordinates (n, c) and velocities (n, u) of a joint's turns or ball. first: the index of their first column."""
     start, start_rate = joint.start[first:], joint.start_velocity[first:]
     match joint.form.turns:
         case ():
@@ -265,8 +267,8 @@ def _turning(joint: Joint, seen: _Frame, t: Array, first: int) -> tuple[Array, A
             rate = _along(joint, alone, seen.rate)
             angle = _turned_on(_angle_about(seen.turn, _axis(joint, alone)), rate, t, start[0], start_rate[0])
             return angle[:, None], rate[:, None]
-    # Turns about x and y: the turned y is in the plane of y and z of the joint's frame, at the first angle; the x of that frame
-    # is in the plane of x and z of the child, at the second angle.
+    # Turns about x and y: the turned axis y is in the plane of y and z of the joint's frame, at the first angle; the axis x of
+    # the joint's frame is in the plane of x and z of the child, at the second angle.
     turned_y = rotate(seen.turn, _each(tuple(_AXES["y"]), len(t)))
     own_x = rotate(conjugate(seen.turn), _each(tuple(_AXES["x"]), len(t)))
     first_angle, second_angle = np.arctan2(turned_y[:, 2], turned_y[:, 1]), np.arctan2(own_x[:, 2], own_x[:, 0])
@@ -281,7 +283,7 @@ def _angle_about(turn: Array, axis: Array) -> Array:
 
 
 def _turned_on(raw: Array, rate: Array, t: Array, start: float, start_rate: float) -> Array:
-    """Angles (n,) that go on over full turns, from angles up to these, from their rates, and from the values at t = 0."""
+    """Angles (n,) that continue beyond full turns, from angles `raw` without full turns, rates, and the values at t = 0."""
     angles = np.concatenate([[start], raw])
     rates, instants = np.concatenate([[start_rate], rate]), np.concatenate([[0.0], t])
     predicted = np.diff(instants) * (rates[1:] + rates[:-1]) / 2
@@ -290,7 +292,7 @@ def _turned_on(raw: Array, rate: Array, t: Array, start: float, start_rate: floa
 
 
 def _same_sign(turn: Array, start: Array) -> Array:
-    """Quaternions (n, 4) with signs such that each is the nearer one to that before it, and the first to the start."""
+    """Quaternions (n, 4) with signs such that each is nearest to the quaternion before it, and the first to `start`."""
     before = np.concatenate([start[None], turn])
     signs = np.where(dot(before[1:], before[:-1]) < 0, -1.0, 1.0)
     return np.asarray(turn * np.cumprod(signs)[:, None])
@@ -305,7 +307,10 @@ def _start(joint: Joint) -> tuple[float, ...]:
 
 
 def _gap(joint: Joint, apart: Array) -> Array:
-    """Return the distances (n,) by which a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
+    """Return the distances (n,) by which the bodies of a joint are apart without the displacements that the joint allows.
+
+    apart: (n, 3) positions of the child's origin in the joint's frame (m).
+    """
     left = apart
     for slide in joint.form.slides:
         left = left - _along(joint, slide, apart)[:, None] * _axis(joint, slide)

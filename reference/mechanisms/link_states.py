@@ -1,12 +1,12 @@
 """The equations of motion of a tree as a system of first order, and the layout of its state, in any arithmetic.
 
-The state has the coordinates and the rates of one link after another (see `articulated.Link`). A free link with others on it
-is followed from where it would be if it moved with the centre of mass of its tree, so that a long flight does not take the
-digits of the rest; that difference (3,) and its derivative (3,), world, are the last components of the state. A free body
-alone is always there.
+The state has the coordinates and the rates of one link after another (see `articulated.Link`). For a free link that carries
+other links, the last components of the state are the displacement (3,) and its derivative (3,), world, from the position that
+the link would have if it moved with the velocity of the centre of mass of its tree, so that a long flight does not cost digits.
+For a free body that carries nothing the displacement is zero, and the state does not have it.
 
-The equations of quaternions conserve their norm, which then changes by rounding only, as every other variable does. So the
-matrices are formed without dividing by it.
+The equations of quaternions conserve their norm, which changes by rounding only. So the matrices are formed without dividing
+by the norm.
 """
 
 from collections.abc import Sequence
@@ -30,8 +30,8 @@ SIZES: dict[Kind, tuple[int, int]] = {"revolute": (1, 1), "prismatic": (1, 1), "
 class LinkStates:
     """The states of a link at n instants, in a floating-point type.
 
-    coordinates: (n, 1) or (n, 4), and rates: (n, 1) or (n, 3), as in `articulated.Link`. origin, velocity: (n, 3) of a free
-    link, the position (m) and velocity (m/s) of its origin in the world; None for any other.
+    coordinates: (n, 1) or (n, 4), and rates: (n, 1) or (n, 3), as in `articulated.Link`. origin, velocity: (n, 3) position (m)
+    and velocity (m/s) of the origin of a free link, in the world; None for any other link.
     """
 
     coordinates: WideArray
@@ -42,19 +42,19 @@ class LinkStates:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A joint with dry friction begins or ceases to slip.
+    """A change in which a joint with dry friction begins or ceases to slip.
 
     Attributes
     ----------
     time
-        When (s), in the floating-point type of the motion.
+        The time of the change (s), in the floating-point type of the motion.
     joint
-        The place of the joint in the mechanism.
+        The index of the joint in the mechanism.
     mode
-        What it does from then on: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+        The mode of the joint from then on: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
     slope
-        How fast what has become zero went there: the velocity of the joint where it slipped before (rad/s^2 or m/s^2), else
-        what is left of the friction (N m/s or N/s). An error of that quantity divided by it is the error of the time.
+        The rate at which a quantity of the joint became zero: its velocity if it slipped before (rad/s^2 or m/s^2), else the
+        unused part of its friction (N m/s or N/s). The error of this quantity, divided by the slope, is the error of the time.
     """
 
     time: Any
@@ -73,7 +73,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A tree in some arithmetic: the kind and the parent of each link, its numbers, and gravity (3,)."""
+    """A tree in any arithmetic: the kind and the parent of each link, its constants, and gravity (3,) (see `Tree`)."""
 
     links: Sequence[tuple[Kind, int]]
     constants: Sequence[Constants]
@@ -81,7 +81,7 @@ class Form:
 
     @property
     def floats(self) -> bool:
-        """True if the first link is free and carries others."""
+        """True if the first link is free and carries other links."""
         return self.links[0][0] == "free" and len(self.links) > 1
 
 
@@ -94,7 +94,7 @@ class Rates:
 
 
 def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
-    """The derivative of a state. functions: what has the functions `sin` and `cos` of the arithmetic."""
+    """The derivative of a state. functions: a module or object with the functions `sin` and `cos` of the arithmetic."""
     links, first = [], 0
     for (kind, parent), constants in zip(form.links, form.constants, strict=True):
         middle, last = first + SIZES[kind][0], first + sum(SIZES[kind])
@@ -111,7 +111,7 @@ def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
-    """The derivatives of the coordinates of a link: of a quaternion, q Omega / 2."""
+    """The derivatives of the coordinates of a link; for a quaternion q with angular velocity Omega, q Omega / 2."""
     if len(link.coordinates) == 1:
         return link.rates
     (w, i, j, k), (x, y, z) = link.coordinates, link.rates
@@ -124,7 +124,7 @@ def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
 
 
 def in_doubles(tree: Tree) -> Form:
-    """A tree in double precision; zeros are integers, by which the recursion knows them."""
+    """A tree in double precision. Zeros are the integer 0, by which the recursion recognises terms that are absent."""
     links = [(link.kind, link.parent) for link in tree.links]
     return Form(links, [_in_doubles(link.constants) for link in tree.links], [_double(part) for part in tree.gravity])
 
@@ -142,7 +142,7 @@ def _double(value: Real) -> float | int:
 
 
 def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:
-    """The place of each link's first rate in a state."""
+    """The index of each link's first rate in a state. links: the kind and the parent of each link."""
     indices, first = [], 0
     for kind, _ in links:
         indices.append(first + SIZES[kind][0])
@@ -151,7 +151,7 @@ def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:
 
 
 def start(tree: Tree) -> list[Real]:
-    """The exact state at t = 0."""
+    """The exact state of a tree at t = 0."""
     state = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
     if tree.floats:
         state += [*ORIGIN, *plus(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
@@ -171,7 +171,7 @@ def common_velocity(tree: Tree) -> Vector3:
 
 
 def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> list[LinkStates]:
-    """The states of the links from states (n, k) at times (n,)."""
+    """The states of the links of a tree, from states (n, k), `rows`, at times (n,), s."""
     states, first = list[LinkStates](), 0
     for link in tree.links:
         middle, last = first + SIZES[link.kind][0], first + sum(SIZES[link.kind])
@@ -184,7 +184,10 @@ def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> lis
 
 
 def _flown(tree: Tree, floating: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
-    """Position and velocity (n, 3), world, of the first link, which is free, from those relative to where it would be."""
+    """Position (m) and velocity (m/s), each (n, 3), world, of the first link, which is free.
+
+    floating: (n, 6) its displacement and velocity relative to a parabola with the velocity of the centre of mass.
+    """
     begin, t = tree.links[0].start, kind.array(times)[:, None]
     origin, velocity, fall = (kind.array(part) for part in (begin.pose.origin, common_velocity(tree), tree.fall))
     return origin + (velocity + fall * t / 2) * t + floating[:, :3], velocity + fall * t + floating[:, 3:]

@@ -1,8 +1,8 @@
 """The physical content of a case of several bodies: bodies, the joints between them, loops, and gravity, in SI units.
 
-World frame: z points up and gravity acts along -z. Each body has a frame of its own, which is the frame of its joint when the
+World frame: z points up and gravity acts along -z. Each body has a frame, which coincides with the frame of its joint when the
 joint's coordinates are zero, as in URDF. The bodies and joints form trees that begin at the world. A body that is the child of
-no joint is free. The numbers are those of the file and are meant exactly, as those of `definition`; `exact` computes from them.
+no joint is free. The numbers are the numbers of the file and are meant exactly, as in `definition`; `exact` computes with them.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType
 from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
-#: The place of the world where the place of a body is meant.
+#: The index that denotes the world instead of a body.
 WORLD = -1
 
 
@@ -26,7 +26,7 @@ class BodyStart:
     attitude
         Its attitude: the rotation from the body's frame to the world.
     rotation
-        Its angular velocity in the body's frame (rad/s), or the rates of the Euler angles of the attitude.
+        Its angular velocity in the body's frame (rad/s), or the rates of the attitude's Euler angles.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -44,14 +44,14 @@ class JointedBody:
     name
         Its name, unique in the mechanism.
     inertia
-        What it is made of, in its frame: a solid at its centre of mass, an inertia tensor about the centre of mass, or
-        particles or solids at their places. Moments may be zero.
+        Its mass distribution, in its frame: a solid at its centre of mass, an inertia tensor about the centre of mass, or
+        several particles or solids at given positions. Moments of inertia may be zero.
     center_of_mass
-        The centre of mass in the body's frame (m). It counts for a tensor alone; solids and particles have their positions.
+        The centre of mass in the body's frame (m), for an inertia tensor alone; solids and particles determine their own.
     start
-        Its initial state; None where it is the child of a joint.
+        Its initial state; None if it is the child of a joint.
     shape
-        Its shape about the centre of mass, along the axes of its frame, where it is not that of a solid that it is made of.
+        Its shape about the centre of mass, along the axes of its frame; None if it has no shape, or the shape of its one solid.
     """
 
     name: str
@@ -70,19 +70,19 @@ class Joint:
     name, type
         Its name, unique in the mechanism, and its type.
     parent, child
-        The places of the two bodies in `Mechanism.bodies`; the parent may be `WORLD`.
+        The indices of the two bodies in `Mechanism.bodies`; the parent may be `WORLD`.
     position, attitude
-        The joint's frame in the parent's frame: its origin (m), and the rotation from its axes to those of the parent.
+        The joint's frame in the parent's frame: its origin (m), and the rotation from its axes to the parent's axes.
     axis
         The axis of a revolute or prismatic joint in the joint's frame, of any length.
     armature
-        Inertia that is added to that of the joint's coordinate (kg m^2 or kg).
+        Inertia that is added to the inertia of the joint's coordinate (kg m^2 or kg).
     damping
         Coefficient of the force against the joint's velocity (N m s/rad or N s/m).
     stiffness, rest
         Coefficient of the force towards the coordinate `rest` (N m/rad or N/m; rad or m).
     friction
-        Size of the dry friction against the joint's velocity, which holds a joint at rest too (N m or N).
+        Largest dry friction against the joint's velocity, which can also hold the joint at rest (N m or N).
     effort
         Constant force along the coordinate (N m or N).
     start, start_velocity
@@ -108,18 +108,18 @@ class Joint:
 
     @property
     def form(self) -> JointForm:
-        """The entry of its type in the table of joint types."""
+        """The entry of the joint's type in `JOINT_TYPES`."""
         return JOINT_TYPES[self.type]
 
 
 @dataclass(frozen=True)
 class Loop:
-    """A point of one body that stays on a point of another.
+    """A point of one body that coincides with a point of another body.
 
     Attributes
     ----------
     bodies
-        The places of the two bodies; one may be `WORLD`.
+        The indices of the two bodies; one may be `WORLD`.
     points
         The two points, each in the frame of its body (m).
     """
@@ -135,9 +135,9 @@ class PairContact:
     Attributes
     ----------
     bodies
-        The places of the two bodies; one may be `WORLD`, which is the plane.
+        The indices of the two bodies; one may be `WORLD`, which denotes the plane.
     friction, restitution
-        As those of `scene.Plane`.
+        As in `scene.Plane`.
     """
 
     bodies: tuple[int, int]
@@ -154,13 +154,13 @@ class Mechanism:
     bodies, joints
         The bodies and the joints, in the order of the file.
     loops
-        What closes chains.
+        The closures of chains of joints.
     gravity
         Magnitude of the gravitational acceleration, along -z (m/s^2).
     plane
-        The plane that bodies lie on or fall on; None where bodies pass through each other and there is no plane.
+        The plane that bodies lie on or fall on; None if there is no plane and bodies pass through each other.
     contacts
-        The pairs that touch otherwise than as the plane says.
+        The pairs whose friction and restitution differ from those of the plane.
     pushes
         Constant forces on bodies.
     """
@@ -175,7 +175,7 @@ class Mechanism:
 
     @property
     def conserves(self) -> bool:
-        """True if energy is conserved: there are no damping, dry friction, plane and pushes."""
+        """True if energy is conserved, since there is no damping, dry friction, plane or push."""
         return not (any(joint.damping or joint.friction for joint in self.joints) or self.plane is not None or self.pushes)
 
     @property
@@ -186,7 +186,7 @@ class Mechanism:
 
 
 def depth_first(mechanism: Mechanism) -> Iterator[int]:
-    """The places of all bodies, each followed by all that hang on it, children in the order of the file."""
+    """The indices of all bodies, each followed by all bodies that hang on it, children in the order of the file."""
     children: dict[int, list[int]] = {}
     for body, joint in enumerate(mechanism.joint_of):
         children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
@@ -201,12 +201,12 @@ AnyScene = Scene | Mechanism
 
 
 def alone(scene: AnyScene) -> Scene:
-    """The scene, where it is that of a single body. Raises `TypeError` for a mechanism, which callers have set apart."""
+    """Return the scene, which must be of a single body. Raises `TypeError` for a mechanism; callers exclude these before."""
     if isinstance(scene, Mechanism):
         raise TypeError("a mechanism where a single body is meant")
     return scene
 
 
 def shape_of(body: JointedBody) -> Shape | None:
-    """The shape of a body, or that of the one solid that it is made of; None if it has none."""
+    """The shape of a body, or of the one solid that it is made of; None if it has no shape."""
     return body.shape or getattr(body.inertia, "shape", None)

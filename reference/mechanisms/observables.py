@@ -20,12 +20,12 @@ class MechanismObservables:
     kinetic_energy
         (n,) kinetic energy of the bodies and of the armatures (J).
     potential_energy
-        (n,) potential energy (J) of gravity, springs and constant efforts. Gravity counts from the initial heights, and efforts
-        from the initial coordinates, so that it does not depend on where the origin is.
+        (n,) potential energy (J) of gravity, springs and constant efforts. The energy of gravity is zero at the initial heights
+        and the energy of efforts at the initial coordinates, so that both are independent of the origin.
     momentum
         (n, 3) linear momentum, world (kg m/s).
     angular_momentum
-        (n, 3) angular momentum of the bodies about the centre of mass of all, world (kg m^2/s).
+        (n, 3) angular momentum of the bodies about their common centre of mass, world (kg m^2/s).
     """
 
     kinetic_energy: Array
@@ -35,7 +35,7 @@ class MechanismObservables:
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic and potential energy together (n,), J."""
+        """The sum of kinetic and potential energy (n,), J."""
         return self.kinetic_energy + self.potential_energy
 
 
@@ -62,7 +62,7 @@ def observe(mechanism: Mechanism, trajectory: Trajectory) -> MechanismObservable
 def floats(mechanism: Mechanism) -> bool:
     """Return whether nothing holds or pushes the mechanism, so that only gravity changes its linear momentum.
 
-    Its angular momentum about the centre of mass of all is then conserved, and the linear one where there is no gravity.
+    Its angular momentum about the common centre of mass is then conserved, and without gravity also its linear momentum.
     """
     if mechanism.plane is not None or mechanism.pushes:
         return False

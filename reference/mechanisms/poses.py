@@ -1,4 +1,4 @@
-"""Poses and velocities of the links of a tree, in any floating-point type, and from them joint coordinates and bodies."""
+"""Motions of the links of a tree, in any floating-point type, and the motions of joints and bodies that follow from them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,8 +20,8 @@ from bodycheck.reference.trajectory import Array, Trajectory
 class Frames:
     """The motion of a frame at n instants.
 
-    turn: (n, 4) unit quaternions from its axes to those of the world. origin, velocity: (n, 3) of its origin, world (m, m/s).
-    spin: (n, 3) its angular velocity along its own axes (rad/s).
+    turn: (n, 4) unit quaternions from its axes to the axes of the world. origin, velocity: (n, 3) position (m) and velocity
+    (m/s) of its origin, world. spin: (n, 3) its angular velocity along its own axes (rad/s).
     """
 
     turn: WideArray
@@ -30,7 +30,12 @@ class Frames:
     spin: WideArray
 
     def moved(self, turn: WideArray, shift: WideArray, velocity: WideArray | None, spin: WideArray | None) -> "Frames":
-        """A frame whose turn and shift (n, 4) and (n, 3) are given in this one, and its velocities relative to this one."""
+        """The motion in the world of a frame that moves relative to this frame.
+
+        turn: (n, 4) quaternions from its axes to the axes of this frame. shift, velocity: (n, 3) position and velocity of its
+        origin relative to this frame, along the axes of this frame. spin: (n, 3) its relative angular velocity, along its own
+        axes. None means zero.
+        """
         arm = rotate(self.turn, shift)
         swung = self.velocity + cross(rotate(self.turn, self.spin), arm)
         carried = rotate(conjugate(turn), self.spin)
@@ -42,13 +47,13 @@ class Frames:
         )
 
     def carried(self, pose: Place, kind: FloatType) -> "Frames":
-        """A frame that is fixed in this one."""
+        """The motion in the world of a frame that is fixed in this frame, at `pose`."""
         turn, shift = _spread(pose.turn, len(self.turn), kind), _spread(pose.origin, len(self.turn), kind)
         return self.moved(turn, shift, None, None)
 
 
 def resting(pose: Place, count: int, kind: FloatType) -> Frames:
-    """A frame that does not move, at `count` instants."""
+    """A frame at rest in the world, at `pose`, for `count` instants."""
     zeros = _spread((MP.mpf(0),) * 3, count, kind)
     return Frames(_spread(pose.turn, count, kind), _spread(pose.origin, count, kind), zeros, zeros)
 
@@ -123,7 +128,7 @@ def bodies_of(mechanism: Mechanism, times: Array, position: WideArray, velocity:
 def _state_of(
     mechanism: Mechanism, whole: Forest, link: Link, position: WideArray, velocity: WideArray, kind: FloatType
 ) -> LinkStates:
-    """The states of a link; of a ball along the axes of the link, which are not those of the joint and of its child."""
+    """The states of a link; for a ball, along the axes of the link, which differ from the axes of the joint and the child."""
     held, moving = places(mechanism)[link.joint]
     if link.kind != "ball":
         column, rate = held.start + link.coordinate, moving.start + link.coordinate
@@ -159,7 +164,7 @@ def joints(
 
 
 def _ball(link: Link, state: LinkStates, child: Place, kind: FloatType) -> tuple[WideArray, WideArray]:
-    """The quaternion of a ball from the child's frame to that of the joint, and its rates in the child's frame."""
+    """The quaternions (n, 4) of a ball from child to joint frame, and its angular velocities (n, 3) in the child's frame."""
     count = len(state.rates)
     socket, child_turn = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
     turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), child_turn)
@@ -167,7 +172,7 @@ def _ball(link: Link, state: LinkStates, child: Place, kind: FloatType) -> tuple
 
 
 def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tuple[WideArray, WideArray]:
-    """The coordinates (n, 7) and velocities (n, 6) of a free joint from the frames of its two bodies."""
+    """The coordinates (n, 7) and velocities (n, 6) of a free joint from the frames of all bodies."""
     child = frames[joint.child]
     parent = resting(Place(), count, kind) if joint.parent == WORLD else frames[joint.parent]
     seen = parent.carried(Place(exact.turn(joint.attitude), vector(joint.position)), kind)
@@ -179,6 +184,6 @@ def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tu
 
 
 def _spread(values: Quaternion4 | Vector3, count: int, kind: FloatType) -> WideArray:
-    """The same numbers (count, k) at all instants."""
+    """The numbers (k,), repeated for `count` instants (count, k)."""
     rounded: Any = kind.array(values)
     return np.tile(rounded, (count, 1))

@@ -1,6 +1,7 @@
 """The motion of a mechanism without loops: the articulated-body recursion, integrated in a floating-point type.
 
-Where heyoka is installed it is integrated by Taylor's method in any type, otherwise by SciPy's DOP853 in double precision.
+If heyoka is installed, it integrates the equations by Taylor's method in any type; otherwise SciPy's DOP853 integrates them in
+double precision.
 """
 
 import functools
@@ -20,7 +21,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: What follows the links of a tree at ascending or other times.
+#: A function that follows the links of a tree at times in any order.
 Solver = Callable[[Tree, WideArray, FloatType], Course]
 
 
@@ -33,9 +34,9 @@ class JointStates:
     position, velocity
         (n, c) coordinates and (n, u) velocities of the joints, in the layout of `coordinates`. Angles are not reduced.
     bodies
-        The states of all bodies, free ones included: arrays (b, n, ...) of that type, as `trajectory.Trajectory` has them.
+        The states of all bodies, including free bodies: arrays (b, n, ...) of the same type.
     changes
-        When joints with dry friction began and ceased to slip, up to the last instant.
+        The changes in which joints with dry friction began and ceased to slip, up to the last instant.
     """
 
     position: WideArray
@@ -54,14 +55,16 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     times
         (n,) times >= 0 in any order (s).
     dtype, bits
-        The floating-point type: `np.float64`, `np.longdouble`, heyoka's `real128`, or its `real` with a mantissa of some bits.
+        The floating-point type: `np.float64`, `np.longdouble`, heyoka's `real128`, or heyoka's `real` with a mantissa of `bits`
+        bits.
 
     Raises
     ------
     NotModelled
         If the mechanism has loops.
     OutOfReach
-        If the integration fails or takes too many steps, or too many joints of one tree have dry friction.
+        If the integration fails or takes too many steps, or rounding leaves undecided which joints with dry friction stick.
+        Without heyoka, also if a joint has dry friction.
     """
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
@@ -92,7 +95,7 @@ def solver() -> Solver:
 
 
 def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
-    """The links of a tree at times (n,) >= 0, s, in any order, by SciPy's DOP853 to double precision.
+    """The motion of the links of a tree at times (n,) >= 0, s, in any order, by SciPy's DOP853 in double precision.
 
     Raises
     ------
@@ -108,6 +111,6 @@ def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
 
     begin = np.array([float(value) for value in start(tree)])
     instants, rows = np.unique(times, return_inverse=True)
-    # States in SI units are of the order of one or larger; a smaller scale would make steps needlessly short.
+    # States in SI units are of the order of 1 or larger; a smaller scale would make steps needlessly short.
     states = dop853.solve(rates, begin, instants, np.maximum(np.abs(begin), 1.0))
     return Course(split(tree, states[rows].astype(kind.dtype), times, kind), ())

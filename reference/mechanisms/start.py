@@ -1,6 +1,6 @@
 """The start of a mechanism in the widest type of NumPy: pose and velocity of every body, and the inertia of every coordinate.
 
-It says whether a mechanism has a motion at all. The truth of the motion is computed elsewhere.
+These numbers decide whether a mechanism has a motion at all. The truth of the motion is computed elsewhere.
 """
 
 import functools
@@ -25,14 +25,14 @@ AXES = dict(zip("xyz", np.eye(3, dtype=Wide), strict=True))
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The frame of a body at the start, seen from the world.
+    """The frame of a body at the start, relative to the world.
 
     Attributes
     ----------
     turn
-        (3, 3) rotation matrix from the axes of the frame to those of the world.
+        (3, 3) rotation matrix from the axes of the frame to the axes of the world.
     origin, velocity
-        (3,) its origin (m), and the velocity of it (m/s).
+        (3,) position (m) and velocity (m/s) of its origin.
     spin
         (3,) its angular velocity along the axes of the world (rad/s).
     """
@@ -43,11 +43,11 @@ class Frame:
     spin: WideArray
 
     def point(self, at: WideArray) -> WideArray:
-        """The place (3,) in the world of a point (3,) of the frame (m)."""
+        """The position (3,) in the world (m) of a point (3,) that is given in the frame (m)."""
         return np.asarray(self.origin + self.turn @ at)
 
     def speed(self, point: WideArray) -> WideArray:
-        """The velocity (3,) in the world (m/s) of a point (3,) of the frame (m)."""
+        """The velocity (3,) in the world (m/s) of a point (3,) that is fixed and given in the frame (m)."""
         return np.asarray(self.velocity + np.cross(self.spin, self.turn @ point))
 
 
@@ -58,13 +58,14 @@ class Coordinate:
     Attributes
     ----------
     joint
-        The place of the joint; None for a free body.
+        The index of the joint; None for a free body.
     body
-        The place of the body that it moves.
+        The index of the body that it moves.
     locked
-        With all joints locked that come after it on the way from the world: an element of the diagonal of the mass matrix.
+        The inertia with all joints locked that come after it on the way from the world: a diagonal element of the mass matrix.
     loose
-        With those joints loose, which is a pivot of the mass matrix. The mass matrix is positive definite where all are.
+        The inertia with these joints free to move: a pivot of the mass matrix, which is positive definite if all pivots are
+        positive.
     """
 
     joint: int | None
@@ -78,7 +79,10 @@ WORLD_FRAME = Frame(np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros(3, Wide),
 
 @functools.lru_cache(maxsize=4)
 def frames(mechanism: Mechanism) -> dict[int, Frame]:
-    """The frames of all bodies at the start by their places, with that of the world at `WORLD`. They are not to be changed."""
+    """The frames of all bodies at the start, by the indices of the bodies, and the frame of the world at `WORLD`.
+
+    Callers must not change the returned mapping.
+    """
     by_body = {WORLD: WORLD_FRAME}
     joint_of = mechanism.joint_of
     for index in _from_the_world(mechanism):
@@ -90,8 +94,8 @@ def frames(mechanism: Mechanism) -> dict[int, Frame]:
 def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     """The inertia of all coordinates of joints and free bodies at the start.
 
-    The pivots are those of the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
-    world. They are rounded in the widest type.
+    The pivots follow from the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
+    world. They have rounding errors of the widest type.
     """
     at, collected, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
     places = {joint.child: index for index, joint in enumerate(mechanism.joints)}
@@ -130,7 +134,7 @@ def tensor(body: JointedBody) -> WideArray:
 
 
 def _from_the_world(mechanism: Mechanism) -> list[int]:
-    """The places of all bodies, each behind the parent of its joint."""
+    """The indices of all bodies, each after the parent of its joint."""
     children: dict[int, list[int]] = {}
     for joint in mechanism.joints:
         children.setdefault(joint.parent, []).append(joint.child)
@@ -158,8 +162,8 @@ def _of_child(joint: Joint, parent: Frame) -> Frame:
 def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
     """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at the start, and its twists (k, 6).
 
-    A twist is what one of the joint's velocities gives the child: the velocity of its origin, and an angular velocity, both
-    along the axes of the joint's frame. Slides come before turns, which do not move the origin.
+    A twist is the velocity of the child's origin and the child's angular velocity for a unit value of one of the joint's
+    velocities, both along the axes of the joint's frame. Slides come before turns, which do not move the origin.
     """
     turn, shift, columns, q = np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros((0, 6), Wide), _wide(joint.start)
     for motion in joint.form.motions:
@@ -178,7 +182,7 @@ def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
 
 
 def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
-    """The same twists (k, 6) along the axes of the world."""
+    """The twists (k, 6) of a joint's child (see `_pose_and_columns`) along the world's axes. at: the frames of all bodies."""
     axes, twists = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint)[2]
     return np.concatenate([twists[:, :3] @ axes.T, twists[:, 3:] @ axes.T], axis=1)
 
@@ -191,19 +195,19 @@ def _inertia(body: JointedBody, frame: Frame) -> WideArray:
 
 
 def _moved(arm: WideArray) -> WideArray:
-    """The matrix (6, 6) that makes the twist at an origin of that at another one, from which it is away by (3,) (m)."""
+    """The matrix (6, 6) that converts the twist at a point to the twist at another point, at `arm` (3,) from it (m)."""
     one = np.eye(3, dtype=Wide)
     return np.block([[one, -_skew(arm)], [np.zeros((3, 3), Wide), one]])
 
 
 def _skew(v: WideArray) -> WideArray:
-    """The matrix (3, 3) of the cross product with a vector."""
+    """The matrix (3, 3) of the cross product v x."""
     x, y, z = v
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
 
 
 def _about(axis: WideArray, angle: Wide) -> WideArray:
-    """The rotation matrix (3, 3) about an axis of length one (Rodrigues)."""
+    """The rotation matrix (3, 3) about a unit axis (3,) by an angle, by Rodrigues' formula."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _skew(axis) + (1 - cosine) * np.outer(axis, axis))
 

@@ -1,13 +1,13 @@
 """Trees whose joints have dry friction, by Taylor's method with events (heyoka; Linux only).
 
-Each such joint slips forwards, slips backwards or sticks. While it slips, friction is a constant force against it; while it
-sticks, its coordinate does not move, and friction is whatever this takes, up to its size. A joint that slips does so until its
-velocity is zero, and one that sticks until that force exceeds the friction. Both are roots of functions of the state, which
-heyoka finds within the step of the series to the rounding of the arithmetic.
+Each such joint slips forwards, slips backwards or sticks. While it slips, friction is a constant force against its velocity;
+while it sticks, its coordinate does not move, and the force of friction is whatever keeps it at rest, up to the size of the
+friction. A joint slips until its velocity is zero, and sticks until the required force exceeds the friction. Both events are
+roots of functions of the state, which heyoka finds within the step of the series to the rounding of the arithmetic.
 
-Where joints are at rest at the start, or one comes to rest, what all those at rest do follows from their accelerations, which
-are linear in the forces of friction: a joint either does not accelerate, and its force is within the friction, or accelerates
-against it. This complementarity problem has one solution, as the mass matrix is positive definite.
+When joints are at rest at the start, or a joint comes to rest, the modes of all joints at rest follow from their accelerations,
+which are linear in the forces of friction: a joint either does not accelerate, and its force is within the friction, or it
+accelerates against the full friction. This complementarity problem has one solution, as the mass matrix is positive definite.
 """
 
 import functools
@@ -37,29 +37,30 @@ from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 from bodycheck.reference.trajectory import Array
 
-#: Most joints at rest of which every case is tried, 3 to this power, where rounding has spoilt the iteration.
+#: The largest number of joints at rest for which all combinations of modes, 3 to this power, are tried if the iteration fails.
 MOST_TRIED = 8
 
-#: Most rounds of the iteration, and the change of a force, in units of the friction, at which it ends.
+#: The largest number of rounds of the iteration, and the change of a force, in units of the friction, below which it ends.
 ROUNDS, UNCHANGED = 2000, 1e-13
 
-#: Most changes of what joints do.
+#: The largest number of changes between sticking and slipping.
 MOST_CHANGES = 10_000
 
-#: Part of a step after its beginning within which a joint that has just begun to slip has not come to rest again: there its
-#: velocity is zero but for rounding.
+#: The first part of a step, as a fraction, in which a joint that has just begun to slip does not count as having come to rest
+#: again: its velocity there is zero except for rounding.
 JUST_BEGUN = 2.0**-20
 
-#: Rounding of doubles in accelerations and forces, relative to the largest terms; a joint this near to a change is watched.
+#: Rounding of doubles in accelerations and forces, relative to the largest terms. A joint that sticks is watched if the unused
+#: part of its friction is smaller than this.
 NEAR = 1e-11
 
-#: What each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+#: The mode of each link with dry friction, by its index: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
 Modes = dict[int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class _Solver:
-    """heyoka's integrator, and the list to which it appends the places of links and the times of their changes."""
+    """heyoka's integrator, and the list to which it appends the index of a link and the time at each change."""
 
     solver: Any
     crossings: list[tuple[int, Any]]
@@ -72,7 +73,7 @@ class _Solver:
 
 @dataclass(frozen=True, eq=False)
 class _Phase:
-    """The beginning of a phase without changes: time and state, what the joints do, and which of them have just begun to."""
+    """The beginning of a phase without changes: time, state, modes of the links, and the links that have just begun to slip."""
 
     time: Any
     state: WideArray
@@ -81,7 +82,11 @@ class _Phase:
 
 
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
-    """The links of a tree at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
+    """The motion of the links of a tree at times (n,) >= 0, s, in any order.
+
+    Raises `OutOfReach` if Taylor's method fails or takes too many steps, there are too many changes, or rounding leaves
+    undecided which joints stick.
+    """
     shape = shape_of(tree)
     instants, order = np.unique(np.append(0.0, times), return_inverse=True)
     with integrator_lock:
@@ -107,7 +112,7 @@ def _noting(crossings: list[tuple[int, Any]], index: int) -> Callable[[Any, Any,
 
 
 def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> tuple[WideArray, tuple[Change, ...]]:
-    """The states (n, k) at ascending times (n,), the first of which is 0, and the changes."""
+    """The states (n, k) at ascending times (n,), s, the first of which is 0, and the changes between sticking and slipping."""
     state, changes = kind.array(start(tree)), list[Change]()
     moving = {index: int(np.sign(float(state[at]))) for index, at in _velocities(tree).items()}
     modes = settled(tree, state, moving)
@@ -134,7 +139,7 @@ def _slipping(modes: Modes, before: Modes) -> frozenset[int]:
 
 
 def _velocities(tree: Tree) -> dict[int, int]:
-    """The places in a state of the velocities of links with dry friction, by the places of the links."""
+    """The indices in a state of the velocities of links with dry friction, by the indices of the links."""
     places = places_of_rates([(link.kind, link.parent) for link in tree.links])
     return {index: places[index] for index, link in enumerate(tree.links) if link.friction}
 
@@ -142,9 +147,9 @@ def _velocities(tree: Tree) -> dict[int, int]:
 def _advanced(
     tree: Tree, kind: FloatType, solver: _Solver, phase: _Phase, instants: WideArray, rows: list[WideArray], most: int
 ) -> tuple[tuple[int, Any] | None, int]:
-    """Follow a phase to its end, and add the states at the instants in it.
+    """Follow a phase to its end, and append the states at the instants in it to `rows`.
 
-    Returns the change that ends it, None after the last, and how many of `most` steps are left.
+    Returns the change that ends the phase, or None in the last phase, and the number of steps that are left of `most`.
     """
     inner, first = solver.solver, True
     inner.time, inner.state[:] = phase.time, phase.state
@@ -172,9 +177,9 @@ def _advanced(
 
 
 def _changed(tree: Tree, state: WideArray, modes: Modes, index: int) -> tuple[WideArray, Modes]:
-    """The state after a change of a link, and what the links do from then on."""
+    """The state after a change of the link `index`, and the modes of all links from then on."""
     if not modes[index]:
-        # Its acceleration begins at zero, so that nothing changes at once for the others.
+        # Its acceleration begins at zero, so that the modes of the other links do not change at this instant.
         return state, {**modes, index: int(np.sign(_strains(tree, state, modes)[index]))}
     state, velocities = state.copy(), _velocities(tree)
     largest = float(max(abs(state[at]) for at in velocities.values()))
@@ -186,7 +191,9 @@ def _changed(tree: Tree, state: WideArray, modes: Modes, index: int) -> tuple[Wi
 
 
 def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
-    """Return the modes of links with dry friction: moving links keep theirs, and accelerations decide those at rest (0).
+    """Return the modes of links with dry friction: moving links keep their modes, and accelerations decide for links at rest.
+
+    moving: the sign of each link's velocity, 0 for a link at rest.
 
     Raises
     ------
@@ -213,7 +220,7 @@ def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
 def _guess(free: Array, across: Array) -> tuple[int, ...]:
     """Return the modes of joints at rest by the projected Gauss-Seidel iteration, which converges to the solution.
 
-    free: (m,) accelerations without friction. across: (m, m) what each one's whole friction adds.
+    free: (m,) accelerations without friction. across: (m, m) change of each joint's acceleration by each joint's full friction.
     """
     force = np.zeros(len(free))
     for _ in range(ROUNDS):
@@ -228,9 +235,9 @@ def _guess(free: Array, across: Array) -> tuple[int, ...]:
 
 
 def _responses(tree: Tree, state: WideArray, moving: Modes, rest: Sequence[int]) -> tuple[Array, Array]:
-    """The accelerations (m,) of links at rest without their friction, and (m, m) what each one's whole friction adds."""
+    """The accelerations (m,) of links at rest without their friction, and their changes (m, m) by the full friction of each."""
     form, places = _with_modes(tree, moving), [_velocities(tree)[index] for index in rest]
-    # A joint at rest is not held here: its acceleration without friction is needed.
+    # A joint at rest is not held fixed here, since its acceleration without friction is needed.
     constants = [
         replace(each, moves=1) if index in moving and not moving[index] else each for index, each in enumerate(form.constants)
     ]
@@ -249,7 +256,7 @@ def _responses(tree: Tree, state: WideArray, moving: Modes, rest: Sequence[int])
 
 
 def _with_modes(tree: Tree, modes: Mapping[int, int]) -> Form:
-    """A tree in doubles whose links with dry friction slip or stick."""
+    """A tree in double precision, with the friction and the held joints that the modes of its links imply."""
     form = in_doubles(tree)
     constants = list(form.constants)
     for index, mode in modes.items():
@@ -263,20 +270,20 @@ def _strains(tree: Tree, state: WideArray, modes: Modes) -> list[float]:
 
 
 def _left(tree: Tree, state: WideArray, modes: Modes, index: int) -> float:
-    """Return the unused part of the friction of a link that sticks, in units of the friction; the speed of one that slips."""
+    """Return the speed of a link if it slips, or the unused part of its friction, in units of the friction, if it sticks."""
     if modes[index]:
         return abs(float(state[_velocities(tree)[index]]))
     return 1 - abs(_strains(tree, state, modes)[index]) / float(tree.links[index].friction)
 
 
 def _nearly_slipping(tree: Tree, state: WideArray, modes: Modes) -> list[int]:
-    """The links that stick with all of their friction."""
+    """The links that stick and use all of their friction, within `NEAR`."""
     sticking = [index for index, mode in modes.items() if not mode]
     return [index for index in sticking if _left(tree, state, modes, index) < NEAR]
 
 
 def _slope(tree: Tree, solver: _Solver, phase: _Phase, index: int, time: Any) -> float:
-    """Return the rate at which the velocity of a link, or its unused friction, became zero at a time of the last step."""
+    """Return the rate at which the velocity of a link, or its unused friction, became zero at a time within the last step."""
     lapse = time - phase.time
     if lapse <= 0:
         return 0.0
@@ -286,7 +293,7 @@ def _slope(tree: Tree, solver: _Solver, phase: _Phase, index: int, time: Any) ->
 
 
 def _check_directions(tree: Tree, state: WideArray, modes: Modes, time: float) -> None:
-    """Raise `OutOfReach` if a link slips against the direction in which it was last known to."""
+    """Raise `OutOfReach` if a link moves against the direction of its mode by more than rounding. time: for the message, s."""
     for index, at in _velocities(tree).items():
         if modes[index] * float(state[at]) < -NEAR * float(np.abs(state.astype(float)).max()):
             raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips after t = {time:.6g} s")

@@ -1,13 +1,15 @@
 """A mechanism as trees of links on elementary joints, in exact arithmetic.
 
-A tree is what hangs together through joints with at least one coordinate, apart from the world, which does not move, and from
-free joints, which transmit no force. So trees do not influence one another. A body on a fixed joint is part of the link that
-it is fixed to; a universal and a planar joint are two and three elementary joints with links without mass between them.
+A tree consists of the links that are connected by joints with at least one coordinate, other than through the world, which does
+not move, and other than by free joints, which transmit no force. So trees do not influence one another. A body on a fixed joint
+is part of the link that it is fixed to; a universal joint is two elementary joints and a planar joint is three, with massless
+links between them.
 
-Each link has a frame of its own. For a revolute or prismatic joint, z of this frame is the joint's axis and its origin lies on
-the axis, beside that of the parent where the two axes are parallel. For a ball the origin is its centre, for a free link the
-centre of mass, and the axes are the principal ones about it. The frame that does not move is that of the first joint. So the
-links do not depend on the choice of frames, and many of their numbers are zero, which the equations need not multiply by.
+Each link has a frame. For a revolute or prismatic joint, z of this frame is the joint's axis and its origin lies on the axis;
+if the axis of the parent is parallel, the origin has the same z as the parent's origin. For a ball the origin is its centre,
+for a free link it is the centre of mass, and the axes are the principal axes about the origin. The base frame, which does not
+move, is the frame of the first joint. So the links do not depend on the choice of frames in the file, and many of their numbers
+are zero, so that the equations omit these terms.
 """
 
 import functools
@@ -37,7 +39,7 @@ _AXES = {"x": vector((1, 0, 0)), "y": vector((0, 1, 0)), "z": vector((0, 0, 1))}
 #: The kinds of links on the elementary motions of joints.
 _KINDS: dict[MotionKind, Kind] = {"turn": "revolute", "slide": "prismatic", "ball": "ball"}
 
-#: The place of a link's parent where that does not move.
+#: The index that denotes the base, which does not move, as the parent of a link.
 STILL = -1
 
 
@@ -48,19 +50,20 @@ class Link:
     Attributes
     ----------
     kind, parent
-        The kind of its joint, and the place of its parent in the tree or `STILL`.
+        The kind of its joint, and the index of its parent in the tree or `STILL`.
     constants, friction
-        Its exact numbers, and the dry friction of its joint (N m or N).
+        Its exact constants, and the dry friction of its joint (N m or N).
     joint, coordinate
-        The place of the joint in the mechanism, -1 for a body without one; and which of its coordinates this link has.
+        The index of the joint in the mechanism, -1 for a body without a joint; and the index of the link's coordinate among the
+        coordinates of this joint.
     before
-        The frame of this link where its coordinates are zero, in that of its parent; of a ball with the parent's axes.
+        The frame of this link in the frame of its parent if its coordinates are zero; for a ball, it has the parent's axes.
     socket
-        The frame of the mechanism's joint in that of the parent.
+        The frame of the mechanism's joint in the frame of the parent.
     coordinates, rates
         The initial state, as in `articulated.Link`.
     start
-        The frame of the link as it moves at t = 0.
+        The motion of the frame of the link at t = 0.
     """
 
     kind: Kind
@@ -78,10 +81,11 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """Links, each after its parent, and what does not move below them.
+    """Links, each after its parent, and the base on which they stand, which does not move.
 
-    base: the frame that does not move, in the world. gravity: (3,) gravitational acceleration along its axes (m/s^2), zero for
-    a tree whose first link is free, since this link is followed from where it would fall to. fall: (3,) that of the world.
+    base: the place of the base frame in the world. gravity: (3,) gravitational acceleration along the axes of the base (m/s^2);
+    zero for a tree whose first link is free, since this link is followed relative to its free fall. fall: (3,) gravitational
+    acceleration along the axes of the world (m/s^2).
     """
 
     links: tuple[Link, ...]
@@ -91,13 +95,13 @@ class Tree:
 
     @property
     def floats(self) -> bool:
-        """True if the first link is free and carries others."""
+        """True if the first link is free and carries other links."""
         return self.links[0].kind == "free" and len(self.links) > 1
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """The place of a body: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
+    """The place of a body: the index of its tree (-1 if the body does not move), of its link, and its frame in the link's."""
 
     tree: int
     link: int
@@ -114,7 +118,7 @@ class Forest:
 
 @dataclass(frozen=True, eq=False)
 class _Draft:
-    """A forest that grows."""
+    """A forest under construction: the links and the base of each tree, and the anchors of the bodies added so far."""
 
     mechanism: Mechanism
     trees: list[list[Link]]
@@ -157,7 +161,7 @@ def _gravity(root: Link, base: Place, down: Vector3) -> Vector3:
 
 
 def _ordered(mechanism: Mechanism) -> list[int]:
-    """The bodies, each after its parent."""
+    """The indices of the bodies, each after its parent."""
     children: dict[int, list[int]] = {}
     for body, joint in enumerate(mechanism.joint_of):
         children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
@@ -177,7 +181,7 @@ def _made(body: JointedBody) -> MassProperties:
 
 
 def _fused(mechanism: Mechanism, body: int) -> MassProperties:
-    """The mass properties of a body and of all that is fixed to it, in its frame."""
+    """The mass properties of a body together with all bodies that are fixed to it, in its frame."""
     parts, frames = [_made(mechanism.bodies[body])], [(body, Place())]
     for carrier, pose in frames:
         for joint in mechanism.joints:
@@ -188,7 +192,7 @@ def _fused(mechanism: Mechanism, body: int) -> MassProperties:
 
 
 def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -> None:
-    """Add a tree that begins with a free body."""
+    """Add a tree that begins with a free body, or with a body on a free joint."""
     properties = _fused(draft.mechanism, body)
     moments, axes = principal_axes(properties.tensor)
     centred_frame = Place(axes, properties.centre)
@@ -223,7 +227,7 @@ def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -
 
 
 def _body_start(body: JointedBody) -> Moving:
-    """The motion of the frame of a body without a joint at t = 0."""
+    """The motion at t = 0 of the frame of a body without a joint."""
     assert body.start is not None, "a body without a joint has an initial state"
     begin = body.start
     turn, spin = exact.turn(begin.attitude), exact.rates(begin.attitude, begin.rotation)
@@ -268,14 +272,18 @@ def _axes(joint: Joint) -> list[tuple[Kind, Vector3]]:
 
 
 def _base(joint: Joint, socket: Place) -> Place:
-    """The frame that does not move below a joint on the world."""
+    """The base frame of a tree whose first joint is on the world. socket: the frame of this joint in the world."""
     if joint.type == "spherical":
         return Place(origin=socket.origin)
     return Place(onto(rotated(socket.turn, _axes(joint)[0][1])), socket.origin)
 
 
 def _before(kind: Kind, socket: Place, axis: Vector3, parallel: bool) -> Place:
-    """The frame of a link on an axis, which is given along the axes of its parent, where its coordinate is zero."""
+    """The frame of a link with a revolute or prismatic joint, in the frame of its parent, if its coordinate is zero.
+
+    socket: the frame of the mechanism's joint in the frame of the parent. axis: along the axes of the parent. parallel: whether
+    the origin may be moved along an axis that is parallel to the parent's z.
+    """
     turn, (x, y, z) = onto(axis), socket.origin
     return Place(turn, (x, y, MP.mpf(0)) if parallel and kind == "revolute" and turn == IDENTITY else (x, y, z))
 
@@ -291,7 +299,7 @@ def _single(
     properties: MassProperties | None,
     below: Moving,
 ) -> Link:
-    """The link of a revolute or prismatic joint. properties: its mass properties in its frame, None for one without mass."""
+    """The link of a revolute or prismatic joint. properties: its mass properties in its frame, None if it has no mass."""
     q, v = (MP.mpf(values[coordinate]) if values else MP.mpf(0) for values in (joint.start, joint.start_velocity))
     cosine, sine = MP.cos_sin(q / 2)
     turning = kind == "revolute"
@@ -313,7 +321,7 @@ def _single(
 
 
 def _ball(joint: Joint, joint_index: int, parent: int, socket: Place, properties: MassProperties, below: Moving) -> Link:
-    """The link of a ball."""
+    """The link of a spherical joint. below: the motion of the parent's frame at t = 0."""
     axes, before = _principal(properties), Place(origin=socket.origin)
     w, x, y, z = (MP.mpf(value) for value in joint.start)
     turn = multiply(multiply(socket.turn, unit((w, x, y, z))), axes)
@@ -334,12 +342,12 @@ def _ball(joint: Joint, joint_index: int, parent: int, socket: Place, properties
 
 
 def _principal(properties: MassProperties) -> tuple[Real, Real, Real, Real]:
-    """The rotation from the principal axes about the origin."""
+    """The unit quaternion from the principal axes about the origin of a frame to the axes of the frame."""
     return principal_axes(about_origin(properties))[1]
 
 
 def _constants(before: Place, properties: MassProperties | None, joint: Joint | None = None) -> Constants:
-    """The numbers of a link with its mass properties in its frame."""
+    """The constants of a link from its place in its parent, its mass properties in its frame, and its joint."""
     properties = properties or MassProperties(MP.mpf(0), ORIGIN, (*ORIGIN, *ORIGIN))
     rows = [entry for row in matrix(before.turn) for entry in row]
     tensor = cleaned(about_origin(properties), sum(abs(part) for part in about_origin(properties)))

@@ -2,7 +2,7 @@
 
 One compilation serves all mechanisms whose trees have the same kinds of links on the same parents, dry friction at the same
 joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk. Importing this
-raises `ImportError` where heyoka is not installed.
+module raises `ImportError` if heyoka is not installed.
 """
 
 import functools
@@ -19,26 +19,27 @@ from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
 from bodycheck.reference.mechanisms.link_states import SIZES, Course, Form, derivatives, places_of_rates, split, start
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
-#: What is known of a number when the equations are written: 0, 1 and -1 themselves, and None for a parameter.
+#: The value of a number that is known when the equations are written: 0, 1 or -1, and None for a parameter.
 Mark = int | None
 
-#: The fields of `Constants` with several numbers, and how many there are.
+#: The fields of `Constants` with several numbers, and the number of these.
 _SIZES = {"turn": 9, "offset": 3, "moment": 3, "tensor": 6, "differences": 3}
 
-#: The fields whose ones are known when the equations are written, and those that change with what a dry joint does.
+#: The fields in which the numbers 1 and -1 are written into the equations, and the fields that change with the mode of a joint
+#: with dry friction.
 _WITH_ONES = ("turn", "moves")
 _CHANGING = ("force", "moves")
 
-#: Up to this many coordinates the code is optimised, which takes up to ten seconds. That of forty hinges in space would take
-#: half a minute, and that of two hundred several minutes; without it, these are compiled in fifteen seconds.
+#: The largest number of coordinates for which the code is optimised, which takes up to ten seconds. For forty hinges in space
+#: it would take half a minute, and for two hundred several minutes; without optimisation, these compile in fifteen seconds.
 MOST_OPTIMISED = 24
 
-#: Operations, steps times the length of the equations, after which an integration is given up: some ten seconds in 80 bits. A
-#: joint whose damping or spring makes it much faster than all others needs as many.
+#: The number of operations (steps times the length of the equations) after which an integration stops: some ten seconds in
+#: 80 bits. A joint whose damping or spring makes it much faster than all other joints needs that many.
 MAX_OPERATIONS = 40_000_000
 
-#: Velocity (rad/s or m/s) that is added to that of a joint which begins to slip from zero, since heyoka does not find the roots
-#: of a function after one at the very beginning of a step.
+#: Velocity (rad/s or m/s) that is added to the velocity of a joint in its event function, since a joint begins to slip from
+#: zero, and heyoka does not find further roots of a function that has a root at the very beginning of a step.
 _BEGINNING = 1e-60
 
 
@@ -46,8 +47,8 @@ _BEGINNING = 1e-60
 class Shape:
     """The properties of a tree that its compiled equations depend on.
 
-    links: the kind and the parent of each link. marks: those of its numbers. gravity: those of gravity. dry: the places of the
-    links with dry friction.
+    links: the kind and the parent of each link. marks: the marks of each link's numbers. gravity: the marks of gravity. dry:
+    the indices of the links with dry friction.
     """
 
     links: tuple[tuple[Kind, int], ...]
@@ -57,15 +58,16 @@ class Shape:
 
     @property
     def large(self) -> bool:
-        """True if the equations are too many for optimised code."""
+        """True if there are too many equations for optimised code."""
         return sum(len(FREEDOMS[kind]) for kind, _ in self.links) > MOST_OPTIMISED
 
 
 @dataclass(frozen=True, eq=False)
 class Written:
-    """Equations in heyoka's form, and for each link with dry friction what becomes negative when what it does has to change.
+    """Equations in heyoka's form, and for each link with dry friction a margin that becomes negative when its mode must change.
 
-    That is the velocity along its direction while it slips, and while it sticks what is left of the friction, squared.
+    The margin of a link that slips is its velocity in the direction of slipping; the margin of a link that sticks is the
+    difference of the squares of the friction and of the required force.
     """
 
     system: Equations
@@ -79,7 +81,10 @@ def most_steps(solver: Any) -> int:
 
 
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
-    """The links of a tree without dry friction at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
+    """The motion of the links of a tree without dry friction at times (n,) >= 0, s, in any order.
+
+    Raises `OutOfReach` if the integration fails or takes too many steps.
+    """
     shape = shape_of(tree)
     solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
     rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
@@ -88,7 +93,7 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
 
 @functools.cache
 def _equations(shape: Shape) -> functools.partial[Equations]:
-    """A function that gives the equations, always the same one, since compiled integrators are known by it."""
+    """A function that returns the equations: the same object for the same shape, as compiled integrators are cached by it."""
     return functools.partial(_system, shape)
 
 
@@ -109,7 +114,7 @@ def shape_of(tree: Tree) -> Shape:
 def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]:
     """The exact values of the parameters, in the order of the equations.
 
-    modes: what each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+    modes: the mode of each link with dry friction, by its index: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
     """
     modes = modes or {}
     values: list[Real] = []
@@ -123,7 +128,7 @@ def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]
 
 
 def with_mode(link: Link, mode: int) -> Constants:
-    """The numbers of a link whose joint with dry friction slips forwards (1) or backwards (-1) or sticks (0)."""
+    """The constants of a link whose joint with dry friction slips forwards (1) or backwards (-1) or sticks (0)."""
     constants = link.constants
     return replace(constants, force=constants.force - mode * link.friction, moves=MP.mpf(abs(mode)))
 
@@ -142,7 +147,7 @@ def _mark(number: Real, *, ones: bool) -> Mark:
 
 
 def written(shape: Shape) -> Written:
-    """The equations; the parameters are numbered in the order of `parameters`."""
+    """The equations and margins of trees with a shape; the parameters are numbered in the order of `parameters`."""
     taken = 0
 
     def symbols(marks: Sequence[Mark]) -> list[Any]:
@@ -164,13 +169,13 @@ def written(shape: Shape) -> Written:
         slips, strain = constants[index].moves, rates.strains[index]
         left = (friction - strain) * (friction + strain)
         margins.append(slips * (mode * state[velocities[index]] + _BEGINNING) + (1 - slips) * left)
-    # A derivative that is zero is a number here, which heyoka takes only as an expression.
+    # A derivative that is zero is the number 0 here, but heyoka requires an expression.
     system = [(x, hy.expression(0.0) + rate) for x, rate in zip(state, rates.state, strict=True)]
     return Written(system, margins)
 
 
 def _named(symbols: list[Any]) -> Constants:
-    """The numbers of a link from their symbols in order."""
+    """The constants of a link from the symbols of all its numbers, in order."""
     values, taken = dict[str, Any](), 0
     for field in fields(Constants):
         size = _SIZES.get(field.name, 1)

@@ -1,17 +1,18 @@
 """The truth of a mechanism: its motion together with a bound of the motion's own error.
 
-The way is the closed form of a mechanism that has one, and otherwise the articulated-body recursion; see `followed`. Its
-witness is another way: the recursion for a closed form, and for the recursion the Lagrangian, which starts from the mechanism
-by code of its own. The bound has three parts.
+The way is the closed form if the mechanism has one, and otherwise the articulated-body recursion; see `followed`. Its witness
+is another way: for a closed form the recursion, and for the recursion the Lagrangian, which starts from the numbers of the
+mechanism and shares no formula with the recursion. The bound has three parts.
 
-- The rounding of what is printed to double precision.
-- The bound that the way has of itself; see `followed`.
-- Twice the largest disagreement so far with the witness. If the witness were exact, the disagreement would be the error. If
-  both are equally good, with independent errors, the error is 0.7 of the disagreement on the average; that it happens to be
-  small at one instant does not matter for the largest so far. The witness is noisier than the way, so that twice is cautious.
+- The rounding of the stated numbers to double precision.
+- The bound of the error that the way itself states; see `followed`.
+- Twice the largest disagreement with the witness so far. If the witness were exact, the disagreement would be the error. If
+  both are equally good, with independent errors, the error is on average 0.7 times the disagreement. A disagreement that is
+  small by chance at one instant does not matter, since the largest so far counts. The witness has larger errors than the way,
+  so that the factor of two is cautious.
 
-Where energy is conserved, it must not drift by more than the bound allows, and the centre of mass of a chain that floats freely
-must stay on its parabola; else all bounds grow by the ratio.
+If energy is conserved, it must not drift by more than the bound allows, and the centre of mass of a chain that floats freely
+must stay on its parabola; otherwise all bounds are multiplied by the ratio of the deviation to the allowed deviation.
 """
 
 from dataclasses import dataclass
@@ -29,13 +30,13 @@ from bodycheck.reference.mechanisms.ways import Way, bounds_of, disagreement, si
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
 
-#: By how much a disagreement with a witness may be smaller than the error: see the text of the module.
+#: The factor by which the error may exceed a disagreement with a witness: see the docstring of the module.
 DISAGREEMENT = 2.0
 
-#: Roundings of attitudes and angles, and of the joints' angles that follow from printed attitudes.
+#: Number of roundings of attitudes and angles, and of the joints' angles that follow from attitudes in double precision.
 PRINTED_ROUNDINGS = 4.0
 
-#: Roundings of an energy that is computed from states, relative to its terms.
+#: Number of roundings of an energy that is computed from states, relative to its terms.
 OBSERVED_ROUNDINGS = 32.0
 
 #: Error (rad) up to which a motion counts as known.
@@ -45,25 +46,28 @@ KNOWN = 1e-9
 def mechanism_truth(mechanism: Mechanism, times: Array, *, vouched: bool = True) -> Truth:
     """The truth of a mechanism at ascending times (n,) >= 0, s.
 
-    Where errors grow so much that less and less of the motion is known, the bounds grow with them: see `known_until`.
+    If errors grow so much that less and less of the motion is known, the bounds grow with them: see `known_until`.
 
-    vouched: whether the motion is compared with its witness. Otherwise, and where the witness cannot follow the motion, the
-    bounds are those that the way has of itself.
+    vouched: whether the motion is compared with its witness. If not, or if the witness cannot follow the motion, the bounds are
+    the bounds that the way itself states.
 
-    Raises `NotModelled` where the reference has no model of the mechanism, and `OutOfReach` where it cannot follow the motion.
+    Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
     return computed_mechanism(mechanism, times, vouched=vouched).truth
 
 
 def known_until(truth: Truth, error: float = KNOWN) -> float | None:
-    """The last instant (s) of a truth until which all its attitudes and angles are known to an error (rad); None if none is."""
+    """The last instant (s) of a truth until which the bound of its attitudes and angles is at most `error` (rad).
+
+    Returns None if the bound is larger from the first instant on.
+    """
     known = truth.bounds.error <= error
     last = len(known) if known.all() else int(np.argmin(known))
     return float(truth.trajectory.t[last - 1]) if last else None
 
 
 def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = True) -> Computed:
-    """The truth of a mechanism with what its bounds come from; arguments and exceptions are those of `mechanism_truth`."""
+    """The truth of a mechanism with the bounds of its way; the arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
         course = followed(mechanism, times)
@@ -71,7 +75,7 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
 
 
 def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Computed:
-    """The truth of a mechanism at times (n,), s, from its way and the witness of this."""
+    """The truth of a mechanism at times (n,), s, from its way and the witness of the way."""
     rounded = printed(mechanism, times, course)
     errors = rounded.bounds.of_states()
     if witness is not None:
@@ -93,7 +97,7 @@ def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | 
 
 @dataclass(frozen=True, eq=False)
 class Printed:
-    """A motion in double precision, and the bounds that the way has of itself."""
+    """A motion in double precision, and the bounds of its errors that the way itself states, with this rounding."""
 
     trajectory: Trajectory
     joints: JointMotion
@@ -113,7 +117,7 @@ def printed(mechanism: Mechanism, times: Array, course: Followed) -> Printed:
 
 
 def _explained(mechanism: Mechanism, rounded: Printed, errors: dict[str, Array]) -> Bounds:
-    """The bounds of all figures, larger where energy or a centre of mass drifts by more than they allow."""
+    """The bounds of all figures, increased if energy or a centre of mass drifts by more than they allow."""
     trajectory, joints = rounded.trajectory, rounded.joints.position
     bounds = bounds_of(mechanism, trajectory, joints, errors)
     if not len(trajectory):
@@ -125,7 +129,7 @@ def _explained(mechanism: Mechanism, rounded: Printed, errors: dict[str, Array])
 
 
 def _drifted(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Array:
-    """Return the largest drift (n,) of the energy so far, in units of what its bound allows; zero where it is not conserved."""
+    """Return the largest drift (n,) of the energy so far, in units of the allowed drift; zero if energy is not conserved."""
     if not mechanism.conserves:
         return np.zeros(len(trajectory))
     seen = observables.observe(mechanism, trajectory)
@@ -151,5 +155,5 @@ def _fallen(mechanism: Mechanism, trajectory: Trajectory, bounds: Bounds) -> Arr
 
 
 def _largest_ratio(values: Array, allowed: Array) -> Array:
-    """The largest quotients (n,) so far of values and what is allowed of them."""
+    """The largest ratios (n,) so far of values to allowed values; zero where the allowed value is zero."""
     return np.asarray(np.maximum.accumulate(values / np.where(allowed > 0, allowed, np.inf)))

@@ -1,4 +1,4 @@
-"""Ways to the motion of a mechanism, and how far two of them are apart."""
+"""Ways to the motion of a mechanism, the differences of two ways, and the bounds of figures from errors of states."""
 
 import itertools
 from collections.abc import Callable
@@ -45,15 +45,16 @@ class Way:
     Attributes
     ----------
     name
-        Name of the way, and of the software that computed it.
+        The names of the way and of the software that computed it.
     motion
         The motion.
     errors
-        (n,) bounds of its own errors, by the names of `bounds.STATES`; empty where they are not known.
+        (n,) bounds of its errors, by the names of `bounds.STATES`; empty if they are not known.
     digits
         Decimal digits of the arithmetic.
     strays
-        (n,) by how much the way contradicts what it was given of another one, by the same names; empty where by nothing.
+        (n,) amounts by which the way contradicts data that it takes from another way, by the same names; empty if it takes none
+        or agrees with them.
     """
 
     name: str
@@ -63,12 +64,12 @@ class Way:
     strays: dict[str, Array] = field(default_factory=dict)
 
 
-#: How a mechanism is followed to times (n,), s.
+#: A function that follows the motion of a mechanism to times (n,), s.
 Follow = Callable[[Mechanism, Array], Motion]
 
 
 def letters(mechanism: Mechanism) -> tuple[str, str]:
-    """Return the kinds of a mechanism's coordinates and velocities, a letter of `joint_types.LETTERS` each."""
+    """Return the meanings of a mechanism's coordinates and velocities, with a letter of `joint_types.LETTERS` for each."""
     forms = [joint.form for joint in mechanism.joints]
     return "".join(form.coordinates for form in forms), "".join(form.velocities for form in forms)
 
@@ -77,7 +78,7 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
     """Return the differences (n,) of two motions at each instant, by the names of `bounds.STATES`.
 
     Each is the largest over all bodies and joints. Angles of joints count with attitudes (rad), slides with positions (m), and
-    their rates with angular velocities (rad/s) and velocities (m/s). Differences are formed in the wider of the two types.
+    their rates with angular velocities (rad/s) and velocities (m/s). Differences are computed in the wider of the two types.
     """
     held, moving = letters(mechanism)
     turned = _angles(one.bodies.quaternion, other.bodies.quaternion)
@@ -100,7 +101,7 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
 
 
 def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
-    """Return the differences (n,) of two ways, by the names of `bounds.STATES`, with what contradicts either."""
+    """Return the differences (n,) of two ways, by the names of `bounds.STATES`, plus the strays of both (see `Way`)."""
     differences = apart(mechanism, one.motion, other.motion)
     for name, way in itertools.product(differences, (one, other)):
         if name in way.strays:
@@ -109,7 +110,7 @@ def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]
 
 
 def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
-    """The largest sizes (n,) of what `apart` compares: angles of joints, places, speeds and rates."""
+    """The largest sizes (n,) of the quantities that `apart` compares: angles of joints, positions, speeds and rates."""
     held, moving = letters(mechanism)
     bodies = motion.bodies
 
@@ -125,28 +126,28 @@ def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
 
 
 def _angles(one: WideArray, other: WideArray) -> Array:
-    """The largest angle (n,) over bodies between attitudes (b, n, 4)."""
+    """The largest angle (n,), over all bodies, between attitudes (b, n, 4)."""
     b, n, _ = one.shape
     return np.asarray(angle_between(one.reshape(-1, 4), other.reshape(-1, 4)).reshape(b, n).max(axis=0))
 
 
 def _lengths(one: WideArray, other: WideArray) -> Array:
-    """The largest distance (n,) over bodies between vectors (b, n, 3)."""
+    """The largest distance (n,), over all bodies, between vectors (b, n, 3)."""
     difference = one - other
     return np.asarray(np.sqrt((difference * difference).sum(axis=-1)).astype(float).max(axis=0))
 
 
 def _differences(one: WideArray, other: WideArray, letters: str, letter: str) -> Array:
-    """The largest difference (n,) between those coordinates (n, c) that have a letter."""
+    """The largest difference (n,) between the coordinates (n, c) whose letter in `letters` is `letter`."""
     columns = [column for column, each in enumerate(letters) if each == letter]
     differences = np.abs(one[:, columns] - other[:, columns]).astype(float)
     return np.asarray(differences.max(axis=1, initial=0.0))
 
 
 def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: dict[str, Array]) -> Bounds:
-    """The bounds (n,) of the errors of all figures, from the bounds of the states, for errors in any direction.
+    """The bounds (n,) of the errors of all figures, from bounds of the errors of the states, in any direction.
 
-    Energy and angular momentum are computed by `observables.observe`, whose own rounding the bounds do not include.
+    Energy and angular momentum are computed by `observables.observe`, whose rounding the bounds do not include.
 
     Parameters
     ----------
@@ -180,9 +181,9 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
 
 
 def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors: dict[str, Array]) -> Array:
-    """The error (n,), J, of the energies of armatures, springs and efforts.
+    """The bound (n,), J, of the error of the energies of armatures, springs and efforts.
 
-    A joint's rate is at most the difference of the velocities of its two bodies, and has at most twice their error.
+    A joint's rate is at most the difference of the velocities of its two bodies, and its error is at most twice their error.
     """
     total = np.zeros(len(motion))
     rates = {
@@ -202,7 +203,7 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
 
 
 def reach(mechanism: Mechanism) -> float:
-    """The largest length in a mechanism (m): between origins of joints, or from one to a centre of mass; 1 if all are 0."""
+    """The largest length in a mechanism (m), from an origin of a joint to another or to a centre of mass; 1 if all are 0."""
     lengths = [np.linalg.norm(joint.position) for joint in mechanism.joints]
     lengths += [np.linalg.norm(exact.nearest_inertia(body).centre) for body in mechanism.bodies]
     return float(max(lengths, default=0.0)) or 1.0

@@ -1,10 +1,10 @@
 """The terms of the equations of motion of a robot model, by the recursive Newton-Euler and composite-rigid-body algorithms.
 
 See Featherstone, Rigid Body Dynamics Algorithms, 2008, chapters 5 and 6. All components are along the world's axes, and the
-motion and the forces of a link are about the origin of its frame. Numbers are of the 80-bit type where NumPy has it.
+motion and the forces of a link refer to the origin of its frame. Numbers are of the 80-bit type where NumPy has it.
 
-The velocities are those of the joints in the order of the file, each with the components of `state`. A joint that mimics
-another one is independent here; states have it where it belongs.
+The velocities are those of the joints in the order of the file, each with the components that `RobotState` names. A joint that
+mimics another joint is treated as independent here; the states set its position, velocity and acceleration accordingly.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,10 +24,10 @@ from bodycheck.reference.scene import Vector
 
 
 def passive_force(model: RobotModel, states: Sequence[RobotState]) -> Wide:
-    """The forces (n, k) p = -stiffness d - damping v - friction sign(v) for all velocities, in the order of the file's joints.
+    """The passive forces (n, k) p = -stiffness d - damping v - friction sign(v) at n states, for k velocities in file order.
 
-    d is the displacement of a revolute or prismatic joint from its rest. The spring of another joint is slack in the zero
-    position: there d is the shift of the child (m), and the rotation vector of its attitude (rad).
+    For a revolute or prismatic joint, d is the displacement from its `rest`. The spring of any other joint is slack in the zero
+    position, and d consists of the shift of the child (m) and the rotation vector of its attitude (rad).
     """
     parts = [np.zeros((len(states), 0), np.longdouble)]
     for joint in model.joints:
@@ -52,9 +52,10 @@ def _displacement(joint: RobotJoint, position: Wide) -> Wide:
 
 
 def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
-    """The solutions (n, k) of n equations, and whether each matrix is positive definite beyond rounding (n,).
+    """The solutions (n, k) of n systems of linear equations, and whether each matrix is positive definite beyond rounding (n,).
 
-    matrices: (n, k, k), symmetric. right: (n, k). Where a matrix is not positive definite, its solution means nothing.
+    matrices: (n, k, k), symmetric. right: (n, k), right-hand sides. If a matrix is not positive definite, its solution is
+    meaningless.
     """
     rest, solutions = matrices.copy(), right.copy()
     count, size = right.shape
@@ -79,7 +80,7 @@ def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """The motion (n, 3) of a link: angular velocity, angular acceleration, and the acceleration of its origin."""
+    """The motion of a link: angular velocity, angular acceleration, and the acceleration of its origin, each (n, 3)."""
 
     spin: Wide
     angular: Wide
@@ -87,7 +88,7 @@ class _Motion:
 
 
 def velocity_labels(model: RobotModel) -> tuple[tuple[str, int], ...]:
-    """The name of the joint of each velocity, and which of the joint's components it is."""
+    """The name of the joint of each velocity, and the index of the velocity among the velocities of that joint."""
     return tuple((joint.name, component) for joint in model.joints for component in range(VELOCITIES[joint.type]))
 
 
@@ -97,9 +98,9 @@ def terms(model: RobotModel, state: RobotState, gravity: Vector) -> Terms:
 
 
 def terms_at(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -> tuple[Terms, ...]:
-    """The terms of the equations of motion of a robot model at each of some states.
+    """The terms of the equations of motion of a robot model at each of several states.
 
-    The states are computed together, as a leading axis of all arrays, which takes hardly longer than one of them.
+    The states are computed together, along a leading axis of all arrays, which takes hardly longer than a single state.
 
     Parameters
     ----------
@@ -113,13 +114,13 @@ def terms_at(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -
     Returns
     -------
     tuple of Terms
-        All terms for each state, in `numpy.longdouble`. The Jacobians are those of the origin of each link's frame along the
-        world's axes. `forward_dynamics` is None where the mass matrix is not positive definite beyond rounding.
+        All terms for each state, in `numpy.longdouble`. The Jacobians refer to the origin of each link's frame and to the axes
+        of the world. `forward_dynamics` is None where the mass matrix is not positive definite beyond rounding.
 
     Raises
     ------
     ValueError
-        If the joints are no tree.
+        If the joints do not form a tree.
     KeyError
         If a state lacks a joint that is not fixed.
     """
@@ -161,20 +162,20 @@ def _terms(model: RobotModel, states: Sequence[RobotState], gravity: Wide) -> tu
 
 
 def _stacked(model: RobotModel, states: Sequence[RobotState], part: Callable[[RobotState], Values]) -> Wide:
-    """The numbers (n, k) of all joints at n states, in the order of the file."""
+    """The numbers (n, k) of all joints at n states, in the order of the file. part: selects them from a state."""
     nothing = np.zeros((len(states), 0), np.longdouble)
     return np.concatenate([nothing, *(rows(states, joint, part) for joint in model.joints)], axis=1)
 
 
 def _armature(model: RobotModel) -> Wide:
-    """The armature (k,) at each velocity."""
+    """The armature (k,) for each velocity."""
     return np.array([joint.armature for joint in model.joints for _ in range(VELOCITIES[joint.type])], np.longdouble)
 
 
 def _forces(links: Sequence[PlacedLink], velocity: Wide, acceleration: Wide, gravity: Wide) -> Wide:
-    """The efforts (n, k) that a motion takes, without armature: the recursive Newton-Euler algorithm.
+    """The efforts (n, k) that a motion requires, without armature, by the recursive Newton-Euler algorithm.
 
-    velocity, acceleration: (n, k). gravity: (3,), against which the world is accelerated instead.
+    velocity, acceleration: (n, k). gravity: (3,); it is represented by an acceleration of the root by -gravity.
     """
     zero = np.zeros((len(velocity), 3), np.longdouble)
     motions: list[_Motion] = []
@@ -194,10 +195,10 @@ def _forces(links: Sequence[PlacedLink], velocity: Wide, acceleration: Wide, gra
 
 
 def _moved(link: PlacedLink, before: _Motion, rate: Wide, change: Wide) -> _Motion:
-    """The motion of a link from that of its parent. rate, change: velocities and accelerations (n, k) of its joint.
+    """The motion of a link from the motion `before` of its parent. rate, change: velocities, accelerations (n, k) of its joint.
 
-    What a joint adds to the angular velocity turns with the parent, or with the child about itself; what it adds to the
-    velocity of the origin turns with the parent.
+    The formula holds because the joint's part of the angular velocity is fixed in the parent, or in the child, and its part of
+    the velocity of the origin is fixed in the parent, apart from `change`.
     """
     spin, slide = _combined(link.spins, rate), _combined(link.slides, rate)
     centripetal = cross(before.spin, cross(before.spin, link.arm) + 2 * slide)
@@ -209,7 +210,7 @@ def _moved(link: PlacedLink, before: _Motion, rate: Wide, change: Wide) -> _Moti
 
 
 def _needed(link: PlacedLink, motion: _Motion) -> tuple[Wide, Wide]:
-    """The force and the torque (n, 3) about its origin that the motion of a link takes."""
+    """The force and the torque about its origin, each (n, 3), that the motion of a link requires."""
     swung = cross(motion.angular, link.centre) + cross(motion.spin, cross(motion.spin, link.centre))
     push = link.mass * (motion.linear + swung)
     gyroscopic = cross(motion.spin, each(link.tensor, motion.spin))
@@ -217,12 +218,12 @@ def _needed(link: PlacedLink, motion: _Motion) -> tuple[Wide, Wide]:
 
 
 def _combined(along: Wide, rates: Wide) -> Wide:
-    """The sums (n, 3) of velocities (n, k, 3) times rates (n, k)."""
+    """The sums (n, 3), over k, of velocities (n, k, 3) times rates (n, k)."""
     return np.asarray((rates[:, None, :] @ along)[:, 0])
 
 
 def _mass_matrix(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]], armature: Wide) -> Wide:
-    """The mass matrices (n, k, k), armature included: the composite-rigid-body algorithm. maps: those of `velocity_maps`."""
+    """The mass matrices (n, k, k) with armature, by the composite-rigid-body algorithm. maps: from `velocity_maps`."""
     masses = [link.mass for link in links]
     moments = [link.mass * link.centre for link in links]
     tensors = [link.tensor + link.mass * _squared(link.centre, link.centre) for link in links]
@@ -230,7 +231,7 @@ def _mass_matrix(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]],
     for index, link in reversed(list(enumerate(links))):
         push, torque = _momentum(link, masses[index], moments[index], tensors[index])
         linear, angular = maps[index]
-        # The power of this force along the velocity that each joint gives to the link, which only those that carry it do.
+        # The power of this force and torque per unit of each joint velocity; zero for joints that do not carry the link.
         rows = push @ np.swapaxes(linear, 1, 2) + torque @ np.swapaxes(angular, 1, 2)
         matrix[:, link.columns] += rows
         matrix[:, :, link.columns] += np.swapaxes(rows, 1, 2)
@@ -246,9 +247,9 @@ def _mass_matrix(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]],
 
 
 def _momentum(link: PlacedLink, mass: np.longdouble, moment: Wide, tensor: Wide) -> tuple[Wide, Wide]:
-    """The force and the torque (n, k, 3) that accelerations of 1 of a joint take, of all that it moves as one rigid body.
+    """The force and the torque, each (n, k, 3), that unit accelerations of a joint require if all links it moves are one body.
 
-    mass, moment, tensor: those of this body, about the origin of the link.
+    mass, moment, tensor: mass, mass times centre of mass, and inertia of this rigid body, about the origin of the link.
     """
     push = mass * link.slides + cross(link.spins, moment[:, None])
     return push, cross(moment[:, None], link.slides) + link.spins @ tensor

@@ -7,12 +7,12 @@ import numpy as np
 
 from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide, from_the_root
 
-#: The place of the link that carries another one, and the origin (3,) and the rotation (3, 3) of that in the carrier's frame.
+#: The index of the link that carries a given link, and the origin (3,) and rotation (3, 3) of the given link in its frame.
 _Place = tuple[int, Wide, Wide]
 
 
 def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
-    """The model without the links on fixed joints, except kept ones; the carriers of these links take over their masses.
+    """The model without the links on fixed joints, except those in `kept`; the carriers of these links take over their masses.
 
     The carrier of a link is its nearest ancestor that is the root, is kept, or moves against its parent. The root carries
     everything that is welded to the world.
@@ -22,12 +22,12 @@ def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
     model
         The model.
     kept
-        The names of fixed links that stay links of their own.
+        The names of links on fixed joints that remain separate links.
 
     Raises
     ------
     ValueError
-        If the joints are no tree.
+        If the joints do not form a tree.
     """
     places: dict[int, _Place] = {model.root: _own(model.root)}
     for joint in from_the_root(model):
@@ -47,13 +47,13 @@ def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
 
 
 def in_frame(link: RobotLink, origin: Wide, rotation: Wide) -> RobotLink:
-    """A link in an outer frame, in which the link's present frame has an origin (3,) and a rotation (3, 3)."""
+    """A link expressed in another frame, in which the link's present frame has an origin (3,) and a rotation (3, 3)."""
     centre, tensor = origin + rotation @ link.center_of_mass, rotation @ link.inertia @ rotation.T
     return replace(link, center_of_mass=centre, inertia=tensor)
 
 
 def joined(parts: Sequence[RobotLink]) -> RobotLink:
-    """One rigid link with the masses of several links that are given in one frame, by the parallel-axis theorem.
+    """The rigid link that combines several links, all given in the same frame, by the parallel-axis theorem.
 
     It has the name of the first link. If the masses sum to zero, there is no centre of mass, and the inertia is about the
     origin of the frame.
@@ -74,13 +74,13 @@ def _own(index: int) -> _Place:
 
 
 def _carried(parent: _Place, joint: RobotJoint) -> _Place:
-    """Return the frame of a joint in the carrier of its parent."""
+    """Return the frame of a joint relative to the carrier of its parent. parent: the place of the joint's parent."""
     carrier, origin, rotation = parent
     return carrier, origin + rotation @ joint.position, rotation @ joint.rotation
 
 
 def _hung(joint: RobotJoint, parent: _Place, new: dict[int, int]) -> RobotJoint:
-    """A joint on the carrier of its parent. new: the new indices of the links that stay, by their old ones."""
+    """A joint, attached to the carrier of its parent. new: the new indices of the links that stay, by their old indices."""
     carrier, origin, rotation = _carried(parent, joint)
     return replace(joint, parent=new[carrier], child=new[joint.child], position=origin, rotation=rotation)
 

@@ -1,8 +1,8 @@
 """A robot model: the links, joints and gravity that a URDF or MJCF file describes.
 
-Each link has a frame, which is the frame of its joint when the joint's coordinate is zero, as URDF has it. The joints form a
-tree whose root is the first link without a joint to a parent. The root is welded to the world. A robot that floats has a joint
-of the type "floating" between a root without mass and its base.
+Each link has a frame, which coincides with the frame of its joint when the joint's coordinate is zero, as in URDF. The joints
+form a tree whose root is the first link without a joint to a parent. The root is welded to the world. A robot that floats has
+a joint of the type "floating" between a root without mass and its base.
 """
 
 from dataclasses import dataclass, replace
@@ -26,9 +26,9 @@ class RobotLink:
     Attributes
     ----------
     name
-        Its name, unique in the model.
+        The name, unique in the model.
     mass
-        Its mass (kg); 0 where the file states none. It may be negative or not a number where the file has it so.
+        The mass (kg); 0 where the file states none. It may be negative or not a number if the file says so.
     center_of_mass
         The centre of mass (3,) in the link's frame (m).
     inertia
@@ -43,7 +43,7 @@ class RobotLink:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint whose position follows that of another: multiplier times that position plus offset."""
+    """The rule by which a joint follows another joint, `joint`: position = multiplier * (position of `joint`) + offset."""
 
     joint: str
     multiplier: float = 1.0
@@ -57,25 +57,25 @@ class RobotJoint:
     Attributes
     ----------
     name, type
-        Its name, unique in the model, and its type. A continuous joint of URDF is revolute and has no limits.
+        The name, unique in the model, and the type. A continuous joint of URDF is revolute and has no limits.
     parent, child
-        The places of the two links in `RobotModel.links`.
+        The indices of the two links in `RobotModel.links`.
     position, rotation
         The joint's frame in the parent's frame: its origin (3,) (m), and the matrix (3, 3) that takes components along the
-        joint's axes to components along those of the parent.
+        joint's axes to components along the parent's axes.
     axis
         The unit axis (3,) of a revolute or prismatic joint in the joint's frame, or the normal of a planar one; else zeros.
     armature, damping, friction, stiffness
-        Inertia added to that of the coordinate (kg m^2 or kg), viscous damping (N m s/rad or N s/m), dry friction (N m or N),
-        and stiffness towards the coordinate `rest` (N m/rad or N/m).
+        Inertia added to the inertia of the coordinate (kg m^2 or kg), viscous damping (N m s/rad or N s/m), dry friction (N m
+        or N), and stiffness of a spring that pulls towards the coordinate `rest` (N m/rad or N/m).
     rest
         The position at which the spring is slack (rad or m).
     effort_limit, velocity_limit
         Limits of force (N m or N) and speed (rad/s or m/s); None where the file states none.
     lower, upper
-        Limits of the position (rad or m); None where there are none.
+        Limits of the position (rad or m); None where the file states none.
     mimic
-        The joint that this one follows; None where it moves by itself.
+        The rule by which this joint follows another joint; None where it moves by itself.
     """
 
     name: str
@@ -104,11 +104,11 @@ class RobotModel:
     Attributes
     ----------
     name
-        The name that the file gives it.
+        The name of the model in the file.
     links, joints
         The links and joints, in the order of the file.
     gravity
-        The gravitational acceleration, world frame (m/s^2). A URDF states none.
+        The gravitational acceleration, world frame (m/s^2). A URDF file states none.
     """
 
     name: str
@@ -118,7 +118,7 @@ class RobotModel:
 
     @property
     def joint_of(self) -> tuple[RobotJoint | None, ...]:
-        """The joint whose child each link is; None for the root."""
+        """The joint of each link, whose child the link is; None for the root."""
         by_child = {joint.child: joint for joint in self.joints}
         return tuple(by_child.get(index) for index in range(len(self.links)))
 
@@ -129,7 +129,7 @@ class RobotModel:
 
 
 def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
-    """The joints from the root on, each followed by all joints below its child; joints of one parent are in the file's order.
+    """The joints from the root on, each followed by all joints below its child; joints of the same parent are in file order.
 
     Raises `ValueError` if the joints are not a tree: a link is the child of two joints, or the root does not lead to it.
     """
@@ -149,7 +149,7 @@ def from_the_root(model: RobotModel) -> tuple[RobotJoint, ...]:
 
 
 def with_link(model: RobotModel, name: str, **changes: Any) -> RobotModel:
-    """The model with other attributes of the link of a name. Raises `KeyError` if there is none."""
+    """The model, with the attributes `changes` of the link `name` replaced. Raises `KeyError` if there is no such link."""
     index = _index([link.name for link in model.links], name)
     links = list(model.links)
     links[index] = replace(links[index], **changes)
@@ -157,7 +157,7 @@ def with_link(model: RobotModel, name: str, **changes: Any) -> RobotModel:
 
 
 def with_joint(model: RobotModel, name: str, **changes: Any) -> RobotModel:
-    """The model with other attributes of the joint of a name. Raises `KeyError` if there is none."""
+    """The model, with the attributes `changes` of the joint `name` replaced. Raises `KeyError` if there is no such joint."""
     index = _index([joint.name for joint in model.joints], name)
     joints = list(model.joints)
     joints[index] = replace(joints[index], **changes)

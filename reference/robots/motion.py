@@ -1,4 +1,4 @@
-"""The frames of the links of a robot model at several states, and the motions that the velocities of joints give them."""
+"""The frames of the links of a robot model at several states, and the velocities of the links for each joint velocity."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,18 +22,19 @@ class PlacedLink:
     index
         The index of the link in the model.
     parent
-        The place of its parent among the placed links; -1 for the root.
+        The index of its parent among the placed links; -1 for the root.
     columns
-        The places of its joint's k velocities among all velocities.
+        The indices of its joint's k velocities among all velocities.
     turn, origin
         Unit quaternions (n, 4) from the link's axes to the world's, and the origins (n, 3) of its frame (m).
     arm
-        The vectors (n, 3) from the origin of its parent to its own (m).
+        The vectors (n, 3) from the origin of its parent to its own origin (m).
     slides, spins
-        The velocities (n, k, 3) of its origin, and the angular velocities (n, k, 3), against the parent, for a velocity of 1 of
-        its joint.
+        The velocities (n, k, 3) of its origin and the angular velocities (n, k, 3), relative to the parent, for unit velocities
+        of its joint.
     mass, centre, tensor
-        The mass (kg), the vectors (n, 3) from its origin to its centre of mass (m), and the inertia (n, 3, 3) about that.
+        The mass (kg), the vectors (n, 3) from its origin to its centre of mass (m), and the inertia (n, 3, 3) about the centre
+        of mass (kg m^2).
     """
 
     index: int
@@ -50,7 +51,7 @@ class PlacedLink:
 
 
 def columns(model: RobotModel) -> dict[str, slice]:
-    """The places of the velocities of each joint among all velocities, which are in the order of the file."""
+    """The indices of the velocities of each joint, by its name, among all velocities, which are in the order of the file."""
     slices: dict[str, slice] = {}
     first = 0
     for joint in model.joints:
@@ -95,13 +96,13 @@ def _placed(model: RobotModel, states: Sequence[RobotState]) -> Iterator[PlacedL
 
 
 def _link(model: RobotModel, index: int, turn: Wide, axes: Wide) -> tuple[np.longdouble, Wide, Wide]:
-    """Mass, centre of mass and inertia of a link along the world's axes."""
+    """Mass, centre of mass and inertia of a link along the world's axes. turn, axes: attitudes (n, 4) and (n, 3, 3)."""
     link = model.links[index]
     return np.longdouble(link.mass), axes @ link.center_of_mass, axes @ link.inertia @ np.swapaxes(axes, 1, 2)
 
 
 def rows(states: Sequence[RobotState], joint: RobotJoint, part: Callable[[RobotState], Values]) -> Wide:
-    """The numbers (n, k) of a joint at n states: its positions, or whatever else `part` takes of a state."""
+    """The numbers (n, k) of a joint at n states: its positions, or another quantity that `part` selects from a state."""
     if not VELOCITIES[joint.type]:
         return np.zeros((len(states), 0), np.longdouble)
     return np.array([part(state)[joint.name] for state in states], np.longdouble)
@@ -130,9 +131,10 @@ def displaced(joint: RobotJoint, position: Wide) -> tuple[Wide, Wide]:
 
 
 def directions(joint: RobotJoint) -> tuple[Wide, Wide]:
-    """The velocities (k, 3) of a joint's child against the joint's frame, for each of the joint's k velocities.
+    """The velocities of a joint's child relative to the joint's frame, for a unit value of each of the joint's k velocities.
 
-    They are those of the child's origin along the axes of the joint's frame, and the angular ones along those of the child.
+    Returns the velocities (k, 3) of the child's origin, along the axes of the joint's frame, and the angular velocities (k, 3),
+    along the axes of the child.
     """
     nothing, axis = _NOTHING[:1], joint.axis[None]
     match joint.type:
@@ -152,12 +154,12 @@ def directions(joint: RobotJoint) -> tuple[Wide, Wide]:
 
 
 def poses(links: Sequence[PlacedLink], names: Sequence[str]) -> Mapping[str, Wide]:
-    """Position (m) and unit quaternion w, x, y, z (n, 7) of the frame of each link, by its name. names: those of the model."""
+    """Position (m) and unit quaternion w, x, y, z (n, 7) of each link's frame, by its name. names: of the model's links."""
     return {names[link.index]: np.concatenate([link.origin, link.turn], axis=1) for link in links}
 
 
 def velocity_maps(links: Sequence[PlacedLink], count: int) -> list[tuple[Wide, Wide]]:
-    """For each link the velocities of its origin and its angular velocities, both (n, count, 3), for `count` velocities."""
+    """For each link, velocities of its origin and angular velocities, both (n, count, 3), per unit of each joint velocity."""
     maps: list[tuple[Wide, Wide]] = []
     for link in links:
         if link.parent < 0:
@@ -171,7 +173,7 @@ def velocity_maps(links: Sequence[PlacedLink], count: int) -> list[tuple[Wide, W
 
 
 def jacobians(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]], names: Sequence[str]) -> Mapping[str, Wide]:
-    """Jacobians (n, 6, k) of the origin of each link's frame, linear rows first, by its name. maps: of `velocity_maps`."""
+    """Jacobians (n, 6, k) of the origin of each link's frame, linear rows first, by its name. maps: from `velocity_maps`."""
     return {
         names[link.index]: np.concatenate([np.swapaxes(linear, 1, 2), np.swapaxes(angular, 1, 2)], axis=1)
         for link, (linear, angular) in zip(links, maps, strict=True)

@@ -7,8 +7,8 @@ import numpy as np
 
 from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, from_the_root
 
-#: How far moments may be beyond what is possible, relative to the largest: some thousand roundings of the double precision of
-#: decimals in a file and of their principal moments. Moments of a link with a radius of gyration below this (m) are zero.
+#: How far moments may be beyond the physical limits, relative to the largest moment: some thousand roundings of doubles, for
+#: decimals in a file and the principal moments from them. Moments with a radius of gyration below this (m) count as zero.
 MARGIN = 1e-12
 
 
@@ -21,9 +21,9 @@ class Unphysical:
     subject
         The name of the link or joint.
     quantity
-        Which of its numbers it is: mass, inertia, armature, damping or friction.
+        The quantity: mass, center_of_mass, inertia, armature, damping or friction.
     text
-        What is read, and why it cannot be.
+        The value in the file, and why it is impossible.
     """
 
     subject: str
@@ -34,13 +34,14 @@ class Unphysical:
 def unphysical(model: RobotModel) -> tuple[Unphysical, ...]:
     """Return the impossible values of a model: first those of links, then those of joints, in the order of the file.
 
-    - A mass, a component of inertia or a coefficient that is negative or not a number.
-    - Principal moments A <= B <= C with A < 0 or A + B < C, beyond `MARGIN`: no distribution of mass has them. Moments of zero,
-      as a point has them, and a thin rod about itself, are possible.
+    - A mass, armature, damping or friction that is negative or not a number.
+    - A component of the centre of mass or of the inertia that is not a number.
+    - Principal moments A <= B <= C with A < 0 or A + B < C, beyond `MARGIN`: no distribution of mass has them. Moments of zero
+      are possible: a point has them, and a thin rod about its own axis.
     - Inertia without mass.
-    - A joint that moves nothing that has mass, and has no armature: its acceleration is undetermined.
+    - A joint that moves nothing with mass and has no armature: its acceleration is undetermined.
 
-    Raises `ValueError` if the joints are no tree.
+    Raises `ValueError` if the joints do not form a tree.
     """
     faults = [fault for link in model.links for fault in _of_link(link)]
     faults += [fault for joint in model.joints for fault in _of_joint(joint)]
@@ -60,7 +61,7 @@ def _of_link(link: RobotLink) -> Iterator[Unphysical]:
     if not np.isfinite(link.inertia).all():
         yield fault("inertia", "a component of the inertia is not a number")
         return
-    # The numbers of a file may be so large that their sums are no doubles.
+    # The numbers of a file may be so large that their sums overflow a double.
     scale = np.abs(link.inertia).max() or np.longdouble(1)
     a, b, c = scale * np.linalg.eigvalsh((link.inertia / scale).astype(float))
     moments = f"the principal moments are {a:.6g}, {b:.6g} and {c:.6g} kg m^2"

@@ -23,9 +23,10 @@ def matrices(turn: Floats[Float]) -> Floats[Float]:
 
 
 def quaternion(matrix: Wide) -> Wide:
-    """The unit quaternion w, x, y, z (4,) of a rotation matrix (3, 3), from its largest component, which is positive.
+    """The unit quaternion w, x, y, z (4,) of a rotation matrix (3, 3), with a positive component of largest magnitude.
 
-    Four times the products of any component with all of them are sums of entries of the matrix.
+    For each component of the quaternion, four times its products with all components are sums of entries of the matrix; the
+    largest component gives the most accurate products.
     """
     (a, b, c), (d, e, f), (g, h, i) = matrix
     products = np.array(
@@ -41,10 +42,10 @@ def quaternion(matrix: Wide) -> Wide:
 
 
 def plane_axes(normal: Wide) -> Wide:
-    """The matrix (3, 3) whose columns are the axes x and y of a plane and its unit normal (3,).
+    """The matrix (3, 3) whose columns are the axes x and y of a plane and its unit normal, for a unit normal (3,).
 
-    It is the smallest rotation that takes z to the normal, and a half turn about x where the normal is -z. URDF defines the
-    plane of a joint but no axes in it; for the normal z they are the x and y of the joint's frame.
+    It is the smallest rotation that takes z to the normal, or a half turn about x if the normal is -z. URDF defines the plane
+    of a joint but no axes in the plane; for the normal z they are the axes x and y of the joint's frame.
     """
     x, y, z = normal
     if not (x or y):
@@ -53,7 +54,7 @@ def plane_axes(normal: Wide) -> Wide:
 
 
 def rotation_vector(turn: Floats[Float]) -> Floats[Float]:
-    """The vectors (n, 3) along the axes of rotations, whose lengths are their angles, at most pi; from quaternions (n, 4)."""
+    """The rotation vectors (n, 3) of unit quaternions (n, 4): along the axis, as long as the angle, which is at most pi."""
     nearer: Any = np.where(turn[:, :1] < 0, -turn, turn)
     sine = np.sqrt((nearer[:, 1:] ** 2).sum(axis=1, keepdims=True))
     angle = 2 * np.arctan2(sine, nearer[:, :1])

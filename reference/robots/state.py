@@ -22,9 +22,10 @@ class RobotState:
 
     Revolute and prismatic joints have one number each. A planar joint has x and y along two axes of its plane and the angle
     about its normal. A spherical joint has a unit quaternion w, x, y, z from child to joint frame, and the angular velocity in
-    the child's frame. A floating joint has the position x, y, z of the child's origin in the joint's frame and such a
-    quaternion, and the velocity vx, vy, vz of the origin along the joint frame's axes and the angular velocity wx, wy, wz in
-    the child's frame. Accelerations are the derivatives of these velocities, and efforts the forces whose power they give.
+    the child's frame. A floating joint has the position x, y, z of the child's origin in the joint's frame and the same
+    quaternion as a spherical joint, and the velocity vx, vy, vz of the origin along the joint frame's axes and the angular
+    velocity wx, wy, wz in the child's frame. Accelerations are the derivatives of these velocities, and efforts are the forces
+    and torques whose power is effort times velocity.
 
     Attributes
     ----------

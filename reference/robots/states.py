@@ -1,4 +1,4 @@
-"""States of a robot model that follow from a seed alone, the same ones on every machine."""
+"""Pseudo-random states of a robot model, which depend on a seed alone and are the same on every machine."""
 
 import math
 from collections.abc import Mapping
@@ -7,28 +7,30 @@ from random import Random
 from bodycheck.reference.robots.model import RobotJoint, RobotModel
 from bodycheck.reference.robots.state import VELOCITIES, RobotState
 
-#: Up to where the position of a joint without limits is drawn (rad, m). Limits that are more than twice as far are none.
+#: The largest distance from 0 at which the position of a joint without limits is drawn (rad, m). A limit on its own side of 0
+#: that is more than twice as far does not count.
 REACH = {"revolute": math.pi, "prismatic": 1.0}
 
-#: How far from its limits the position of a joint is at least, as a part of what is between them.
+#: The least distance of a drawn position from the ends of its range, as a fraction of the range.
 MARGIN = 0.05
 
 Numbers = tuple[float, ...]
 
 
 def seeded_states(model: RobotModel, count: int, seed: int) -> tuple[RobotState, ...]:
-    """States of a robot model.
+    """Return pseudo-random states of a robot model.
 
-    Positions are inside the limits of joints and never at their edge, and otherwise within a half turn or 1 m. Velocities,
-    accelerations and efforts are between -1 and 1. What a joint mimics it has in positions, velocities and accelerations, be it
-    inside its limits or not. Two joints that mimic each other are drawn as others are.
+    Positions are inside the limits of a joint, never at a limit; without limits they are within a half turn or 1 m of 0.
+    Velocities, accelerations and efforts are between -1 and 1. A joint that mimics another joint has the positions, velocities
+    and accelerations that follow from that joint, inside its own limits or not. Joints that mimic each other in a circle are
+    drawn like independent joints.
 
     Parameters
     ----------
     model
-        The model, of which the names, types, limits and mimicry of the joints count, in the order of the file.
+        The model. Only the names, types, limits and mimic rules of its joints, in the order of the file, affect the states.
     count
-        The number of states; the first ones do not depend on it.
+        The number of states. A larger number adds states at the end and leaves the others unchanged.
     seed
         The seed.
     """
@@ -53,9 +55,10 @@ def _state(model: RobotModel, random: Random) -> RobotState:
 
 
 def _followed(joints: Mapping[str, RobotJoint], name: str) -> tuple[str, float, float] | None:
-    """The joint that moves by itself and that a joint follows, perhaps through others, with the multiplier and the offset.
+    """The independent joint that a joint follows, perhaps through other joints, with the total multiplier and offset.
 
-    None where the joint follows none, one that there is not or that has not one position, or itself in the end.
+    Returns None where the joint follows no joint, a joint that does not exist or is neither revolute nor prismatic, or, in a
+    circle, itself.
     """
     multiplier, offset, passed = 1.0, 0.0, {name}
     if joints[name].type not in REACH:
@@ -86,7 +89,7 @@ def _position(joint: RobotJoint, random: Random) -> Numbers:
 
 
 def _range(joint: RobotJoint, reach: float) -> tuple[float, float]:
-    """The lowest and the highest position of a joint: its limits where they leave room, and some reach where there are none."""
+    """The range in which the position of a joint is drawn: its limits, or a distance `reach` from 0 where they do not count."""
     low = -math.inf if joint.lower is None else joint.lower
     high = math.inf if joint.upper is None else joint.upper
     if not low <= high or low == math.inf or high == -math.inf:
@@ -95,14 +98,14 @@ def _range(joint: RobotJoint, reach: float) -> tuple[float, float]:
         return low, min(high, low + 2 * reach)
     if high < -2 * reach:
         return max(low, high - 2 * reach), high
-    # A single limit leaves as much room as there would be without it.
+    # A range with a single limit is at least as wide as a range without limits.
     left = low if low >= -2 * reach else min(-reach, high - reach)
     right = high if high <= 2 * reach else max(reach, low + reach)
     return left, right
 
 
 def _quaternion(random: Random) -> tuple[float, float, float, float]:
-    """A unit quaternion, evenly distributed; only roundings that are the same everywhere are made."""
+    """A uniformly distributed unit quaternion, computed only with operations that round in the same way on every machine."""
     while True:
         w, x, y, z = (random.uniform(-1, 1) for _ in range(4))
         square = w * w + x * x + y * y + z * z

@@ -1,16 +1,16 @@
 """The rolling coin by Appell's equations in z-x-z Euler angles, and the forces at its rim.
 
-theta is the tilt of K against the vertical, between 0 (flat) and pi/2 (upright). The angular velocity is p along the line of
-nodes n, q along e = K x n, which points up the coin's slope, and s along K. Rolling about the circle of radius r at the
-distance h from the centre of mass gives the centre the velocity (q h - s r, -p h, p r) along n, e, K, so that p, q and s are
-quasi-velocities of all six coordinates. With kappa = q cot theta, the moments A = B and C for each unit of mass, and
+theta is the tilt of K against the vertical, between 0 (flat) and pi/2 (upright). The angular velocity has the components p
+along the line of nodes n, q along e = K x n, which points up the coin's slope, and s along K. When the coin rolls on the circle
+of radius r at the distance h from the centre of mass, the centre has the velocity (q h - s r, -p h, p r) along n, e, K, so that
+p, q and s are quasi-velocities of all six coordinates. With kappa = q cot theta, the moments A = B and C per unit of mass, and
 u = q h - s r,
 
     (A + r^2 + h^2) p' = A kappa q - C q s + r q u + h kappa u - r g cos theta + h g sin theta
     (A + h^2) q' - h r s' = C p s - A kappa p - h p (q r + kappa h)
     (C + r^2) s' - h r q' = r p (q r + kappa h)
 
-(Appell, Rend. Circ. Mat. Palermo 14, 1900, for h = 0; the tests derive them from the Lagrangian).
+(Appell, Rend. Circ. Mat. Palermo 14, 1900, for h = 0; the tests derive these equations from the Lagrangian).
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from bodycheck.reference.integration.collocation import Derivatives
 from bodycheck.reference.kinematics import euler_from_quaternion, quaternion_from_euler
 from bodycheck.reference.witness import WideArray
 
-#: The components of a state.
+#: The indices of the components of a state.
 THETA, P, Q, S, PHI, PSI, X, Y = range(8)
 
 
@@ -93,7 +93,7 @@ def equations(coin: Coin) -> Derivatives:
 
 
 def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
-    """The components (n,) of the plane's force along the plane and normal to it, in weights of the coin, in states (n, 8)."""
+    """The tangential and the normal force (n,) of the plane, in units of the coin's weight, in states (n, 8)."""
     along, up, out = accelerated(coin, states).acceleration
     cosine, sine = np.cos(states[:, THETA]), np.sin(states[:, THETA])
     tangential = np.hypot(along, out * sine - up * cosine)
@@ -101,7 +101,7 @@ def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
 
 
 def poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
-    """Positions (n, 3), velocities (n, 3), attitudes (n, 4) and angular velocities (n, 3) along the axes of the body."""
+    """Positions (n, 3), velocities (n, 3), attitudes (n, 4), and angular velocities (n, 3) along the body's axes, of states."""
     theta, p, q, s, phi, psi = (states[:, part] for part in (THETA, P, Q, S, PHI, PSI))
     r, h = coin.radius, coin.half_length
     cosine, sine = np.cos(theta), np.sin(theta)

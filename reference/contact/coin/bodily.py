@@ -1,12 +1,12 @@
 """The rolling coin by Newton's and Euler's equations with a quaternion: the witness of the Euler angles.
 
-With rho from the centre of mass to the rim's lowest point and omega the angular velocity, all along the axes of the body,
-rolling gives the centre the velocity rho x omega. The force at the rim is that acceleration less that of gravity, for each unit
-of mass, and its moment rho x F turns the body:
+With rho from the centre of mass to the rim's lowest point and omega the angular velocity, all along the axes of the body, the
+centre of a rolling coin has the velocity rho x omega. The force F at the rim, per unit of mass, is the acceleration of the
+centre minus the gravitational acceleration, and its moment rho x F turns the body:
 
     I omega' - rho x (rho x omega') = I omega x omega + rho x (rho' x omega + g z)
 
-Here rho' is the rate of change of rho as the world sees it.
+Here rho' is the rate of change of rho relative to the world.
 """
 
 import numpy as np
@@ -31,14 +31,14 @@ def equations(coin: Coin) -> Derivatives:
         turning, velocity, _ = accelerated(coin, states)
         quaternion = normalise(states[:, :4])
         rates = np.concatenate([np.zeros_like(states[:, :1]), states[:, 4:7]], axis=1)
-        # The length of the quaternion counts for nothing above, and stays what it is.
+        # The length of the quaternion has no effect above, and does not change.
         return np.concatenate([multiply(states[:, :4], rates) / 2, turning, rotate(quaternion, velocity)], axis=1)
 
     return derivatives
 
 
 def accelerated(coin: Coin, states: WideArray) -> _Vectors:
-    """The angular acceleration, and the velocity and acceleration of the centre of mass (n, 3), along the axes of the body."""
+    """Angular acceleration, and velocity and acceleration of the centre of mass, each (n, 3), along the axes of the body."""
     moments = np.array([coin.across, coin.across, coin.along])
     omega = states[:, 4:7]
     upward = _upward(states)
@@ -58,7 +58,7 @@ def accelerated(coin: Coin, states: WideArray) -> _Vectors:
 
 
 def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
-    """The components (n,) of the plane's force along the plane and normal to it, in weights of the coin, in states (n, 10)."""
+    """The tangential and the normal force (n,) of the plane, in units of the coin's weight, in states (n, 10)."""
     _, _, acceleration = accelerated(coin, states)
     upward = _upward(states)
     raised = (acceleration * upward).sum(axis=1)
@@ -67,7 +67,7 @@ def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
 
 
 def poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
-    """Positions (n, 3), velocities (n, 3), attitudes (n, 4) and angular velocities (n, 3) along the axes of the body."""
+    """Positions (n, 3), velocities (n, 3), attitudes (n, 4), and angular velocities (n, 3) along the body's axes, of states."""
     quaternion = normalise(states[:, :4])
     _, velocity, _ = accelerated(coin, states)
     return states[:, 7:], rotate(quaternion, velocity), quaternion, states[:, 4:7]
@@ -81,9 +81,10 @@ def _upward(states: WideArray) -> WideArray:
 
 
 def _solved(moments: WideArray, rho: WideArray, right: WideArray) -> WideArray:
-    """The x (n, 3) with I x - rho x (rho x x) = right, for moments (3,).
+    """The solution a (n, 3) of I a - rho x (rho x a) = right, for moments (3,) of inertia.
 
-    The matrix is diagonal, moments + rho^2, less the product rho rho^T, so that its inverse is known (Sherman and Morrison).
+    The matrix is the diagonal matrix of moments + rho^2 minus the product rho rho^T, so that its inverse is known (Sherman and
+    Morrison).
     """
     diagonal = moments + (rho * rho).sum(axis=1, keepdims=True)
     one, other = right / diagonal, rho / diagonal

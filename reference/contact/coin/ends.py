@@ -1,4 +1,4 @@
-"""The motion of a coin up to where it ends to roll: it slips, leaves the plane, or touches it with more than a point."""
+"""The motion of a coin until it no longer rolls: it slips, leaves the plane, or touches the plane with more than a point."""
 
 import itertools
 import math
@@ -16,25 +16,26 @@ from bodycheck.reference.integration.collocation import Step, steps
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: Nodes of a step.
+#: The number of nodes of a step.
 STAGES = 24
 
-#: Evaluations of the equations, of all nodes at once, after which the motion is given up: some ten seconds.
+#: The largest number of evaluations of the equations, each for all nodes of a step: some ten seconds.
 MOST = 40_000
 
 #: The length of the first step, in units of the coin's time.
 FIRST = 0.5
 
-#: Places of a step at which is looked for its end, and how often the part around one of them is searched again.
+#: The number of instants of a step at which the end is searched, and how often the interval around the end is searched again.
 _PLACES, _SEARCHES = 33, 13
 
-#: The same for the largest friction: the friction is flat where it is largest.
+#: How often the interval around the largest friction is searched again: few are enough, as its derivative is zero there.
 _REFINEMENTS = 4
 
-#: The part of a step before an end in which its rate is measured, and the shortest time of such a measurement.
+#: The rate at an end is measured over the time since the start of the step divided by the former number, and at least over the
+#: latter time.
 _EARLIER, _INSTANT = 16, 1e-12
 
-#: What must be positive (n,) in states (n, 8) as long as the coin rolls.
+#: A function of states (n, 8) whose values (n,) are positive while the coin rolls.
 _Slack = Callable[[WideArray], WideArray]
 
 
@@ -45,15 +46,15 @@ class End:
     Attributes
     ----------
     kind
-        The coin slips or leaves the plane, or its face or its side meets the plane.
+        "slip" if the coin slips or leaves the plane, "impact" if its face or its side touches the plane.
     time
         The instant, in units of the coin.
     state
-        (8,) the state there.
+        (8,) the state at this instant.
     rate
-        The rate at which the slack, see `slacks`, decreases there.
+        The rate at which the slack (see `slacks`) decreases there.
     before, state_before
-        An instant a little before, and the state (8,) there, where other equations are not yet singular.
+        An instant a little before, at which other equations are not yet singular, and the state (8,) at that instant.
     """
 
     kind: Literal["slip", "impact"]
@@ -66,7 +67,7 @@ class End:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """States (n, 8) of a coin, the end of its rolling if it is within the instants, and the largest friction until then.
+    """States (n, 8) of a coin, the end of its rolling if it is within the instants, and the largest friction needed until then.
 
     After the end, the states are NaN.
     """
@@ -77,7 +78,7 @@ class Followed:
 
 
 def slacks(coin: Coin, friction: float) -> tuple[tuple[Literal["slip", "impact"], _Slack], ...]:
-    """Return functions that are positive as long as a coin rolls, each with the event that happens when it is not."""
+    """Return functions that are positive while a coin rolls, each after the event that happens when it becomes zero."""
 
     def held(states: WideArray) -> WideArray:
         tangential, normal = angles.forces(coin, states)
@@ -92,13 +93,13 @@ def slacks(coin: Coin, friction: float) -> tuple[tuple[Literal["slip", "impact"]
 
 
 def ratio(coin: Coin, states: WideArray) -> WideArray:
-    """The friction (n,) that a coin needs in states (n, 8): tangential force by normal force, where that is positive."""
+    """The friction (n,) that a coin needs in states (n, 8): tangential over normal force; 0 if the latter is not positive."""
     tangential, normal = angles.forces(coin, states)
     return np.asarray(tangential / np.where(normal > 0, normal, np.inf))
 
 
 def followed(coin: Coin, friction: float, times: Array) -> Followed:
-    """The motion at ascending times (n,) >= 0, in units of the coin. Raises `OutOfReach` where it needs too many steps."""
+    """The motion at ascending times (n,) >= 0, in units of the coin. Raises `OutOfReach` if it needs too many steps."""
     start = angles.initial(coin)
     states = np.full((len(times), len(start)), np.nan, dtype=Wide)
     row = int(np.searchsorted(times, 0.0, side="right"))
@@ -123,11 +124,11 @@ def followed(coin: Coin, friction: float, times: Array) -> Followed:
                 return Followed(states, end, needed)
     except OutOfReach as error:
         raise OutOfReach(f"a coin that wobbles so much or comes so close to lying flat: {error}") from error
-    raise AssertionError  # steps have no end
+    raise AssertionError  # unreachable: `steps` is endless
 
 
 def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", "impact"], _Slack], ...]) -> End | None:
-    """The first end within a step. places: ascending instants of it, the first and the last included."""
+    """The first end within a step, or None. places: ascending instants from the first to the last of the step."""
     ends = []
     states = step.at(places)
     for kind, slack in conditions:
@@ -138,7 +139,7 @@ def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", 
             grid = np.linspace(begin, until, _PLACES, dtype=Wide)
             below = int(np.argmax(slack(step.at(grid)) <= 0)) or _PLACES - 1
             begin, until = grid[below - 1], grid[below]
-        # It is a double, so that both solutions are taken at the same instant.
+        # The instant is rounded to a double, so that both solutions are evaluated at the same instant.
         early = Wide(float(until - (until - step.start) / _EARLIER))
         early_state, state = step.at(np.array([early, until]))
         rate = float((slack(early_state[None]) - slack(state[None]))[0] / max(until - early, Wide(_INSTANT)))
@@ -147,9 +148,9 @@ def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", 
 
 
 def _bracket(step: Step, slack: _Slack, places: WideArray, values: WideArray) -> tuple[np.longdouble, np.longdouble] | None:
-    """Two instants between which something that must be positive first falls to zero, or None.
+    """Two instants between which a slack first falls to zero, or None.
 
-    Where it may be lowest between two places, it is searched there too.
+    places: (n,) instants. values: (n,) of the slack there. If all are positive, the minimum between instants is searched too.
     """
     for first in np.flatnonzero(values <= 0)[:1]:
         return (places[max(first - 1, 0)], places[first])
@@ -168,7 +169,7 @@ def _bracket(step: Step, slack: _Slack, places: WideArray, values: WideArray) ->
 
 
 def _largest(coin: Coin, step: Step, places: WideArray) -> float:
-    """The largest friction at instants of a step and between them."""
+    """The largest friction that the coin needs at instants of a step and between them."""
     ratios = ratio(coin, step.at(places))
     most = float(ratios.max())
     highest = int(np.argmax(ratios))

@@ -1,4 +1,4 @@
-"""The start of a coin that rolls on its rim, in units in which its size is one, and the test whether a scene is one."""
+"""The start of a coin that rolls on its rim, in units in which its size is near 1, and the recognition of such a scene."""
 
 import math
 from dataclasses import dataclass
@@ -12,24 +12,24 @@ from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.scene import Cylinder
 from bodycheck.reference.witness import WideArray
 
-#: Half a turn about the axis I, which exchanges the faces.
+#: The quaternion of half a turn about the axis I, which exchanges the faces.
 _TURNED = np.array([0, 1, 0, 0], dtype=Wide)
 
-#: The axes of half a turn about I, which are its own inverse.
+#: The factors by which half a turn about I multiplies the components of a vector. It is its own inverse.
 _SIGNS = np.array([1, -1, -1], dtype=Wide)
 
 
 @dataclass(frozen=True, eq=False)
 class Coin:
-    """A coin on its rim at t = 0, on the side of -K.
+    """A coin at t = 0 on the rim on the side of -K.
 
-    The unit of mass is that of the coin. Those of length and time are powers of two near its radius and the time that it takes
-    to turn or to fall, so that no rounding occurs in the conversion.
+    The unit of mass is the mass of the coin. The units of length and time are powers of two near its radius and the time that
+    it takes to turn or to fall, so that no rounding occurs in the conversion.
 
     Attributes
     ----------
     radius, half_length
-        Radius, and distance of the circle on which it rolls from the centre of mass.
+        The radius, and the distance from the centre of mass to the plane of the circle on which it rolls.
     across, along
         The moments of inertia about its diameters and about K.
     gravity
@@ -38,11 +38,11 @@ class Coin:
         Position (3,) of the centre of mass, attitude (4,) as w, x, y, z, body to plane, and angular velocity (3,) along the
         axes of the body.
     missed_velocity, missed_position
-        By how much the velocity (m/s) and the height (m) that the scene gives differ from those of rolling.
+        The differences of the velocity (m/s) and of the height (m) in the scene from those of rolling.
     length, time
         The units (m, s).
     flipped
-        Whether the body is turned by half a turn about I, because it touches the plane on the side of K.
+        Whether the body of the scene is turned by half a turn about I, because it touches the plane on the side of K.
     """
 
     radius: np.longdouble
@@ -60,16 +60,17 @@ class Coin:
     flipped: bool
 
     def as_given(self, quaternion: WideArray, spin: WideArray) -> tuple[WideArray, WideArray]:
-        """Convert attitudes (n, 4) and angular velocities (n, 3) of the coin to those of the scene's body, in its units."""
+        """Convert attitudes (n, 4) and angular velocities (n, 3) of the coin to those of the scene's body, in SI units."""
         if self.flipped:
             quaternion, spin = multiply(quaternion, _TURNED * Wide(-1)), spin * _SIGNS
         return quaternion, spin / self.time
 
 
 def coin(problem: Problem) -> Coin | None:
-    """The coin of a problem, or None where it is none that touches the plane with a point of its rim.
+    """The coin of a problem, or None if it is not a coin that touches a level plane with a point of its rim.
 
-    Raises `NotModelled` for a coin that slips at its start, and for one whose moments about its diameters differ.
+    Raises `NotModelled` for a coin that slips at its start or whose rim hits or leaves the plane then, and for a coin whose
+    moments about its diameters differ.
     """
     if len(problem.bodies) != 1 or problem.plane.incline or problem.pushes or not problem.gravity[2]:
         return None
@@ -98,9 +99,10 @@ def coin(problem: Problem) -> Coin | None:
 
 
 def _missed(body: ContactBody, rolling: WideArray, rim_speed: float) -> float:
-    """By how much the velocity (m/s) of a body differs from that of rolling.
+    """The difference (m/s) of the velocity of a body from the velocity of rolling, `rolling`.
 
-    rim_speed: how fast the rim turns about the centre of mass (m/s). Raises `NotModelled` if it does not roll.
+    rim_speed: the speed of the rim relative to the centre of mass (m/s). Raises `NotModelled` if the body does not roll, or its
+    moments about its diameters differ.
     """
     missed = body.velocity - rolling
     if abs(float(missed[2])) > NONE * rim_speed:

@@ -10,7 +10,7 @@ from bodycheck.reference.witness import WideArray
 
 
 def is_steady(coin: Coin) -> bool:
-    """Return whether the tilt of a coin neither moves nor accelerates at its start, as far as the file's decimals can tell."""
+    """Return whether the tilt of a coin has no rate and no acceleration at its start, within the decimals of the file."""
     start = angles.initial(coin)[None]
     return bool(abs(start[0, angles.P]) <= NONE and abs(angles.accelerated(coin, start).p[0]) <= NONE)
 
@@ -18,14 +18,14 @@ def is_steady(coin: Coin) -> bool:
 def states(coin: Coin, times: Array) -> WideArray:
     """The states (n, 8) of a steady motion at times (n,), in units of the coin.
 
-    The centre of mass has the velocity q h - s r along the line of nodes, which turns with q / sin theta.
+    The centre of mass has the velocity q h - s r along the line of nodes, which turns at the rate q / sin theta.
     """
     start = angles.initial(coin)
     t = times.astype(start.dtype)
     theta, q, s, phi, psi = (start[part] for part in (angles.THETA, angles.Q, angles.S, angles.PHI, angles.PSI))
     turning = q / np.sin(theta)
     half = turning * t / 2
-    # The chord of the arc is a sine; it is the whole way where the line of nodes does not turn.
+    # The chord of the arc is a sine; if the line of nodes does not turn, it is the whole path.
     chord = (q * coin.half_length - s * coin.radius) * t * np.where(half, np.sin(half) / np.where(half, half, 1), 1)
     rows = np.tile(start, (len(t), 1))
     rows[:, angles.P] = 0

@@ -1,4 +1,4 @@
-"""The motion of a coin that rolls without slip, with bounds from a second solution by other equations."""
+"""The motion of a coin that rolls without slip, with bounds of errors from a second solution by other equations."""
 
 import math
 from dataclasses import dataclass
@@ -19,30 +19,30 @@ from bodycheck.reference.scene import vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray, angle_between
 
-#: Names of the solutions.
+#: The names of the solutions.
 APPELL = "Appell's equations in Euler angles, Gauss-Legendre collocation"
 NEWTON = "Newton's and Euler's equations with a quaternion, Gauss-Legendre collocation"
 STEADY = "closed form: steady circle"
 
 REASON = "the coin is rigid and rolls without slip on the circle of its rim"
 
-#: Nodes of a step of the second solution; others than those of the first one, so that its steps are others too.
+#: The number of nodes of a step of the second solution. It differs from the first solution's, so that its steps differ too.
 _STAGES = 20
 
-#: How many times the disagreement of two solutions the error of one can be.
+#: The factor by which the error of a solution may exceed the disagreement of two solutions.
 _SAFETY = 2.0
 
-#: Roundings of the start, relative to the size of a state, which both solutions have alike.
+#: The number of roundings of the start, relative to the size of a state, which both solutions have in common.
 _ROUNDINGS = 16.0
 
-#: By how much a steady motion in closed form may differ from the motion of the scene, whose numbers are rounded, in units of
-#: the coin. Beyond that the scene is close to a steady motion, but has another one.
+#: The largest difference, in units of the coin, of a steady motion in closed form from the motion of the scene, whose numbers
+#: are rounded. If it is larger, the motion of the scene is only close to the steady motion.
 _STEADY = 1e-12
 
 #: Positions (n, 3), velocities (n, 3), attitudes (n, 4) and angular velocities (n, 3).
 _Poses = tuple[WideArray, WideArray, WideArray, WideArray]
 
-#: The rate of what vanishes at an end below which the end is a grazing one, for the error of its instant.
+#: The smallest rate of a slack at an end (see `ends.End`) in the error of its instant; below it the end is grazing.
 _GRAZING = 1e-9
 
 
@@ -59,7 +59,7 @@ class _Vouched:
     model, witness
         The names of the two solutions.
     slack_error
-        The difference of the forces in the two solutions shortly before the end, in weights of the coin.
+        The difference of the forces in the two solutions shortly before the end, in units of the coin's weight.
     """
 
     poses: _Poses
@@ -72,8 +72,9 @@ class _Vouched:
 def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
     """The motion of a cylinder that rolls without slip with a point of its rim on a level plane.
 
-    It ends where the friction does not hold, and where the coin meets the plane with its face or its side. Raises `NotModelled`
-    for a coin that slips at its start, and `OutOfReach` for one that comes too close to lying flat.
+    It ends when the friction does not hold, or when the coin meets the plane with its face or its side. Returns None for any
+    other problem. Raises `NotModelled` for a coin that slips at its start, and `OutOfReach` for a coin that comes too close to
+    lying flat.
     """
     wheel = coin(problem)
     if wheel is None:
@@ -81,7 +82,7 @@ def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
     friction, _ = problem.pair(0)
     _check_start(wheel, friction)
     t = times / float(wheel.time)
-    # Steps that are too large can leave the range of numbers, and are then made smaller.
+    # Steps that are too large may overflow, and are then made smaller.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         motion = followed(wheel, friction, t)
         count = int((~np.isnan(motion.states[:, 0])).sum())
@@ -103,7 +104,7 @@ def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _check_start(coin: Coin, friction: float) -> None:
-    """Raise `NotModelled` for a coin that the friction does not hold at its start."""
+    """Raise `NotModelled` if the friction does not hold a coin at its start."""
     _, held = slacks(coin, friction)[0]
     if held(angles.initial(coin)[None])[0] >= 0:
         return
@@ -113,7 +114,7 @@ def _check_start(coin: Coin, friction: float) -> None:
 
 
 def _vouched(coin: Coin, motion: Followed, t: Array) -> _Vouched:
-    """A motion with its witness. t: the instants (k,) before its end."""
+    """A motion with its witness. t: the instants (k,) before its end, in units of the coin."""
     poses = angles.poses(coin, motion.states[: len(t)])
     if motion.end is None and steady.is_steady(coin):
         closed = angles.poses(coin, steady.states(coin, t))
@@ -133,14 +134,14 @@ def _vouched(coin: Coin, motion: Followed, t: Array) -> _Vouched:
 
 
 def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
-    """The largest distances (k,) so far of positions, velocities, attitudes and angular velocities."""
+    """The largest distances (k,) so far between positions, velocities, attitudes and angular velocities of two motions."""
     distances = [np.sqrt(((a - b) ** 2).sum(axis=1)).astype(float) for a, b in zip(one, other, strict=True)]
     distances[2] = angle_between(one[2], other[2])
     return tuple(np.maximum.accumulate(distance) for distance in distances)
 
 
 def _slack_error(coin: Coin, end: End, other: WideArray) -> float:
-    """The sum of the differences of both forces, in weights of the coin, between two solutions shortly before an end.
+    """The sum of the differences of both forces, in units of the coin's weight, between two solutions shortly before an end.
 
     other: the state (1, 10) of the second solution there.
     """
@@ -149,7 +150,7 @@ def _slack_error(coin: Coin, end: End, other: WideArray) -> float:
 
 
 def _bounds(coin: Coin, vouched: _Vouched) -> dict[str, Array]:
-    """The bounds (k,) of the errors of a motion, in SI units. Where they allow less than the energy drifts, they grow."""
+    """The bounds (k,) of the errors of a motion, in SI units, increased if they do not explain the drift of the energy."""
     rounding = _ROUNDINGS * float(np.finfo(Wide).eps)
     sizes = [1.0 + np.sqrt((pose * pose).sum(axis=1)).astype(float) for pose in vouched.poses]
     bounds = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
@@ -165,7 +166,7 @@ def _bounds(coin: Coin, vouched: _Vouched) -> dict[str, Array]:
 
 
 def _drift(coin: Coin, poses: _Poses, errors: list[Array]) -> Array:
-    """The largest drift of the energy so far (k,), by what errors (k,) of poses can make of it; at least 1."""
+    """The largest ratio so far (k,) of the drift of the energy to the drift that errors (k,) allow; at least 1."""
     position, velocity, _, spin = poses
     momentum = spin * np.array([coin.across, coin.across, coin.along])
     energy = ((velocity * velocity).sum(axis=1) + (momentum * spin).sum(axis=1)) / 2 + coin.gravity * position[:, 2]
@@ -176,7 +177,7 @@ def _drift(coin: Coin, poses: _Poses, errors: list[Array]) -> Array:
 
 
 def _event(coin: Coin, end: End, slack_error: float) -> Event:
-    """The event that slipping begins."""
+    """The event in which the coin begins to slip."""
     position, velocity, quaternion, spin = _in_units(coin, angles.poses(coin, end.state[None]))
     time = float(end.time * coin.time)
     error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(coin.time) + EPS * time
@@ -185,10 +186,10 @@ def _event(coin: Coin, end: End, slack_error: float) -> Event:
 
 
 def _reason(coin: Coin, end: End | None) -> str:
-    """The reason why the equations are exact, and until when.
+    """The reason why the equations are exact, and the instant until which they are.
 
-    That the coin meets the plane with more than a point is no event: its rim touches the plane before, and no law says how fast
-    it is after that.
+    It is no event when the coin meets the plane with more than a point: its rim touches the plane before, and no law gives its
+    velocity after that.
     """
     if end is None or end.kind == "slip":
         return REASON
@@ -196,13 +197,13 @@ def _reason(coin: Coin, end: End | None) -> str:
 
 
 def _in_units(coin: Coin, poses: _Poses) -> _Poses:
-    """Poses in units of a coin as those of the body of the scene, in SI units."""
+    """Convert poses of a coin, in its units, to poses of the body of the scene, in SI units."""
     position, velocity, quaternion, spin = poses
     return position * coin.length, velocity * (coin.length / coin.time), *coin.as_given(quaternion, spin)
 
 
 def _spread(values: WideArray, count: int) -> WideArray:
-    """Values (k, ...) at the instants before the end as values (count, ...) that are NaN after it."""
+    """Extend values (k, ...) at the instants before the end to values (count, ...) at all instants, with NaN after the end."""
     spread = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
     spread[: len(values)] = values
     return spread

@@ -1,7 +1,7 @@
 """The truth of one block that lies flat on a level or inclined plane, is pushed or not, rests, slides, and begins to tip.
 
-All pieces are closed forms; see `legs` and `oblique`. What happens is decided with a hundred digits. After the onset of tipping
-no motion is known.
+All pieces are closed forms; see `legs` and `oblique`. Whether the block rests, slides or tips is decided with a hundred digits.
+After the onset of tipping no motion is known.
 """
 
 import math
@@ -29,7 +29,7 @@ _HALF_ULP = EPS / 2
 
 
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
-    """The motion of one block that lies flat; None for any other problem. Raises `NotModelled` where it turns or lifts off."""
+    """The motion of one block that lies flat; None for any other problem. Raises `NotModelled` if it turns or lifts off."""
     if len(problem.bodies) != 1:
         return None
     body = problem.bodies[0]
@@ -72,9 +72,9 @@ def _exact(vector: WideArray) -> Vector2:
 
 
 def _states(body: ContactBody, path: list[Leg], times: Array) -> tuple[WideArray, WideArray]:
-    """Positions (n, 3) and velocities (n, 3) until the onset of tipping."""
+    """Positions (n, 3), m, and velocities (n, 3), m/s, at times (n,), s, until the onset of tipping."""
     where, speeds = np.tile(body.position, (len(times), 1)), np.zeros((len(times), 3), dtype=Wide)
-    speeds[:, :2] = body.velocity[:2]  # at an onset at t = 0 there is no leg
+    speeds[:, :2] = body.velocity[:2]  # if the block tips from t = 0 on, there is no leg
     for leg in path:
         within = (times >= float(leg.start)) & (times <= float(leg.end))
         passed = np.clip(times[within].astype(Wide) - wide(leg.start), 0, None)
@@ -93,11 +93,12 @@ def _states(body: ContactBody, path: list[Leg], times: Array) -> tuple[WideArray
 
 
 def _errors(problem: Problem, path: list[Leg], times: Array, rising: float) -> dict[str, Array]:
-    """The bounds of errors of states.
+    """The bounds of errors of states at times (n,), s.
 
-    Two motions from one start under drives that differ by d part by at most d t^2 / 2, since friction brings them together.
+    Two motions from the same start under drives that differ by d differ by at most d t^2 / 2, since friction brings them
+    together.
 
-    rising: the velocity along the normal that counts as none (m/s).
+    rising: the velocity along the normal that was taken to be zero (m/s).
     """
     body = problem.bodies[0]
     size, speed = float(np.linalg.norm(body.position)), float(np.linalg.norm(body.velocity))
@@ -114,16 +115,16 @@ def _errors(problem: Problem, path: list[Leg], times: Array, rising: float) -> d
 
 
 def _accelerations(problem: Problem, leg: Leg) -> float:
-    """A bound of the accelerations (m/s^2) of drive and friction."""
+    """A bound of the acceleration (m/s^2) by drive and friction along a leg."""
     if leg.rests:
         return 0.0
     return float((MP.hypot(*leg.load.drive) + problem.pair(0)[0] * leg.load.press) / real(problem.bodies[0].mass))
 
 
 def _doubt(problem: Problem, leg: Leg) -> float:
-    """Return the uncertainty of the drive along a leg (m/s^2), from rounded pushes and from decisions at their limits.
+    """Return the uncertainty of the drive along a leg (m/s^2), from rounded pushes and from decisions at the limit of friction.
 
-    Where half an ulp of the numbers of the scene decides whether a block rests or slips, the difference is within the bound.
+    If half an ulp of the numbers of the scene decides whether a block rests or slips, the bound covers both motions.
     """
     friction, mass = problem.pair(0)[0], real(problem.bodies[0].mass)
     slope, drive, press = problem.plane.incline, MP.hypot(*leg.load.drive), leg.load.press
@@ -146,7 +147,7 @@ def _event(problem: Problem, path: list[Leg], turn: Turn, body: ContactBody) -> 
 
 
 def _braking(problem: Problem, leg: Leg) -> Real:
-    """The deceleration (m/s^2) with which a leg ends in a stop."""
+    """The deceleration (m/s^2) at the end of a leg that ends in a stop."""
     if leg.oblique is None:
         return MP.hypot(*leg.acceleration)
     return (problem.pair(0)[0] * leg.load.press - MP.hypot(*leg.load.drive)) / real(problem.bodies[0].mass)
@@ -160,14 +161,17 @@ def _model(path: list[Leg], last: float) -> str:
 
 
 def _smallest_friction(problem: Problem, path: list[Leg], last: float) -> float:
-    """The smallest coefficient with which a block that rests does so, the load under which it begins to tip included."""
+    """The smallest coefficient of friction that holds a block that rests until `last` (s); 0 if it moves.
+
+    The load under which it begins to tip counts too.
+    """
     if not all(leg.rests for leg in path if leg.start <= last):
         return 0.0
     return max(float(MP.hypot(*load.drive) / load.press) for load in loads(problem) if load.start <= last)
 
 
 def _interfaces(path: list[Leg], last: float, tip: float) -> tuple[Interface, ...]:
-    """The load of a block that rests all the time under a load that does not change."""
+    """The interface of a block and the plane, if it rests until `last` (s) with the same normal force; else empty."""
     within = [leg for leg in path if leg.start <= last]
     pressed = {float(leg.load.press) for leg in within}
     if tip <= last or not all(leg.rests for leg in within) or len(pressed) != 1:

@@ -1,4 +1,4 @@
-"""A block that lies flat: the face on which it lies, and how far this reaches."""
+"""A block that lies flat: the face on which it lies, and the extent of this face."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from bodycheck.reference.exact.rotations import matrix, turned
 from bodycheck.reference.scene import Brick, Cylinder
 from bodycheck.reference.witness import WideArray
 
-#: By how much of a half-length a load may be outside of a face: what rounding to the wide type leaves of a balance.
+#: The distance, as a fraction of a half-length, by which a load may be outside a face because of rounding to the wide type.
 _ROUNDING = 16 * MP.mpf(float(np.finfo(np.longdouble).eps))
 
 
@@ -23,9 +23,9 @@ class Face:
     height
         Height (m) of the centre of mass.
     edges
-        Of a brick: the two unit vectors along the edges, each with the half-length (m) along it.
+        For a brick, the two unit vectors along the edges, each with the half-length (m) along it.
     radius
-        Of a cylinder that stands: the radius of the disk (m).
+        For a cylinder that stands, the radius of the disk (m).
     """
 
     height: Real
@@ -33,20 +33,22 @@ class Face:
     radius: Real = MP.inf
 
     def bears(self, x: Real, y: Real) -> bool:
-        """Return whether a point of the plane (m) is within the face or on its border."""
+        """Return whether a point of the plane (m), from the foot of the centre of mass, is in the face or on its border."""
         more = 1 + _ROUNDING
         held = all(abs(x * a + y * b) <= half * more for (a, b), half in self.edges)
         return held and bool(MP.hypot(x, y) <= self.radius * more)
 
     def leaves(self, reach: Real, begin: Real, end: Real) -> Real | None:
-        """The first direction in which a point at a distance from the foot is at the border of the face and about to leave it.
+        """The first direction (rad) in which a point at a distance from the foot is at the border of the face and leaves it.
+
+        Returns None if there is no such direction.
 
         Parameters
         ----------
         reach
             The distance (m).
         begin, end
-            The directions (rad, from x) between which the point turns, within it at the first.
+            The directions (rad, from x) between which the point turns. In the first direction it is in the face.
         """
         sense = 1 if end > begin else -1
         angles_ahead = []
@@ -61,7 +63,7 @@ class Face:
 
 
 def face_of(body: ContactBody) -> Face | None:
-    """The face on which a body lies, or None for one that does not lie flat on the plane."""
+    """The face on which a body lies, or None for a body that does not lie flat on the plane."""
     quaternion = exact_quaternion(body.quaternion)
     columns = tuple(zip(*matrix(quaternion), strict=True))
     match body.shape:
@@ -88,6 +90,6 @@ def exact_quaternion(quaternion: WideArray) -> Quaternion4:
 
 
 def along_plane(quaternion: Quaternion4, vector: tuple[float, float, float]) -> Vector3:
-    """A vector along the axes of a body, along those of the plane."""
+    """Convert a vector from the axes of a body to the axes of the plane, with an attitude from body to plane."""
     x, y, z = vector
     return turned(matrix(quaternion), (MP.mpf(x), MP.mpf(y), MP.mpf(z)))

@@ -3,11 +3,12 @@
 Between the instants at which pushes begin and end, the block is driven along the plane by a constant force D and pressed on it
 by a constant force N. It rests for |D| <= mu N. While it slides, friction mu N is against its velocity.
 
-The normal forces have their resultant where they balance all moments about axes along the plane. With h the height of the
-centre of mass, F friction, and w the sum over the pushes of (height of the point) (force along the plane) - (place of the point
-along the plane) (force along the normal), it is at (w - h F) / N from the foot of the centre of mass. The block tips where that
-is outside of its face. It turns about the normal unless the moments about it, that of friction at this point included, are
-balanced: friction has the same direction everywhere while nothing turns, whatever the distribution of the normal forces.
+The resultant of the normal forces acts at the point at which it balances all moments about axes along the plane. With h the
+height of the centre of mass, F friction, and w the sum over the pushes of (height of the point) (force along the plane) -
+(position of the point along the plane) (force along the normal), this point is at (w - h F) / N from the foot of the centre of
+mass. The block tips if the point is outside its face. It turns about the normal unless the moments about the normal are
+balanced, including the moment of friction at this point: while nothing turns, friction has the same direction everywhere,
+whatever the distribution of the normal forces.
 """
 
 import itertools
@@ -38,7 +39,7 @@ class Load:
     twist
         The moment of the pushes about the normal (N m).
     moment, pushed
-        The sums of the sizes of the pushes, with and without their arms (N m, N), of which moments below 1e-12 are rounding.
+        The sums of the sizes of the pushes, with and without their arms (N m, N). Moments below 1e-12 of these are rounding.
     """
 
     start: Real
@@ -60,15 +61,15 @@ class Leg:
     start, end
         The instants (s).
     position, velocity
-        At its start, along the plane (m, m/s).
+        Position (m) and velocity (m/s) at the start, along the plane.
     acceleration
-        Of a straight slide (m/s^2); zero of rest.
+        The acceleration of a straight slide (m/s^2); else zero.
     oblique
-        An oblique slide, otherwise None.
+        The oblique slide; None for a straight slide or rest.
     rests
         Whether the block rests.
     load
-        What acts on it.
+        The forces on the block.
     """
 
     start: Real
@@ -83,7 +84,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Turn:
-    """An instant (s) at which the block comes to rest, begins to slip or to tip, with position (m) and velocity (m/s) there."""
+    """An instant (s) at which the block comes to rest, begins to slip or to tip, with its position (m) and velocity (m/s)."""
 
     kind: Literal["rest", "slip", "tip"]
     time: Real
@@ -92,7 +93,10 @@ class Turn:
 
 
 def loads(problem: Problem) -> Iterator[Load]:
-    """Yield the forces on the only body of a problem, piece by piece, from 0 to infinity. Raise `NotModelled`."""
+    """Yield the forces on the only body of a problem, piece by piece, from 0 to infinity.
+
+    Raises `NotModelled` if the body lifts off.
+    """
     body, quaternion = problem.bodies[0], exact_quaternion(problem.bodies[0].quaternion)
     instants = {MP.mpf(0), MP.inf}
     for push in problem.pushes:
@@ -118,9 +122,9 @@ def loads(problem: Problem) -> Iterator[Load]:
 
 
 def legs(problem: Problem, face: Face, position: Vector2, velocity: Vector2) -> tuple[list[Leg], list[Turn]]:
-    """The motion of a block from a position (m) and velocity (m/s), to infinity or to the onset of tipping, and its instants.
+    """The motion of a block from a position (m) and velocity (m/s), to infinity or to the onset of tipping, and its events.
 
-    Raises `NotModelled` where the block turns about the normal, lifts off, or moves where nothing slips.
+    Raises `NotModelled` if the block turns about the normal, lifts off, or moves on a plane on which nothing slips.
     """
     friction, mass = problem.pair(0)[0], real(problem.bodies[0].mass)
     path: list[Leg] = []
@@ -157,14 +161,14 @@ def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
 
 
 def _begins(path: Sequence[Leg], leg: Leg) -> Literal["rest", "slip"] | None:
-    """Return the kind of event with which a leg begins, or None for none."""
+    """Return the kind of event with which a leg begins, or None if it begins without an event. path: the legs before."""
     if leg.rests:
         return "rest" if path and not path[-1].rests else None
     return None if any(leg.velocity) else "slip"
 
 
 def _leg(load: Load, friction: float, mass: Real, face: Face, time: Real, position: Vector2, velocity: Vector2) -> Leg:
-    """The leg that begins with a position (m) and a velocity (m/s)."""
+    """The leg that begins at a time (s) with a position (m) and a velocity (m/s). Raises `NotModelled` as `legs` does."""
     (x, y), (u, v), none = load.drive, velocity, (MP.mpf(0), MP.mpf(0))
     moves = bool(u or v)
     if math.isinf(friction):
@@ -185,7 +189,7 @@ def _leg(load: Load, friction: float, mass: Real, face: Face, time: Real, positi
 
 
 def _checked(leg: Leg, face: Face, brake: Real) -> Leg:
-    """A leg along which the moments about the normal are balanced. Raises `NotModelled` where they are not."""
+    """Return the leg if the moments about the normal are balanced along it. Raises `NotModelled` if they are not."""
     load = leg.load
     limit = NONE * (load.moment + face.height * load.pushed)
     (u, v), twist = load.lever, load.twist
@@ -209,7 +213,7 @@ def _friction(leg: Leg, brake: Real) -> Vector2:
 
 
 def _tips(leg: Leg, face: Face, friction: float) -> Real | None:
-    """The instant (s) of a leg at which the block begins to tip, or None."""
+    """The instant (s) of a leg at which the block begins to tip, or None if it does not tip."""
     load = leg.load
     brake = MP.mpf(0) if leg.rests else MP.mpf(friction) * load.press
     (u, v), (fx, fy) = load.lever, _friction(leg, brake)
@@ -221,7 +225,7 @@ def _tips(leg: Leg, face: Face, friction: float) -> Real | None:
     first, last = MP.atan2(*reversed(leg.velocity)), MP.atan2(*reversed(slide.along))
     last += 2 * MP.pi * MP.nint((first - last) / (2 * MP.pi))
     way = face.leaves(face.height * MP.mpf(friction), first, last)
-    if way is None or way == last:  # the direction of the force is reached at infinity, or at the stop
+    if way is None or way == last:  # the velocity reaches the direction of the force at infinity, or at the stop
         return None
     tips = leg.start + at_angle(slide, abs(last - way))
     return tips if tips < leg.end else None

@@ -1,20 +1,20 @@
 """A body that slides across a constant force: the direction of its velocity turns towards the force while friction brakes it.
 
-With D the force a body is driven by along the plane, per mass, phi the angle between the velocity and D, and kappa the ratio of
+With D the force along the plane that drives a body, per mass, phi the angle between the velocity and D, and kappa the ratio of
 friction to D, the equations of motion along and across the path are
 
     dv/dt = D (cos phi - kappa),    v dphi/dt = -D sin phi.
 
 With lambda = ln(tan(phi0 / 2) / tan(phi / 2)) >= 0, c = cos^2(phi0 / 2), s = sin^2(phi0 / 2) and
-E(p) = (1 - exp(-p lambda)) / p, which is lambda for p = 0, they are solved by
+E(p) = (1 - exp(-p lambda)) / p, which is lambda for p = 0, their solution is
 
     D t / v0                    = c E(kappa - 1) + s E(kappa + 1),
-    D (place along D) / v0^2    = c^2 E(2 kappa - 2) - s^2 E(2 kappa + 2),
-    D (place across D) / v0^2   = sin phi0 (c E(2 kappa - 1) + s E(2 kappa + 1)),
+    D (path along D) / v0^2     = c^2 E(2 kappa - 2) - s^2 E(2 kappa + 2),
+    D (path across D) / v0^2    = sin phi0 (c E(2 kappa - 1) + s E(2 kappa + 1)),
     velocity along D / v0       = c exp(-(kappa - 1) lambda) - s exp(-(kappa + 1) lambda),
     velocity across D / v0      = sin phi0 exp(-kappa lambda).
 
-The body stops where kappa > 1, as lambda goes to infinity.
+If kappa > 1, the body stops, as lambda goes to infinity.
 """
 
 from collections.abc import Callable
@@ -26,10 +26,10 @@ import numpy as np
 from bodycheck.reference.exact.numbers import MP, Real, Vector2, real, wide
 from bodycheck.reference.witness import WideArray
 
-#: The argument of an exponential beyond which what is left of it is below all digits of the wide type.
+#: The argument of a decaying exponential beyond which its value is below all digits of the wide type.
 _GONE = 100
 
-#: The most steps of Newton's method, which needs about ten; near the end of a slow stop it needs as many as `_GONE`.
+#: The largest number of steps of Newton's method, which needs about ten, but as many as `_GONE` near the end of a slow stop.
 _STEPS = 200
 
 
@@ -44,7 +44,7 @@ class Oblique:
     ratio
         kappa.
     along, across
-        The unit vector of the force, and the one across it to the side of the velocity.
+        The unit vector of the force, and the unit vector perpendicular to it, on the side of the velocity.
     cosine, sine
         cos phi0 and sin phi0 > 0.
     """
@@ -67,7 +67,7 @@ class Oblique:
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """The functions of an arithmetic, and how it takes a number of the exact one."""
+    """The exponential functions of an arithmetic, and the conversion of exact numbers to it."""
 
     exp: Callable[[Any], Any]
     expm1: Callable[[Any], Any]
@@ -80,7 +80,7 @@ EXACT = Arithmetic(MP.exp, MP.expm1, MP.mpf)
 
 
 def oblique(velocity: Vector2, drive: Vector2, friction: Real) -> Oblique:
-    """The slide from a velocity (m/s) that is not along the drive (m/s^2). friction: its size per mass (m/s^2)."""
+    """The slide from a velocity (m/s) that is not along the drive (m/s^2). friction: force of friction per mass (m/s^2)."""
     (u, v), (a, b) = velocity, drive
     speed, size = MP.hypot(u, v), MP.hypot(a, b)
     cross = a * v - b * u
@@ -90,7 +90,7 @@ def oblique(velocity: Vector2, drive: Vector2, friction: Real) -> Oblique:
 
 
 def stop(slide: Oblique) -> Real:
-    """The time (s) until the body stops; infinite where it does not."""
+    """The time (s) until the body stops; infinite if it does not stop."""
     if slide.ratio <= 1:
         return MP.inf
     c, s = slide.parts
@@ -98,14 +98,14 @@ def stop(slide: Oblique) -> Real:
 
 
 def at_angle(slide: Oblique, angle: Real) -> Real:
-    """The time (s) at which the velocity is at an angle (rad) from the force that is smaller than the first one."""
+    """The time (s) at which the angle between velocity and force is `angle` (rad), which is less than the initial angle."""
     c, s = slide.parts
     turned = MP.log(MP.sqrt(s / c) / MP.tan(angle / 2))
     return _scaled_time(slide, turned, EXACT) * slide.speed / slide.drive
 
 
 def states(slide: Oblique, times: WideArray) -> tuple[WideArray, WideArray]:
-    """Ways (n, 2), m, and velocities (n, 2), m/s, after times (n,), s, at which the body still moves."""
+    """Displacements (n, 2), m, and velocities (n, 2), m/s, after times (n,), s, at which the body still moves."""
     scaled = times * wide(slide.drive / slide.speed)
     ways, velocities = _along_and_across(slide, _turned(slide, scaled), WIDE)
     axes = np.array([[wide(part) for part in axis] for axis in (slide.along, slide.across)])
@@ -113,7 +113,7 @@ def states(slide: Oblique, times: WideArray) -> tuple[WideArray, WideArray]:
 
 
 def state(slide: Oblique, time: Real) -> tuple[Vector2, Vector2]:
-    """Way (m) and velocity (m/s) after a time (s), exact; the time may be that of the stop."""
+    """Displacement (m) and velocity (m/s) after a time (s), in exact arithmetic; the time may be the time of the stop."""
     if time >= stop(slide):
         way, velocity = _at_stop(slide), (MP.mpf(0), MP.mpf(0))
     else:
@@ -141,7 +141,7 @@ def _at_stop(slide: Oblique) -> Vector2:
 
 
 def _grown(power: Real, turned: Any, arithmetic: Arithmetic) -> Any:
-    """E(p)."""
+    """E(p) for `power` p and `turned` lambda."""
     return -arithmetic.expm1(-arithmetic.taken(power) * turned) / arithmetic.taken(power) if power else turned
 
 
@@ -160,7 +160,7 @@ def _scaled_speed(slide: Oblique, turned: Any, arithmetic: Arithmetic) -> Any:
 
 
 def _along_and_across(slide: Oblique, turned: Any, arithmetic: Arithmetic) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
-    """Ways (m) and velocities (m/s) along and across the force."""
+    """Displacements (m) and velocities (m/s) along and across the force. turned: lambda."""
     c, s = slide.parts
     ratio = slide.ratio
     size, speed, sine = (

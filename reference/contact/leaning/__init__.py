@@ -1,5 +1,5 @@
 """A body that leans on an edge or, as a rod, on its rim, and falls.
 
-- `rod`: open this first. It gives the motion until the contact slips or the next face lands.
-- `lean`: whether a scene is such a body, the forces at its contact, and where friction holds no longer.
+- `rod`: open this first. It computes the motion until the contact slips or lifts off, or the next face lands.
+- `lean`: recognises such a scene, and computes the forces at the contact and the onset of slipping.
 """

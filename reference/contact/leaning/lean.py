@@ -5,7 +5,7 @@ about the axis of the fall, and beta = l^2 / (k^2 + l^2), a body that is release
 
     theta'' = (beta g / l) sin theta,    theta'^2 = 2 (beta g / l) (cos theta0 - cos theta).
 
-The forces of the plane are those that give its centre of mass this acceleration:
+The acceleration of the centre of mass gives the forces of the plane, T along the plane and N along its normal:
 
     T = beta m g sin theta (3 cos theta - 2 cos theta0),    N = m g (1 - beta (1 + 2 cos theta cos theta0 - 3 cos^2 theta)).
 
@@ -25,20 +25,20 @@ from bodycheck.reference.exact.numbers import MP, Real, Vector2, real
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.scene import Brick, Cylinder
 
-#: Size of an imaginary part that is what rounding has left of zero.
+#: Size of an imaginary part up to which it differs from zero only by rounding.
 _ROUNDED = MP.mpf(10) ** -30
 
 
 @dataclass(frozen=True)
 class Lean:
-    """A body that leans, in the direction in which it falls.
+    """A body that leans, and falls in the vertical plane of its lean.
 
     Attributes
     ----------
     towards
-        The unit vector along the plane in which its centre of mass is from the contact.
+        The unit vector along the plane from the contact towards the foot of the centre of mass.
     angle, landing
-        theta0 > 0, and theta where the next face lies on the plane (rad).
+        theta0 > 0, and theta when the next face lies on the plane (rad).
     length
         l (m).
     share
@@ -46,7 +46,7 @@ class Lean:
     square
         beta g / l (1/s^2).
     apart
-        By how much the body is not on the plane, or an edge not along it (rad), which counts as none.
+        The distance of the body from the plane, divided by l, plus the tilt of its edge (rad); both are taken to be zero.
     """
 
     towards: Vector2
@@ -58,18 +58,18 @@ class Lean:
     apart: float
 
     def speed(self, cosine: Real) -> Real:
-        """theta' (rad/s) where cos theta has a value."""
+        """theta' (rad/s) for a value of cos theta."""
         return MP.sqrt(2 * self.square * (MP.cos(self.angle) - cosine))
 
     def time(self, cosine: Real) -> Real:
-        """The time (s) at which cos theta has a value, by the elliptic integral of the first kind."""
+        """The time (s) at which cos theta reaches a value, by the elliptic integral of the first kind."""
         modulus = MP.cos(self.angle / 2) ** 2
         rest = (MP.cos(self.angle) - cosine) / (2 * modulus)
         sine = MP.sqrt(rest / (1 - (1 + cosine) / 2))
         return MP.ellipf(MP.asin(min(sine, MP.mpf(1))), modulus) / MP.sqrt(self.square)
 
     def forces(self, cosine: Real) -> tuple[Real, Real]:
-        """|T| and N where cos theta has a value, of the weight."""
+        """|T| and N for a value of cos theta, in units of the weight."""
         first = MP.cos(self.angle)
         along = self.share * MP.sqrt(1 - cosine**2) * abs(3 * cosine - 2 * first)
         return along, 1 - self.share * (1 + 2 * cosine * first - 3 * cosine**2)
@@ -107,7 +107,11 @@ def lean(problem: Problem) -> Lean | None:
 
 
 def _axes(body: ContactBody, columns: tuple[tuple[Real, ...], ...]) -> tuple[int, tuple[Real, Real], Real, float] | None:
-    """An axis in the plane of the fall, half-lengths across and along it (m), the moment (kg m^2), and the tilt of the edge."""
+    """The geometry of a body that may lean; None for a shape or a position that this module does not treat.
+
+    Returns the index of an axis of the body in the plane of the fall, the half-lengths across and along it (m), the moment of
+    inertia about the edge or diameter (kg m^2), and the tilt of the edge (rad).
+    """
     match body.shape:
         case Brick(semi_axes):
             level = [axis for axis in range(3) if abs(columns[axis][2]) <= NONE]
@@ -124,7 +128,10 @@ def _axes(body: ContactBody, columns: tuple[tuple[Real, ...], ...]) -> tuple[int
 
 
 def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "lift", "impact"], Real]:
-    """Return the end of a fall and cos theta there: friction gives way, the normal force vanishes, or the next face lands."""
+    """Return the kind of the end of a fall, and cos theta there.
+
+    "slip": friction no longer holds. "lift": the normal force vanishes. "impact": the next face lands.
+    """
     first, last = MP.cos(falling.angle), MP.cos(falling.landing)
 
     def slack(cosine: Real) -> Real:
@@ -141,7 +148,10 @@ def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "lift", "impa
 
 
 def _border(share: Real, first: Real, friction: float) -> list[Real]:
-    """The polynomial in cos theta that is zero where |T| = mu N, or N = 0 where nothing slips; the highest power first."""
+    """The coefficients, highest power first, of a polynomial in cos theta that is zero where |T| = mu N.
+
+    If the friction is infinite, it is zero where N = 0. share: beta. first: cos theta0.
+    """
     normal = [3 * share, -2 * share * first, 1 - share]
     if math.isinf(friction):
         return normal
@@ -152,7 +162,7 @@ def _border(share: Real, first: Real, friction: float) -> list[Real]:
 
 
 def smallest_friction(falling: Lean, cosine: float) -> float:
-    """The largest |T| / N from the start until cos theta has a value."""
+    """The largest |T| / N from the start until cos theta reaches a value."""
     share, first = float(falling.share), float(MP.cos(falling.angle))
     normal = np.polynomial.Polynomial([1 - share, -2 * share * first, 3 * share])
     along = np.polynomial.Polynomial([1, 0, -1]) * np.polynomial.Polynomial([-2 * first, 3]) ** 2
@@ -164,11 +174,11 @@ def smallest_friction(falling: Lean, cosine: float) -> float:
 
 
 def jams(falling: Lean, friction: float, sliding: float) -> bool:
-    """Return whether no force of the plane is possible while the contact slides along `towards` (m/s): Painleve's paradox.
+    """Return whether no force of the plane is possible while the contact slides: Painleve's paradox.
 
-    A normal force N with its friction accelerates the contact along the normal by N / m times
-    1 + (l / k)^2 sin theta (sin theta - mu cos theta) where it slides against the direction of the lean. Where that is
-    negative, weight and every such force pull the contact into the plane.
+    sliding: the velocity of the contact along `towards` (m/s). If it is negative, a normal force N with its friction
+    accelerates the contact along the normal by N / m times 1 + (l / k)^2 sin theta (sin theta - mu cos theta). If this factor
+    is negative, weight and every such force pull the contact into the plane.
     """
     if sliding >= 0 or math.isinf(friction):
         return False

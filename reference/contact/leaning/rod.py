@@ -1,7 +1,7 @@
 """The truth of a body that leans on an edge or on its rim, and is released from rest: a rod that falls.
 
-While friction holds the contact, it is a compound pendulum, in closed form; see `lean`. From the onset of slipping, from the
-loss of contact and from the impact of the next face on, no motion is known.
+While friction holds the contact, the body is a compound pendulum, in closed form; see `lean`. After the onset of slipping, the
+loss of contact or the impact of the next face, no motion is known.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ _ROUNDINGS = 16 * float(np.finfo(Wide).eps)
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
     """The motion of a body that leans on a level plane at ascending times (n,) >= 0 (s); None for any other problem.
 
-    Raises `NotModelled` where its contact slides at the start and no force of the plane fits.
+    Raises `NotModelled` if its contact slides at the start such that no force of the plane is possible: see `jams`.
     """
     if len(problem.bodies) != 1 or problem.pushes or problem.bodies[0].spin.any():
         return None
@@ -81,9 +81,10 @@ def _states(falling: Lean, body: ContactBody, theta: WideArray, rate: WideArray)
 
 
 def _errors(falling: Lean, angle: Array, rate: Array, times: Array) -> dict[str, Array]:
-    """The bounds of errors of states from those of the pendulum (n,), and from what its start is not known to.
+    """The bounds of errors of states at times (n,), s, from the errors of the pendulum and of its start.
 
-    An error of the start grows at most as cosh(sqrt(square) t), since sin theta changes by less than theta does.
+    angle, rate: (n,) bounds of the pendulum's angle (rad) and its rate (rad/s). An error of the start grows at most as
+    cosh(sqrt(square) t), since sin theta changes by less than theta does.
     """
     root, length = float(MP.sqrt(falling.square)), float(falling.length)
     begun = (_ROUNDINGS + falling.apart) * np.cosh(root * times)

@@ -1,4 +1,4 @@
-"""Loads on bodies at rest of which one may rest on several, from the balance of parallel forces."""
+"""Loads between bodies at rest, each of which may rest on several bodies, from the balance of parallel forces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,31 +12,31 @@ from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: The fraction by which faces are made smaller to check balance: more than the error of linear programming.
+#: The fraction by which faces are shrunk for the check of balance: more than the error of linear programming.
 SAFE = 1e-6
 
-#: Relative size of what a linear system leaves undetermined, up to which it is rounding.
+#: The component of a vector of the null space of a linear system up to which a load counts as determined.
 DETERMINED = 1e-9
 
 
 @dataclass(frozen=True)
 class Bearing:
-    """A body, or the plane (`WORLD`), that bears another one, by their places."""
+    """The indices of a body, or the plane (`WORLD`), and of a body that it bears."""
 
     lower: int
     upper: int
 
     @property
     def pair(self) -> tuple[int, int]:
-        """The two places, ascending."""
+        """The two indices in ascending order."""
         return min(self.lower, self.upper), max(self.lower, self.upper)
 
 
 def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing]) -> Mapping[Bearing, float]:
-    """The normal forces (N) that follow from weights, and from the symmetry of the scene where it has one.
+    """The normal forces (N) that follow from the weights, and from the symmetry of the scene if it has one.
 
-    Which part of a weight each of several supports bears does not follow from the balance of rigid bodies. Such bearings are
-    left out, unless each is the mirror image of another.
+    How a weight is divided among several supports does not follow from the balance of rigid bodies. Such bearings are left out,
+    unless symmetry determines their forces.
     """
     rows = [
         [float(bearing.upper == index) - float(bearing.lower == index) for bearing in bearings]
@@ -56,7 +56,10 @@ def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing
 
 
 def _equal(bearings: Sequence[Bearing], images: Mapping[int, int]) -> list[list[float]]:
-    """The rows of equations that say that each bearing bears what its image does; none where one has no image."""
+    """The rows of the equations that each bearing has the same force as its mirror image; empty if a bearing has no image.
+
+    images: the index of the image of each body.
+    """
     mirrored = [Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]) for bearing in bearings]
     if set(mirrored) != set(bearings):
         return []
@@ -73,7 +76,7 @@ def centre_of(bodies: Sequence[ContactBody]) -> WideArray:
 
 
 def _mirrors(problem: Problem, faces: Sequence[Upright]) -> list[dict[int, int]]:
-    """Return the image of each body, by index, in each mirror along the normal and an axis that changes nothing."""
+    """Return, for each mirror plane along the normal under which the scene is symmetric, the index of each body's image."""
     centre = centre_of(problem.bodies)
     axes = (1,) if problem.plane.incline else (0, 1)
     candidates = (_images(problem, faces, axis, centre[axis]) for axis in axes)
@@ -81,7 +84,10 @@ def _mirrors(problem: Problem, faces: Sequence[Upright]) -> list[dict[int, int]]
 
 
 def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide) -> dict[int, int] | None:
-    """The images of all bodies in the mirror through a centre (m) across an axis; None where one has none."""
+    """The indices of the images of all bodies in the mirror plane perpendicular to an axis, at `centre` (m) along it.
+
+    Returns None if a body has no image.
+    """
     images = {}
     for index, face in enumerate(faces):
         mirrored = _marks(face)
@@ -101,14 +107,14 @@ def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide)
 
 
 def _marks(face: Upright) -> WideArray:
-    """Four points (4, 2) of the outline of a body: its corners, or those of a disk along the axes of the plane."""
+    """Four points (4, 2) of the outline of a body: the corners of a rectangle, or the points of a disk along x and y."""
     if face.disk:
         return np.asarray(face.centre + face.half[0] * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]]))
     return outline(face)
 
 
 def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
-    """Return whether the image of a body, with four points (4, 2) of its outline, is another body."""
+    """Return whether `other` is the image of a body. mirrored: (4, 2) images of four points of its outline."""
     near = 4 * NONE * (face.size + other.size + float(np.abs(mirrored).max()))
     if (face.disk, face.ball) != (other.disk, other.ball):
         return False
@@ -121,9 +127,10 @@ def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
 def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing], slope: float) -> bool:
     """Return whether forces along gravity between the faces can balance all weights.
 
-    They act at the corners of what two faces have in common, which is as good as anywhere in it. slope: of the plane.
+    The forces act at the corners of the common area of two faces, which is equivalent to forces anywhere in it. slope: tangent
+    of the plane's incline.
     """
-    from scipy.optimize import linprog  # takes longer to import than all ways of contact
+    from scipy.optimize import linprog  # imported here, since the import takes longer than all ways of contact
 
     points = [_seen(problem, faces, bearing, slope) for bearing in bearings]
     columns = np.repeat(np.arange(len(bearings)), [len(each) for each in points])
@@ -141,7 +148,7 @@ def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bear
 
 
 def _seen(problem: Problem, faces: Sequence[Upright], bearing: Bearing, slope: float) -> Array:
-    """The corners (k, 2) of what a bearing has, seen along gravity on the plane."""
+    """The corners (k, 2) of the common area of a bearing, projected onto the plane along gravity."""
     upper = faces[bearing.upper]
     if upper.ball:
         corners = upper.centre[None]

@@ -1,9 +1,10 @@
 """A box on a level plane that is pushed by a constant force through its centre of mass, with spheres at rest on its top.
 
-Newton and Euler for a sphere of mass m, radius R and moment k m R^2 on a box with the acceleration A: its friction is m a, and
-turns it by k m R^2 w = R m a, so that its lowest point has the acceleration a + a / k. Without slip this is A, and then
-a = k A / (1 + k), which is 2 A / 7 for a homogeneous sphere. Where m a would exceed mu m g, it slips, and a = mu g. The box
-slides by M A = F - mu (M + sum m) g - sum m a.
+A sphere of mass m, radius R and moment of inertia k m R^2 is on a box with the acceleration A. If the sphere has the
+acceleration a, its friction is m a. The angular acceleration w follows from k m R^2 w = R m a, so that the lowest point of the
+sphere has the acceleration a + a / k. Without slip this is equal to A, so that a = k A / (1 + k), which is 2 A / 7 for a
+homogeneous sphere. If m a exceeded mu m g, the sphere slips, and a = mu g. For a box that slides, M A = F - mu (M + sum m) g -
+sum m a.
 """
 
 import math
@@ -33,11 +34,11 @@ class Pushed:
     Attributes
     ----------
     problem
-        All bodies.
+        The problem with all bodies.
     box, balls
-        The places of the box and of the spheres.
+        The indices of the box and of the spheres.
     faces
-        How all bodies stand, by their places.
+        The faces of all bodies, in the order of the bodies.
     direction
         (2,) unit vector along the push, in the plane.
     force
@@ -52,24 +53,24 @@ class Pushed:
     force: Real
 
     def across(self, ball: int) -> Wide:
-        """The distance (m) of a sphere from the line of the push."""
+        """The signed distance (m) of a sphere from the line of the push."""
         x, y = self.faces[ball].centre - self.faces[self.box].centre
         return Wide(self.direction[0] * y - self.direction[1] * x)
 
 
 @dataclass(frozen=True, eq=False)
 class Accelerations:
-    """Accelerations (b,) of all bodies along the push (m/s^2), and the smallest friction that holds what does not slip."""
+    """Accelerations (b,) of all bodies along the push (m/s^2), and the smallest friction of the contacts that do not slip."""
 
     along: WideArray
     friction: float
 
 
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
-    """The motion of a pushed box with spheres on it, at ascending times (n,) >= 0 (s); None for anything else.
+    """The motion of a pushed box with spheres on it, at ascending times (n,) >= 0 (s); None for any other problem.
 
-    The states are NaN from where the push ends, a sphere leaves the box or touches another one, or the box tips. Raises
-    `NotModelled` for a box that turns or tips from the start.
+    The states are NaN from the instant on at which the push ends, a sphere leaves the box or touches another sphere, or the box
+    tips. Raises `NotModelled` for a box that turns or tips from the start.
     """
     scene = _recognised(problem)
     if scene is None:
@@ -87,7 +88,7 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _recognised(problem: Problem) -> Pushed | None:
-    """The box and its spheres; None where the problem is another one."""
+    """The box and its spheres; None for any other problem."""
     bricks = [index for index, body in enumerate(problem.bodies) if isinstance(body.shape, Brick)]
     balls = tuple(index for index, body in enumerate(problem.bodies) if isinstance(body.shape, Sphere))
     faces = tuple(face for body in problem.bodies if (face := upright(body)) is not None)
@@ -114,7 +115,7 @@ def _isotropic(body: ContactBody) -> bool:
 
 
 def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> bool:
-    """Return whether the box stands on the plane, and all spheres on its top, where they touch nothing else."""
+    """Return whether the box stands on the plane, and all spheres on its top without touching each other."""
     under = faces[box]
     near = NONE * max(face.size for face in faces)
     if abs(under.bottom) > near:
@@ -126,12 +127,12 @@ def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> boo
 
 
 def _touching(one: Upright, other: Upright) -> Wide:
-    """The square of the distance (m^2), along the face, of two spheres on it that touch: (R + r)^2 - (R - r)^2."""
+    """The square of the distance (m^2), along the face, of two touching spheres on the face: (R + r)^2 - (R - r)^2."""
     return Wide(4 * one.half[0] * other.half[0] * (1 + Wide(NONE)))
 
 
 def _roundness(body: ContactBody) -> Real:
-    """The moment of a sphere over its mass and the square of its radius: k, which is 2/5 for a homogeneous one."""
+    """The ratio k = I / (m R^2) of a sphere, with its moment of inertia I; 2/5 for a homogeneous sphere."""
     assert isinstance(body.shape, Sphere)
     return real(body.moments[0]) / (real(body.mass) * MP.mpf(body.shape.radius) ** 2)
 
@@ -139,7 +140,7 @@ def _roundness(body: ContactBody) -> Real:
 def accelerations(scene: Pushed) -> Accelerations:
     """The accelerations along the push. Which spheres roll and whether the box slides is decided with a hundred digits.
 
-    What all bodies take up of the push grows with the acceleration of the box, so that one acceleration takes up all of it.
+    The force that all bodies require grows with the acceleration of the box, so that only one acceleration balances the push.
     """
     problem, box = scene.problem, scene.box
     gravity = -real(problem.gravity[2])
@@ -167,10 +168,10 @@ def accelerations(scene: Pushed) -> Accelerations:
 
 
 def _check_straight(scene: Pushed, solution: Accelerations) -> None:
-    """Raise `NotModelled` where the frictions of the plane and of the spheres turn the box about the normal.
+    """Raise `NotModelled` if the friction of the plane and of the spheres turns the box about the normal.
 
-    That of the plane acts at the centre of the load, so that each sphere turns the box by (a + mu g) m times its distance from
-    the line of the push; where the box is held, mu g is the push over all masses.
+    The friction of the plane acts at the centre of the load, so that each sphere contributes the moment (a + mu g) m times its
+    distance from the line of the push. If friction holds the box, the push divided by all masses replaces mu g.
     """
     problem = scene.problem
     mass = float(sum(body.mass for body in problem.bodies))
@@ -182,7 +183,7 @@ def _check_straight(scene: Pushed, solution: Accelerations) -> None:
 
 
 def _end(scene: Pushed, solution: Accelerations) -> tuple[float, EventKind | None, int]:
-    """The instant (s) at which the accelerations change, the kind of event (None without one), and the index of the body."""
+    """The instant (s) at which the accelerations change, the kind of event (None if it is none), and the index of the body."""
     relative = solution.along - solution.along[scene.box]
     under = scene.faces[scene.box]
     ends: list[tuple[Wide, EventKind | None, int]] = [(_tipping(scene, solution, relative), "tip", scene.box)]
@@ -197,7 +198,10 @@ def _end(scene: Pushed, solution: Accelerations) -> tuple[float, EventKind | Non
 
 
 def _leaving(face: Upright, point: WideArray, rate: WideArray) -> Wide:
-    """Half the square of the time (s^2) at which a point with some acceleration (2,) leaves a face; infinite where never."""
+    """Half the square of the time (s^2) at which a point (2,), at rest at first, leaves a face; infinite if it never does.
+
+    rate: (2,) its acceleration relative to the face (m/s^2).
+    """
     places, rates = face.sides @ (point - face.centre), face.sides @ rate
     leaving = [
         (half - np.sign(speed) * coordinate) / abs(speed)
@@ -208,7 +212,10 @@ def _leaving(face: Upright, point: WideArray, rate: WideArray) -> Wide:
 
 
 def _meeting(scene: Pushed, one: int, other: int, relative: WideArray) -> Wide:
-    """Half the square of the time (s^2) at which two spheres touch each other; infinite where never."""
+    """Half the square of the time (s^2) at which two spheres touch each other; infinite if they never do.
+
+    relative: (b,) accelerations relative to the box, along the push (m/s^2).
+    """
     apart = scene.faces[one].centre - scene.faces[other].centre
     rate = relative[one] - relative[other]
     closing = -(apart @ scene.direction) * rate
@@ -220,10 +227,10 @@ def _meeting(scene: Pushed, one: int, other: int, relative: WideArray) -> Wide:
 
 
 def _tipping(scene: Pushed, solution: Accelerations, relative: WideArray) -> Wide:
-    """Half the square of the time (s^2) at which the centre of the load leaves the base of the box; infinite where never.
+    """Half the square of the time (s^2) at which the centre of the load leaves the base of the box; infinite if it never does.
 
-    The moments about the centre of mass balance: those of the spheres' weights and of the frictions above and below it.
-    Raises `NotModelled` where the box tips from the start.
+    The load balances the moments about the box's centre of mass by the spheres' weights and by the friction above and below it.
+    relative: as for `_meeting`. Raises `NotModelled` if the box tips from the start.
     """
     problem, face = scene.problem, scene.faces[scene.box]
     masses = np.array([body.mass for body in problem.bodies])
@@ -239,7 +246,7 @@ def _tipping(scene: Pushed, solution: Accelerations, relative: WideArray) -> Wid
 
 
 def _states(scene: Pushed, solution: Accelerations, times: Array, until: float) -> ContactMotion:
-    """The states at times (n,), NaN from an instant on."""
+    """The motion at times (n,), s, with NaN from the instant `until` (s) on."""
     problem, t = scene.problem, times.astype(Wide)
     t[times >= until] = np.nan
     along = np.append(scene.direction, Wide(0))
@@ -251,7 +258,8 @@ def _states(scene: Pushed, solution: Accelerations, times: Array, until: float) 
         acceleration = solution.along[index]
         position[index] = body.position + np.multiply.outer(acceleration * t * t / 2, along)
         velocity[index] = np.multiply.outer(acceleration * t, along)
-        # The friction acts below the centre, so that a sphere turns against the direction in which it would roll on the plane.
+        # Friction acts at the lowest point, in the direction of motion, so that a sphere turns against the sense in which it
+        # would roll on the plane.
         rate = Wide(0) if index == scene.box else -acceleration / (wide(_roundness(body)) * scene.faces[index].half[0])
         angles[index] = rate * t * t / 2
         turn = about(axis, angles[index])

@@ -1,7 +1,8 @@
 """Bodies at rest that bear each other: stacks and piles of bricks and standing cylinders, with spheres on level faces.
 
-All faces that bear are parallel to the plane. With the same direction of all contact forces as gravity, balance is that of
-parallel forces: seen along gravity, the centre of what a face bears must be within the face, and tan(alpha) <= mu at each.
+All faces that bear loads are parallel to the plane. All contact forces are along gravity, so that the forces are parallel:
+projected along gravity, the centre of mass of all bodies that a face bears must be within the face, and tan(alpha) <= mu at
+each face.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,7 @@ from bodycheck.reference.witness import WideArray
 #: Relative error of a number of the widest type after a few roundings.
 ROUNDINGS = 8 * float(np.finfo(Wide).eps)
 
-#: Roundings of the inputs within which rest and sliding are not told apart.
+#: The relative rounding of the inputs within which rest and sliding are not distinguished.
 AT_THE_LIMIT = 4 * EPS
 
 
@@ -52,7 +53,10 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
-    """Return which bodies bear which, and whether any touch sideways. Raise `NotModelled` if bodies overlap."""
+    """Return which bodies bear which, and whether the sides of any bodies touch.
+
+    Raises `NotModelled` if bodies overlap, or a body stands on a sphere.
+    """
     near = NONE * max(face.size for face in faces)
     bearings, beside = [], False
     for upper, above in enumerate(faces):
@@ -83,7 +87,7 @@ def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
 
 
 def _check_spheres(one: Upright, other: Upright, near: float) -> None:
-    """Raise `NotModelled` unless two spheres, whose outlines meet, are apart."""
+    """Raise `NotModelled` if two spheres, whose outlines along the normal overlap, touch or overlap in space."""
     rise = (one.bottom + one.top - other.bottom - other.top) / 2
     if np.hypot(np.hypot(*(one.centre - other.centre)), rise) <= one.half[0] + other.half[0] + near:
         raise NotModelled("spheres that touch each other")
@@ -94,9 +98,9 @@ def _moves(problem: Problem) -> bool:
 
 
 def _slope(problem: Problem, bearings: Sequence[Bearing]) -> Wide:
-    """The tangent of the incline. Raises `NotModelled` where a friction does not hold.
+    """The tangent of the incline. Raises `NotModelled` if the friction of a bearing does not hold.
 
-    A coefficient that is smaller than the tangent by roundings of the two counts as one that holds; see `_creep`.
+    A coefficient that is smaller than the tangent by no more than roundings counts as sufficient; see `_creep`.
     """
     tangent = MP.tan(MP.mpf(problem.plane.incline))
     for bearing in bearings:
@@ -107,12 +111,12 @@ def _slope(problem: Problem, bearings: Sequence[Bearing]) -> Wide:
 
 
 def _is_tree(bearings: Sequence[Bearing]) -> bool:
-    """Return whether every body rests on exactly one other."""
+    """Return whether every body rests on exactly one other body or the plane."""
     return len({bearing.upper for bearing in bearings}) == len(bearings)
 
 
 def _check_tree(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing], slope: Wide) -> None:
-    """Raise `NotModelled` where the centre of what a face bears is not within it, along gravity."""
+    """Raise `NotModelled` if the centre of mass that a face bears, projected along gravity, is not within the face."""
     below = {bearing.upper: bearing.lower for bearing in bearings}
     for upper, face in enumerate(faces):
         borne = [index for index in below if _rests_on(index, upper, below)]
@@ -124,7 +128,7 @@ def _check_tree(problem: Problem, faces: Sequence[Upright], bearings: Sequence[B
 
 
 def _rests_on(index: int, lowest: int, below: dict[int, int]) -> bool:
-    """Return whether a body is another one, or rests on it directly or through others."""
+    """Return whether the body `index` is the body `lowest`, or rests on it directly or through other bodies."""
     while index not in (lowest, WORLD):
         index = below[index]
     return index == lowest
@@ -173,6 +177,6 @@ def _repeated(problem: Problem, name: str, count: int) -> WideArray:
 
 
 def _creep(problem: Problem, bearings: Sequence[Bearing], slope: float) -> float:
-    """The acceleration (m/s^2) with which the highest body slides at most where frictions are at the limit by roundings."""
+    """A bound of the acceleration (m/s^2) of the highest body if frictions at the limit do not hold because of roundings."""
     at_limit = [problem.pair(bearing.lower, bearing.upper)[0] <= slope * (1 + AT_THE_LIMIT) for bearing in bearings]
     return 2 * AT_THE_LIMIT * slope * abs(float(problem.gravity[2])) * sum(at_limit) if slope else 0.0

@@ -1,4 +1,4 @@
-"""Bodies that stand on a face, or on a point of a sphere: where their faces are, and where two of them meet."""
+"""Bodies that stand on a face, or on a point of a sphere: the positions of their faces, and the common areas of two faces."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,16 @@ from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Sphere
 from bodycheck.reference.witness import WideArray
 
-#: Corners of the polygon that stands for a disk.
+#: The number of corners of the polygon that represents a disk.
 CORNERS = 256
 
-#: The fraction by which an outline is made smaller, or larger, to check whether two have an area in common.
+#: The fraction by which outlines are shrunk, or enlarged, for the check whether two outlines have an area in common.
 SLIVER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Upright:
-    """A body with a face below and one above that are parallel to the plane, seen along the normal.
+    """A body with a lower and an upper face that are parallel to the plane, seen along the normal.
 
     Attributes
     ----------
@@ -28,15 +28,15 @@ class Upright:
     bottom, top
         Heights of its faces above the plane (m).
     half
-        (2,) half-lengths of a rectangle, or twice the radius of a disk (m).
+        (2,) half-lengths of a rectangle, or the radius of a disk in both components (m).
     sides
-        (2, 2) unit vectors along the sides of a rectangle, one a row.
+        (2, 2) unit vectors along the sides of a rectangle, as rows.
     disk
-        Whether its faces are disks, not rectangles. Those of a sphere are points, and the disk is its outline.
+        Whether its faces are disks, not rectangles. The faces of a sphere are points, and the disk is its outline.
     ball
         Whether it is a sphere.
     tilt
-        By how much its axis is not along the normal (rad): what decimals leave of a zero.
+        The angle between its axis and the normal (rad), which differs from zero only by the decimals in the file.
     """
 
     centre: WideArray
@@ -50,12 +50,12 @@ class Upright:
 
     @property
     def size(self) -> float:
-        """The longest of its half-lengths (m)."""
+        """The larger half-length (m)."""
         return float(max(*self.half, (self.top - self.bottom) / 2))
 
 
 def upright(body: ContactBody) -> Upright | None:
-    """Return how a body stands; None for an ellipsoid, and for a body that does not stand on a face."""
+    """Return the faces of a body that stands; None for an ellipsoid, and for a body that does not stand on a face."""
     match body.shape:
         case Sphere(radius):
             return _standing(body, np.eye(3), (radius, radius, radius), ball=True)
@@ -70,9 +70,9 @@ def upright(body: ContactBody) -> Upright | None:
 
 
 def _standing(body: ContactBody, rows: WideArray, half: tuple[float, float, float], *, ball: bool = False) -> Upright | None:
-    """Return how a body stands.
+    """Return the faces of a body that stands; None if none of its axes is along the normal.
 
-    rows: (3, 3) its axes along those of the plane, one per row; half: its half-lengths along them.
+    rows: (3, 3) its axes, one per row, along the axes of the plane. half: its half-lengths along its axes (m).
     """
     vertical = int(np.argmax(np.abs(rows[:, 2])))
     tilt = float(np.hypot(*np.delete(rows[:, 2], vertical)))
@@ -100,9 +100,9 @@ def margin(face: Upright, point: WideArray) -> Wide:
 
 
 def outline(face: Upright, *, larger: float = 0.0) -> WideArray:
-    """The corners (k, 2) of a face, counter-clockwise. That of a disk is a polygon within it, or around it.
+    """The corners (k, 2) of the outline of a face, counter-clockwise. A disk is represented by a polygon within or around it.
 
-    larger: by how much of itself the outline is larger, or smaller where it is negative.
+    larger: the fraction by which the outline is enlarged, or shrunk if it is negative.
     """
     if face.disk:
         angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
@@ -116,7 +116,7 @@ def outline(face: Upright, *, larger: float = 0.0) -> WideArray:
 
 
 def common(one: WideArray, other: WideArray) -> WideArray:
-    """The corners (k, 2) of what two convex polygons have in common, counter-clockwise; empty where it is nothing."""
+    """The corners (k, 2), counter-clockwise, of the intersection of two convex polygons; empty if they do not intersect."""
     if len(other) > len(one):
         one, other = other, one
     corners = list(one)
@@ -135,7 +135,7 @@ def common(one: WideArray, other: WideArray) -> WideArray:
 
 
 def meet(one: Upright, other: Upright, *, larger: float) -> bool:
-    """Return whether the outlines of two bodies, both enlarged by a part of themselves, have points in common."""
+    """Return whether the outlines of two bodies have points in common. larger: the fraction by which both are enlarged."""
     apart = np.hypot(*(one.centre - other.centre))
     if one.disk and other.disk:
         return bool(apart < (1 + larger) * (one.half[0] + other.half[0]))

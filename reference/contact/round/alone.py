@@ -1,8 +1,8 @@
 """A sphere, or a cylinder on its side, alone on a plane: flights, impacts, slip and roll, in closed form from phase to phase.
 
-A cylinder flies, hits the plane, slips and rolls across its axis like a sphere. It touches along a line. Where it neither turns
-about another axis than its own nor moves along it, nor gravity pulls it along, all points of the line slip alike, friction acts
-in the middle, and its motion is that of a sphere in a plane, with the moment of inertia about its axis.
+A cylinder flies, hits the plane, slips and rolls across its axis like a sphere. It touches along a line. If it turns only about
+its axis, does not move along it, and gravity has no component along it, all points of the line have the same slip, friction
+acts in the middle of the line, and its motion is the plane motion of a sphere with the moment of inertia about its axis.
 """
 
 from dataclasses import replace
@@ -20,18 +20,18 @@ from bodycheck.reference.scene import Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: Why the equations of a sphere are exact.
+#: The reason why the equations of a sphere are exact.
 SPHERE_REASON = "a sphere touches at a point, so that Coulomb's law and impulse and momentum determine its motion"
 
-#: Why the equations of a cylinder are exact.
+#: The reason why the equations of a cylinder are exact.
 CYLINDER_REASON = "a cylinder that rolls or slips across its axis touches along a line whose points slip alike"
 
 
 def sphere(problem: Problem, times: Array) -> ContactMotion | None:
-    """The motion of one sphere at ascending times (n,) >= 0 (s), or None for anything else.
+    """The motion of one sphere at ascending times (n,) >= 0 (s), or None for any other problem.
 
-    Raises `NotModelled` for one whose moments of inertia differ, one that begins within the plane, and one that slips where
-    nothing slips.
+    Raises `NotModelled` for a sphere whose moments of inertia differ, that begins within the plane, or that slips at the start
+    on a plane on which nothing slips.
     """
     if len(problem.bodies) != 1 or problem.pushes:
         return None
@@ -62,10 +62,10 @@ def _radius(shape: Shape) -> float | None:
 
 
 def cylinder(problem: Problem, times: Array) -> ContactMotion | None:
-    """The motion of one cylinder on its side at ascending times (n,) >= 0 (s), or None for anything else.
+    """The motion of one cylinder on its side at ascending times (n,) >= 0 (s), or None for any other problem.
 
-    Raises `NotModelled` for one that turns about another axis, moves along its own, or is pulled along it, and where `begin`
-    and `ball` do.
+    Raises `NotModelled` for a cylinder that turns about another axis, moves along its axis, or is pulled along it by gravity,
+    and in the same cases as `begin` and `ball`.
     """
     if len(problem.bodies) != 1 or problem.pushes:
         return None
@@ -91,7 +91,10 @@ def cylinder(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _level(axis: WideArray, problem: Problem) -> WideArray:
-    """The direction (3,) of an axis that is along the plane but for rounding, and on an incline across the fall line."""
+    """The direction (3,) of an axis that is along the plane within rounding, without its component along the normal.
+
+    If the axis is also perpendicular to the fall line of an incline within rounding, it is made exactly perpendicular.
+    """
     if problem.gravity[0] and abs(axis[0]) <= NONE:
         return np.array([0, np.sign(axis[1]), 0], Wide)
     return np.asarray(np.array([axis[0], axis[1], 0], Wide) / np.hypot(axis[0], axis[1]))

@@ -1,8 +1,8 @@
-"""A round body on a plane: a sphere, or a cylinder on its side, and Coulomb's law and Huygens' at the point where it touches.
+"""A round body on a plane: a sphere, or a cylinder on its side, and the laws of Coulomb and Huygens at the point of contact.
 
 Vectors are along the axes of the plane: x downhill, z along the normal. With the radius r, the velocity v and the angular
-velocity w, the point that touches slips with u = v + w x (-r n), that is (v_x - r w_y, v_y + r w_x). A force F along the plane
-at that point changes v by F/m and u by (1 + 1/k) F/m, where k = I/(m r^2).
+velocity w, the point of contact slips with u = v + w x (-r n), that is (v_x - r w_y, v_y + r w_x). A force F along the plane at
+this point gives v the rate F/m and u the rate (1 + 1/k) F/m, where k = I/(m r^2).
 """
 
 import math
@@ -15,7 +15,7 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Wide, real
 from bodycheck.reference.witness import WideArray
 
-#: Roundings in the velocity of the point that touches.
+#: The number of roundings in the velocity of the point of contact.
 SLIP_ROUNDINGS = 16.0
 
 
@@ -28,13 +28,13 @@ class Ball:
     mass, radius
         Mass (kg) and radius r (m).
     ratio
-        k = I/(m r^2), with the moment of inertia I about the axes along the plane that it turns about.
+        k = I/(m r^2), with the moment of inertia I about the axes along the plane about which the body turns.
     friction, restitution
         Coulomb's coefficient mu, which may be infinite, and the coefficient of restitution e.
     downhill, onto
-        The parts of the gravitational acceleration along x and against the normal (m/s^2).
+        The components of the gravitational acceleration along x and against the normal (m/s^2).
     grips
-        Whether a body that rolls goes on rolling, so that tan(incline) <= mu (1 + k)/k.
+        Whether a body that rolls continues to roll, that is, tan(incline) <= mu (1 + k)/k.
     """
 
     mass: Wide
@@ -48,12 +48,12 @@ class Ball:
 
     @property
     def braking(self) -> Wide:
-        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never used then."""
+        """Acceleration (m/s^2) by friction against a slip; 0 for infinite friction, for which it is not used."""
         return Wide(0) if np.isinf(self.friction) else self.friction * self.onto
 
     @property
     def slowing(self) -> Wide:
-        """By how much friction slows the slip: (1 + 1/k) mu g (m/s^2)."""
+        """The rate at which friction reduces the slip: (1 + 1/k) times `braking` (m/s^2)."""
         return self.braking * (1 + 1 / self.ratio)
 
 
@@ -68,7 +68,7 @@ class Moment:
 
 
 def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ball:
-    """The round body of a problem. moment: of inertia, about the axes that it turns about when it rolls (kg m^2).
+    """The round body of a problem. moment: the moment of inertia about the axes about which it rolls (kg m^2).
 
     Raises `NotModelled` for a body without inertia.
     """
@@ -95,7 +95,7 @@ def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ba
 
 
 def slip(ball: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
-    """The velocity (3,) of the point that touches, along the plane (m/s); zero where it is what rounding leaves of a zero."""
+    """The velocity (3,) of the point of contact along the plane (m/s); zero if it differs from zero only by rounding."""
     r = ball.radius
     velocity_of_point = np.array([velocity[0] - r * spin[1], velocity[1] + r * spin[0], Wide(0)])
     terms = np.hypot(velocity[0], velocity[1]) + r * np.hypot(spin[0], spin[1])
@@ -105,15 +105,15 @@ def slip(ball: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
 
 
 def rolling_spin(ball: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
-    """The angular velocity (3,) of a body that rolls with a velocity (3,) and with the spin about the normal of another one."""
+    """The angular velocity (3,) of a body that rolls with a velocity (3,). spin: (3,), whose normal component it keeps."""
     return np.array([-velocity[1] / ball.radius, velocity[0] / ball.radius, spin[2]])
 
 
 def after_impact(ball: Ball, before: Moment) -> Moment:
     """A body just after it has hit the plane, by impulse and momentum.
 
-    The impulse along the plane is the one that ends the slip where Coulomb's law allows it, and else mu times that along
-    the normal, against the slip.
+    The impulse along the plane ends the slip if Coulomb's law allows it; otherwise it is mu times the impulse along the normal,
+    against the slip.
     """
     fall = -before.velocity[2]
     back = ball.restitution * fall
@@ -131,7 +131,7 @@ def after_impact(ball: Ball, before: Moment) -> Moment:
 
 
 def stops(ball: Ball, sliding: WideArray, normal: Wide) -> bool:
-    """Return whether an impulse along the normal, divided by the mass (m/s), ends a slip (3,)."""
+    """Return whether friction during an impulse along the normal, `normal`, ends a slip (3,). normal: over the mass (m/s)."""
     if np.isinf(ball.friction):
         return True
     size = np.hypot(sliding[0], sliding[1])
@@ -139,7 +139,7 @@ def stops(ball: Ball, sliding: WideArray, normal: Wide) -> bool:
 
 
 def gripping(ball: Ball, sliding: WideArray, normal: Wide) -> WideArray:
-    """The change (3,) of the velocity by friction on a slip (3,), with an impulse along the normal, over the mass (m/s)."""
+    """The change (3,) of the velocity (m/s) by friction on a slip (3,). normal: impulse along the normal over the mass, m/s."""
     if stops(ball, sliding, normal):
         return np.asarray(sliding * (-ball.ratio / (1 + ball.ratio)))
     return np.asarray(sliding * (-ball.friction * normal / np.hypot(sliding[0], sliding[1])))

@@ -1,7 +1,7 @@
-"""Bounds of the errors of the motion of a round body: roundings, and which side of an impact an instant is on.
+"""Bounds of the errors of the motion of a round body, from roundings and from instants close to an impact.
 
-No error of the velocity of the body grows: friction that is not reached ends the slip, and the other brings two slips nearer
-to each other. So the roundings of the phases add up.
+Errors of the velocity do not grow: friction below its limit ends the slip, and friction at its limit brings two different slips
+nearer to each other. So the roundings of the phases add up.
 """
 
 import numpy as np
@@ -13,10 +13,11 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
-#: Roundings of a state in a phase, relative to the size of its terms.
+#: The number of roundings of a state in a phase, relative to the size of its terms.
 ROUNDINGS = 64.0
 
-#: How near the slope is to the steepest one on which the body rolls, in roundings of doubles, where both motions are bounded.
+#: The distance from the steepest slope on which the body rolls, in roundings of doubles, within which the bounds cover both
+#: slipping and rolling.
 EDGE = 4.0
 
 
@@ -30,10 +31,10 @@ def errors(
     velocity: WideArray,
     spin: WideArray,
 ) -> dict[str, Array]:
-    """The bounds (n,) of the states at times (n,), by the names of `bounds.STATES`.
+    """The bounds (n,) of the errors of the states at times (n,), s, by the names of `bounds.STATES`.
 
-    position_error, velocity_error: of the start (m, m/s). phase_index: (n,) the phases of the instants. velocity, spin: (n, 3)
-    there.
+    position_error, velocity_error: errors of the start (m, m/s). phase_index: (n,) indices of the phases of the instants.
+    velocity, spin: (n, 3) at the instants.
     """
     begins = [phase.start for phase in course.phases]
     speeds = np.maximum.accumulate([_speed(ball, begin.velocity, begin.spin) for begin in begins])
@@ -56,7 +57,7 @@ def errors(
 
 
 def event_errors(ball: Ball, course: Course) -> WideArray:
-    """The bounds of the times (m,) of the events of a motion (s)."""
+    """The bounds (m,) of the errors of the times of the events of a motion (s)."""
     if not course.changes:
         return np.zeros(0, Wide)
     times = np.array([change.moment.time for change in course.changes])
@@ -82,13 +83,16 @@ def _late(ball: Ball, course: Course) -> Wide:
 
 
 def _edge(ball: Ball) -> Wide:
-    """By how much the accelerations of slip and roll may differ on the steepest slope on which the body rolls (m/s^2)."""
+    """The difference of the accelerations of slip and roll close to the steepest slope on which the body rolls (m/s^2)."""
     near = abs(ball.downhill - ball.slowing) <= EDGE * EPS * ball.downhill
     return Wide(EDGE * EPS * ball.downhill * near)
 
 
 def _jumps(ball: Ball, course: Course, times: WideArray) -> tuple[WideArray, WideArray]:
-    """Return possible errors of velocities (n,), m/s, and angular velocities (n,), rad/s, at instants close to an impact."""
+    """Return the errors of velocities (n,), m/s, and angular velocities (n,), rad/s, at instants too close to an impact.
+
+    At these instants the error of the time of the impact leaves open whether they are before or after it; else they are zero.
+    """
     changes = course.changes
     if not changes:
         return np.zeros_like(times), np.zeros_like(times)

@@ -15,16 +15,17 @@ import numpy as np
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.witness import WideArray
 
-#: The most steps of the search. One of Newton halves the step before it, and any other one the interval.
+#: The largest number of steps of the search. A Newton step is at most half the step before it; any other step halves the
+#: interval.
 MAX_STEPS = 200
 
-#: The largest exponent that counts: exp(-64) is lost beside 1.
+#: The largest exponent that counts: exp(-64) is less than a rounding of 1.
 FARTHEST = Wide(64)
 
 
 @dataclass(frozen=True, eq=False)
 class Hodograph:
-    """A slip.
+    """A slip across the fall line: see the docstring of the module.
 
     Attributes
     ----------
@@ -49,7 +50,7 @@ class Hodograph:
 
     @property
     def duration(self) -> Wide:
-        """The time (s) after which the slip has ended; infinite where it does not end."""
+        """The time (s) after which the slip has ended; infinite if it does not end."""
         less, more = self.rates
         return self.along / less + self.against / more if less > 0 else Wide(np.inf)
 
@@ -59,7 +60,7 @@ def hodograph(downhill: Wide, slowing: Wide, sliding: WideArray) -> Hodograph:
     x, y = sliding[0], sliding[1]
     size = np.hypot(x, y)
     larger = (size + abs(x)) / 2
-    smaller = y * (y / larger) / 4  # which the difference of size and |x| would lose
+    smaller = y * (y / larger) / 4  # the difference of size and |x| would cancel
     along, against = (larger, smaller) if x > 0 else (smaller, larger)
     return Hodograph(downhill, slowing, along, against, y)
 
@@ -71,7 +72,7 @@ def elapsed(hodograph: Hodograph, q: WideArray) -> WideArray:
 
 
 def parameters(hodograph: Hodograph, times: WideArray) -> WideArray:
-    """The parameters q (n,) at times (n,) from the start of the slip, by Newton's method within an interval that shrinks."""
+    """The parameters q (n,) at times (n,), s, from the start of the slip, by Newton's method within a shrinking interval."""
     less, more = hodograph.rates
     low = np.zeros_like(times)
     high = np.minimum(_reached(less, times / hodograph.along), _reached(more, times / hodograph.against))

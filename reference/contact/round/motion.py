@@ -1,4 +1,4 @@
-"""The motion of a round body on a plane at given instants: its beginning, its states and attitudes, and its events."""
+"""The motion of a round body on a plane at given instants: its start, its states and attitudes, and its events."""
 
 from dataclasses import dataclass
 
@@ -28,9 +28,9 @@ class Begin:
     moment
         The body at t = 0.
     airborne
-        Whether it is in flight, or hits the plane at once.
+        Whether it is in flight, or hits the plane at t = 0.
     position_error, velocity_error
-        What was taken for a zero in the position (m) and in the velocity (m/s).
+        The sizes of the parts of the position (m) and of the velocity (m/s) that were taken to be zero.
     """
 
     moment: Moment
@@ -42,7 +42,7 @@ class Begin:
 def begin(ball: Ball, position: WideArray, velocity: WideArray, spin: WideArray) -> Begin:
     """Return the start of a body from its position, velocity and angular velocity (3,) along the axes of the plane.
 
-    Raises `NotModelled` for a body that begins within the plane, or that slips where nothing slips.
+    Raises `NotModelled` for a body that begins within the plane, or that slips on a plane on which nothing slips.
     """
     height, speed = position[2] - ball.radius, np.sqrt(dot(velocity, velocity))
     if height < -NONE * ball.radius:
@@ -70,7 +70,7 @@ def moved(ball: Ball, body: ContactBody, begun: Begin, times: Array, model: str,
     wide_times = times.astype(Wide)
     whole = course(ball, begun.moment, begun.airborne, wide_times.max(initial=Wide(0)))
     starts = np.array([phase.start.time for phase in whole.phases])
-    # At the instant of an impact the body is still as before it, and so at t = 0 as the file says.
+    # At the instant of an impact the state is the state before it, so that the state at t = 0 is that of the file.
     phase_index = np.maximum(np.searchsorted(starts, wide_times, side="left") - 1, 0)
     position, velocity, spin = (np.zeros((len(times), 3), Wide) for _ in range(3))
     turn = np.zeros((len(times), 4), Wide)
@@ -112,7 +112,7 @@ def _events(ball: Ball, course: Course) -> tuple[Event, ...]:
 
 
 def _friction(ball: Ball, course: Course) -> float:
-    """The smallest coefficient with which nothing slips; 0 where something slips."""
+    """The smallest coefficient of friction with which nothing slips; 0 if something slips."""
     rolls = any(not phase.airborne for phase in course.phases)
     needed = ball.downhill / ball.onto * ball.ratio / (1 + ball.ratio) if rolls and ball.onto else Wide(0)
     needed = max([needed, *(change.grip for change in course.changes)])
@@ -122,7 +122,7 @@ def _friction(ball: Ball, course: Course) -> float:
 
 
 def _interfaces(ball: Ball, course: Course) -> tuple[Interface, ...]:
-    """The load of the plane where the body rests from the start on."""
+    """The interface of the body and the plane if the body rests from the start on; else empty."""
     first = course.phases[0]
     rests = not (first.airborne or first.start.velocity.any() or first.start.spin.any() or first.acceleration.any())
     return (Interface((WORLD, 0), float(ball.mass * ball.onto)),) if rests else ()

@@ -1,7 +1,7 @@
 """The phases of a round body on a plane, one after another: flights between impacts, slips, rolling.
 
-In a phase the acceleration and the rate of the angular velocity are constant, but for a slip across the fall line of an
-inclined plane, which is a `Hodograph`.
+In a phase the acceleration and the rate of the angular velocity are constant, except in a slip across the fall line of an
+inclined plane, which is described by a `Hodograph`.
 """
 
 from dataclasses import dataclass, replace
@@ -15,13 +15,14 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.witness import WideArray
 
-#: The most impacts, which take some seconds.
+#: The largest number of impacts; these take some seconds.
 MAX_IMPACTS = 50_000
 
-#: Ratio of the speed of an impact to that of the first one below which those that follow cannot be told apart.
+#: The ratio of the speed after an impact to the speed of the first impact below which the following impacts are summed as a
+#: series.
 LAST_IMPACT = Wide(2.0**-60)
 
-#: Ratio of a speed to that at the start below which a body is at rest: what the decimals of a file leave of a zero.
+#: The ratio of a speed to the speed at the start below which a body is at rest, because of the decimals in the file.
 AT_REST = 1e-12
 
 ZERO = Wide(0)
@@ -34,13 +35,13 @@ class Phase:
     Attributes
     ----------
     start
-        The body at its beginning.
+        The body at the start of the phase.
     acceleration, spin_rate
-        Acceleration (3,), m/s^2, and rate of the angular velocity (3,), rad/s^2; at the start of the phase for a hodograph.
+        Acceleration (3,), m/s^2, and rate of the angular velocity (3,), rad/s^2; with a hodograph, those at the start.
     airborne, slips
         Whether the body is in flight, and whether it slips on the plane.
     hodograph
-        Where the slip turns, its hodograph.
+        The hodograph of a slip whose direction changes; else None.
     """
 
     start: Moment
@@ -58,13 +59,13 @@ class Change:
     Attributes
     ----------
     kind, moment
-        What happens, and the body just after it.
+        The kind of the event, and the body just after it.
     normal_speed
         Speed towards the plane just before an impact (m/s).
     jumps
-        By how much an impact changes the velocity (m/s) and the angular velocity (rad/s).
+        The sizes of the changes of the velocity (m/s) and of the angular velocity (rad/s) in an impact.
     grip
-        The coefficient of friction that ends the slip in an impact.
+        The smallest coefficient of friction that ends the slip in an impact.
     """
 
     kind: EventKind
@@ -76,7 +77,7 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The phases of a motion and the events between them, ascending."""
+    """The phases of a motion and the events between them, in ascending order of time."""
 
     phases: tuple[Phase, ...]
     changes: tuple[Change, ...]
@@ -98,7 +99,10 @@ def states(ball: Ball, phase: Phase, lasting: WideArray) -> tuple[WideArray, Wid
 def along_hodograph(
     ball: Ball, phase: Phase, lasting: WideArray, sliding: WideArray, path: WideArray
 ) -> tuple[WideArray, WideArray, WideArray]:
-    """The same from the slip (n, 3) and its path (n, 3), as friction changes velocity and slip in the ratio k/(1 + k)."""
+    """The result of `states` for a phase with a hodograph, from the slip (n, 3), m/s, and its path (n, 3), m.
+
+    It follows because friction changes velocity and slip in the ratio k/(1 + k).
+    """
     begin, t, k = phase.start, lasting[:, None], ball.ratio
     first = slip(ball, begin.velocity, begin.spin)
     downhill = np.array([ball.downhill, ZERO, ZERO])
@@ -110,13 +114,16 @@ def along_hodograph(
 
 
 def at(ball: Ball, phase: Phase, lasting: Wide) -> Moment:
-    """The body at a time from the start of a phase."""
+    """The body at a time (s) after the start of a phase."""
     position, velocity, spin = states(ball, phase, np.array([lasting]))
     return Moment(phase.start.time + lasting, position[0], velocity[0], spin[0])
 
 
 def course(ball: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
-    """The phases until a time (s), of a body in flight or on the plane. Raises `OutOfReach` for too many impacts."""
+    """The phases and events until the time `end` (s). airborne: whether the body is in flight at the start.
+
+    Raises `OutOfReach` for too many impacts.
+    """
     phases: list[Phase] = []
     changes: list[Change] = []
     on_plane: Moment | None = start
@@ -130,7 +137,7 @@ def course(ball: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
 
 
 def _bounced(ball: Ball, start: Moment, end: Wide, phases: list[Phase], changes: list[Change]) -> Moment | None:
-    """The moment from which the body stays on the plane, after flights and impacts; None where it is in flight at the end."""
+    """Append flights and impacts, and return the moment from which the body stays on the plane; None if it flies at the end."""
     none = np.zeros(3, Wide)
     gravity = np.array([ball.downhill, ZERO, -ball.onto])
     first, body = ZERO, start
@@ -168,7 +175,7 @@ def _fall(ball: Ball, body: Moment) -> tuple[Wide, Wide]:
 
 
 def _settled(ball: Ball, body: Moment) -> Moment:
-    """A body after all impacts that are left, which take a geometric series of times and add up to its weight."""
+    """A body after all remaining impacts, whose times are a geometric series; their impulses equal that of its weight."""
     speed = body.velocity[2]
     lasting = 2 * speed / (ball.onto * (1 - ball.restitution)) if speed > 0 else ZERO
     position, velocity = body.position + lasting * body.velocity, body.velocity.copy()
@@ -177,8 +184,8 @@ def _settled(ball: Ball, body: Moment) -> Moment:
 
 
 def _on_plane(ball: Ball, body: Moment, scale: float, phases: list[Phase], changes: list[Change]) -> None:
-    """The phases of a body that stays on the plane. scale: of speeds at the start (m/s)."""
-    begins = bool(phases)  # otherwise what the body does at the start is no event
+    """Append the phases and events of a body that stays on the plane. scale: the size of speeds at the start (m/s)."""
+    begins = bool(phases)  # without phases before, the first phase begins without an event
     while True:
         sliding = slip(ball, body.velocity, body.spin)
         if not np.any(sliding) and ball.grips:
@@ -207,7 +214,7 @@ def _rolling(ball: Ball, body: Moment) -> Phase:
 
 
 def _slipping(ball: Ball, body: Moment, sliding: WideArray) -> tuple[Phase, Wide]:
-    """The slip that begins with a velocity (3,) of the point that touches, and how long it lasts (s)."""
+    """The phase of slip that begins with a velocity (3,) of the point of contact, m/s, and its duration (s)."""
     downhill, braking, slowing = ball.downhill, ball.braking, ball.slowing
     size = np.hypot(sliding[0], sliding[1])
     direction = sliding / size if size else np.array([Wide(1), ZERO, ZERO])

@@ -1,7 +1,7 @@
 """The rotation of a round body in its phases, from its angular velocity along axes that do not turn.
 
-With the angular velocity w along fixed axes the quaternion obeys dQ/dt = w Q / 2. A power series of w in a parameter gives one
-of Q; all steps are made at once, as the equation is linear, and multiplied one after another.
+With the angular velocity w along fixed axes the quaternion obeys dQ/dt = w Q / 2. A power series of w in a parameter gives a
+power series of Q. As the equation is linear, the rotations of all steps are computed at once, and multiplied one after another.
 """
 
 from collections.abc import Callable
@@ -16,23 +16,24 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import about, cross, dot, multiply, normalise
 from bodycheck.reference.witness import WideArray
 
-#: Gives the coefficients (k, j, 3) of the series of the angular velocity about parameters (k,).
+#: A function from parameters (k,) to the coefficients (k, j, 3) of the series of the angular velocity about them, times the
+#: rate of time.
 Coefficients = Callable[[WideArray], WideArray]
 
-#: Angle (rad) of a step, which counts a growth of the angular velocity within it.
+#: The largest angle (rad) of a step, which includes a growth of the angular velocity within it.
 STEP = 4.0
 
-#: Terms of the series. With a of the angle of a step at its begin and the rest added within it, the series of
-#: exp(a x/2 + (STEP - a) x^2/4) bounds that of Q; the terms that are left out are below 1e-21.
+#: The number of terms of the series. If a is the part of the angle of a step from the angular velocity at its start, and the
+#: growth adds the rest, the series of exp(a x/2 + (STEP - a) x^2/4) bounds the series of Q; its omitted terms are below 1e-21.
 TERMS = 46
 
-#: The most steps, which take some seconds.
+#: The largest number of steps; these take some seconds.
 MAX_STEPS = 100_000
 
-#: How many steps are made at once, which limits the memory.
+#: The number of steps that are computed at once, which limits the memory.
 CHUNK = 8192
 
-#: The size of a coefficient beside the first one below which it does not count.
+#: The size of a coefficient, relative to the first coefficient, below which it does not count.
 LEAST_TERM = Wide(1e-24)
 
 
@@ -44,7 +45,7 @@ def about_axis(spin: WideArray, angle: WideArray) -> WideArray:
 
 
 def series(rates: WideArray, lengths: WideArray) -> WideArray:
-    """The rotations (n, 4) by steps.
+    """The rotations (n, 4) in each of n steps.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def series(rates: WideArray, lengths: WideArray) -> WideArray:
 
 
 def chained(turns: WideArray) -> WideArray:
-    """The rotations (n + 1, 4) before, between and after n rotations (n, 4) that follow each other along fixed axes."""
+    """The n + 1 products (n + 1, 4) of the first 0, 1, ... n of n successive rotations (n, 4), given along fixed axes."""
     chain = np.concatenate([np.array([[1, 0, 0, 0]], Wide), turns])
     reach = 1
     while reach < len(chain):
@@ -82,7 +83,7 @@ def chained(turns: WideArray) -> WideArray:
 def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray:
     """The rotations (n, 4) within times (n,) >= 0 (s), with the angular velocity spin + rate t, vectors (3,).
 
-    Raises `OutOfReach` where the axis turns and there are too many steps.
+    Raises `OutOfReach` if the axis turns and there are too many steps.
     """
     if not np.any(cross(spin, rate)):
         axis = spin if np.any(spin) else rate
@@ -145,7 +146,7 @@ def turned(ball: Ball, phase: Phase, lasting: WideArray) -> WideArray:
     places = parameters(phase.hodograph, lasting)
     end = places.max(initial=Wide(0))
     begins = _grid(ball, phase, phase.hodograph, end)
-    orders = _orders(2 * phase.hodograph.rates[1] * np.diff(begins).max(initial=Wide(0)))  # of a product of two
+    orders = _orders(2 * phase.hodograph.rates[1] * np.diff(begins).max(initial=Wide(0)))  # for the product of two exponentials
     return stepped(begins, places, lambda begun: _coefficients(ball, phase, begun, orders))
 
 
@@ -172,7 +173,7 @@ def _grid(ball: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray
 
 
 def _orders(exponent: Wide) -> int:
-    """Return the number of coefficients of an exponential function that matter for the largest exponent."""
+    """Return the number of series coefficients of an exponential function that count for exponents up to `exponent`."""
     term, orders = Wide(1), 1
     while term > LEAST_TERM and orders < TERMS:
         term, orders = term * exponent / orders, orders + 1

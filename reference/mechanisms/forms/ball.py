@@ -1,4 +1,4 @@
-"""A body on a ball joint that stands on the world: Lagrange's top, or any body whose fixed point feels no torque."""
+"""A body on a ball joint on the world: Lagrange's top, or any body without a torque about the fixed point."""
 
 from collections.abc import Callable
 
@@ -25,7 +25,7 @@ Found = tuple[str, str, Callable[[Array], JointForm]]
 
 
 def form_of_ball(held: Carried) -> Found | None:
-    """The closed form of what a ball joint carries, or None."""
+    """The closed form of the motion of the body that a ball joint carries; None if there is none."""
     if held.joint.damping:
         return None
     about = about_origin(held)
@@ -42,7 +42,7 @@ def form_of_ball(held: Carried) -> Found | None:
 
 
 def about_origin(held: Carried) -> Components:
-    """The inertia tensor about the joint's origin along the child's axes (kg m^2)."""
+    """The inertia tensor of the carried body about the joint's origin, along the child's axes (kg m^2)."""
     x, y, z = held.centre
     m, (xx, yy, zz, xy, xz, yz) = held.mass, held.tensor
     squares = (xx + m * (y * y + z * z), yy + m * (x * x + z * z), zz + m * (x * x + y * y))
@@ -50,7 +50,11 @@ def about_origin(held: Carried) -> Components:
 
 
 def _top(held: Carried, about: Components) -> tuple[top.Top, Quaternion4] | None:
-    """The top, and the rotation from its frame to the child's; None where the body is not symmetric about its centre."""
+    """The top, and the unit quaternion from its frame to the child's frame.
+
+    Returns None if the body is not symmetric about the line from the fixed point to its centre of mass, or has no moment of
+    inertia about it.
+    """
     arm = MP.sqrt(dot(held.centre, held.centre))
     x, y, z = (part / arm for part in held.centre)
     xx, yy, zz, xy, xz, yz = about
@@ -95,7 +99,7 @@ def _row(q: Quaternion4) -> np.ndarray:
 
 
 def _free(held: Carried, moments: Vector3, axes: Quaternion4, times: Array) -> JointForm:
-    """The rotation without torque, in doubles, as that of a body in free flight."""
+    """The rotation without torque, in doubles, by the same functions as for a body in free flight."""
     rates = turned(matrix(conjugate(axes)), vector(held.joint.start_velocity))
     begin = Start(moments, axes, multiply(_start(held), axes), rates)
     if not any(rates):

@@ -1,6 +1,6 @@
 """Carlson's symmetric elliptic integral R_J for arrays of the wide type [DLMF 19.16.2].
 
-It is computed by duplication and its series [DLMF 19.26.19, 19.36.2].
+It is computed by duplications and a series [DLMF 19.26.19, 19.36.2].
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from bodycheck.reference.exact.pairs import WideArray
 #: Relative distance of the arguments from their mean at which the series, to the seventh order, is exact in 80 bits.
 _CLOSE = 2e-3
 
-#: Duplications after which any arguments are as close as that: each divides the distance by four.
+#: The number of duplications after which any arguments are that close: each divides the distance by four.
 _MOST = 200
 
 

@@ -15,14 +15,15 @@ from bodycheck.reference.trajectory import Array
 #: The motion of one joint at times (n,), s.
 _Follow = Callable[[Array], JointForm]
 
-#: The name of the form of a mechanism and the reason why it is exact, and the motion of each joint by its place.
+#: The name of the closed form of a joint, the reason why it is exact, and the motion of the joint.
 _Found = tuple[str, str, _Follow]
 
 
 def form_of(mechanism: Mechanism) -> Form | None:
-    """The closed form of a mechanism, or None where it has none.
+    """The closed form of the motion of a mechanism; None if there is none.
 
-    Each joint that moves must stand on the world, and have a closed form of its own; or loops make all joints move as one.
+    Either each joint that moves is on the world, or on a body fixed to it, and has a closed form; or loops make all joints move
+    with one angle.
     """
     if mechanism.loops:
         return form_of_parallelograms(mechanism)
@@ -70,7 +71,10 @@ def _revolute(held: Carried) -> _Found | None:
 
 
 def _linear(held: Carried, inertia: Real, force: Real) -> _Found:
-    """A joint without a pendulum's torque: `inertia` and a constant `force` besides its effort, with a hundred digits."""
+    """The closed form of a joint on which gravity has a constant force or torque, `force`.
+
+    inertia: of the carried body along the coordinate, without the armature. Both have a hundred digits.
+    """
     joint = held.joint
     system = oscillator.Oscillator(
         inertia=inertia + MP.mpf(joint.armature),

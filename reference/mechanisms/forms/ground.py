@@ -1,6 +1,6 @@
-"""Mechanisms in which every joint that moves stands on the world: the bodies that each of them carries, as one rigid body.
+"""Mechanisms in which every joint that moves is on the world: the bodies that each joint carries, as one rigid body.
 
-Fixed joints make the bodies that they connect one body. All numbers have a hundred digits.
+Bodies that fixed joints connect count as one body. All numbers have a hundred digits.
 """
 
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """A joint on the world, and all that moves with its child.
+    """A joint on the world, and the rigid body that it carries: its child with all bodies fixed to the child.
 
     Attributes
     ----------
     index, joint
         The joint, and its index in the mechanism.
     attitude, origin
-        The rotation from the joint's axes to the world, and the joint's origin in the world (m).
+        The unit quaternion from the joint's axes to the world's axes, and the joint's origin in the world (m).
     mass, centre, tensor
-        Mass (kg), centre of mass (m) in the child's frame, and the inertia tensor about it along the child's axes (kg m^2).
+        Mass (kg), centre of mass (m) in the child's frame, and inertia tensor about it along the child's axes (kg m^2).
     gravity
         The gravitational acceleration along the joint's axes (m/s^2).
     """
@@ -39,7 +39,10 @@ class Carried:
 
 
 def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
-    """Return what each moving joint carries; None if a moving joint stands on another, a body is free, or loops are closed."""
+    """Return each moving joint with the body that it carries.
+
+    Returns None if a moving joint is not on the world, a body is free, or there are loops.
+    """
     above = mechanism.joint_of
     if mechanism.loops or any(joint is None for joint in above):
         return None
@@ -64,7 +67,7 @@ def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
 
 
 def moment_about(held: Carried, axis: Vector3) -> Real:
-    """The moment of inertia (kg m^2) of what a joint carries about an axis of unit length through the joint's origin."""
+    """The moment of inertia (kg m^2) of the body that a joint carries, about a unit axis through the joint's origin."""
     x, y, z = axis
     xx, yy, zz, xy, xz, yz = held.tensor
     about_centre = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
@@ -73,12 +76,12 @@ def moment_about(held: Carried, axis: Vector3) -> Real:
 
 
 def axis_of(held: Carried) -> Vector3:
-    """The axis of unit length of a revolute or prismatic joint, in its own frame."""
+    """The unit axis of a revolute or prismatic joint, in the joint's frame."""
     return unit_axis(held.joint)
 
 
 def cross(one: Vector3, other: Vector3) -> Vector3:
-    """The vector product of two vectors; components that only rounding has left are zero."""
+    """The vector product of two vectors; components that differ from zero only by rounding are zero."""
     (a, b, c), (x, y, z) = one, other
     return _difference(b * z, c * y), _difference(c * x, a * z), _difference(a * y, b * x)
 
@@ -89,14 +92,17 @@ def _difference(one: Real, other: Real) -> Real:
 
 
 def _clean(v: Vector3) -> Vector3:
-    """A vector whose components that only rounding has left are zero."""
+    """The vector, with zeros for components that differ from zero only by rounding."""
     limit = NEGLIGIBLE * max(abs(part) for part in v)
     x, y, z = (part if abs(part) > limit else MP.mpf(0) for part in v)
     return x, y, z
 
 
 def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3]:
-    """The body (or the world) at which the fixed joints below a body end, and the body's attitude and origin in its frame."""
+    """The root to which fixed joints connect a body, and the body's attitude and origin (m) in the root's frame.
+
+    The root is the first body on the way to the world that is not on a fixed joint, or the world.
+    """
     attitude, origin = IDENTITY, ORIGIN
     above = mechanism.joint_of
     while body != WORLD:
@@ -110,7 +116,7 @@ def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3
 
 
 def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vector3) -> MassProperties:
-    """The mass properties of a body in the frame in which it has an attitude and an origin."""
+    """The mass properties of a body in an outer frame, in which the body has an attitude and an origin (m)."""
     body_inertia = inertia(mechanism.bodies[body])
     if attitude == IDENTITY:
         return MassProperties(body_inertia.mass, plus(origin, body_inertia.centre), body_inertia.tensor)

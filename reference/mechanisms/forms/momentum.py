@@ -1,7 +1,7 @@
 """Exact properties of a chain that floats freely: the motion of its centre of mass, and its momenta.
 
-Forces in joints act on both bodies, so that they do not change the momenta of a tree that nothing holds. Its centre of mass
-falls on a parabola, and its angular momentum about the centre of mass is constant, whatever its joints do.
+Forces in joints act on both bodies in opposite directions, so that they do not change the momenta of a tree that nothing holds.
+Its centre of mass moves on a parabola, and its angular momentum about the centre of mass is constant.
 """
 
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class Floating:
     Attributes
     ----------
     bodies
-        The places of its bodies.
+        The indices of its bodies.
     mass
         Its mass (kg).
     centre, velocity
-        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the given instants.
+        (n, 3) position (m) and velocity (m/s) of its centre of mass in the world at the given instants.
     angular_momentum
         (3,) its angular momentum about the centre of mass in the world (kg m^2/s).
     """
@@ -39,9 +39,10 @@ class Floating:
 
 
 def floating(mechanism: Mechanism, times: Array) -> tuple[Floating, ...]:
-    """The trees of a mechanism that nothing holds, at times (n,), s: those of free bodies, and of free joints on the world.
+    """The trees of a mechanism that float freely, at times (n,), s.
 
-    Loops connect trees; a tree with a loop to the world is held.
+    They begin with a free body or with a free joint on the world. Loops connect trees; a tree with a loop to the world does not
+    float.
     """
     roots = _trees(mechanism)
     frames = start.frames(mechanism)
@@ -53,7 +54,7 @@ def floating(mechanism: Mechanism, times: Array) -> tuple[Floating, ...]:
 
 
 def _trees(mechanism: Mechanism) -> dict[int, int]:
-    """The first body of the tree of each body, or the world where the world holds it."""
+    """The first body of the tree of each body, or `WORLD` if the tree is connected to the world."""
     roots = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
     ties = [(joint.parent, joint.child) for joint in mechanism.joints if joint.type != "free" or joint.parent != WORLD]
     for one, other in (*ties, *(loop.bodies for loop in mechanism.loops)):
@@ -63,7 +64,7 @@ def _trees(mechanism: Mechanism) -> dict[int, int]:
 
 
 def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[int, ...], times: Array) -> Floating:
-    """The momenta of some bodies at the start, and what follows from them."""
+    """The floating tree of some bodies at times (n,), s, from the motion of the bodies at the start."""
     masses = [start.mass(mechanism.bodies[body]) for body in bodies]
     centres = [start.centre(mechanism.bodies[body]) for body in bodies]
     places = [frames[body].point(centre) for body, centre in zip(bodies, centres, strict=True)]

@@ -1,4 +1,4 @@
-"""The result of a closed form of a mechanism: coordinates and velocities of its joints in the wide type, with their bounds."""
+"""The result of a closed form: coordinates and velocities of a mechanism's joints in the wide type, with bounds of errors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class JointForm:
     Attributes
     ----------
     position, velocity
-        (n, k) its coordinates and (n, m) its velocities, in the wide type, in the layout of `coordinates`.
+        (n, k) coordinates and (n, m) velocities, in the wide type, in the layout of `coordinates`.
     error
-        (n,) bound of the error of its coordinate, or of the angle of its attitude (m or rad).
+        (n,) bound of the error of the coordinate (m or rad), or of the error of the attitude, as an angle (rad).
     velocity_error
-        (n,) bound of the error of its velocity, or of the size of its angular velocity (m/s or rad/s).
+        (n,) bound of the error of the velocity (m/s or rad/s), or of the size of the error of the angular velocity (rad/s).
     """
 
     position: WideArray
@@ -60,11 +60,11 @@ class Form:
     Attributes
     ----------
     name
-        Name of the form in results.
+        The name of the form in results.
     reason
-        Why the form is exact, in a few words.
+        The reason why the form is exact, in a few words.
     follow
-        Maps instants (n,), s, in any order, to the motion.
+        The function from instants (n,), s, in any order, to the motion.
     """
 
     name: str
@@ -73,7 +73,7 @@ class Form:
 
 
 def gathered(mechanism: Mechanism, parts: dict[int, JointForm], count: int) -> FormMotion:
-    """The motion of a mechanism from the motions of its joints, by their places; those without a motion are fixed."""
+    """The motion of a mechanism at `count` instants from the motions of its joints, by their indices; other joints rest."""
     slices = places(mechanism)
     last = slices[-1] if slices else (slice(0, 0), slice(0, 0))
     position = np.zeros((count, last[0].stop), dtype=Wide)

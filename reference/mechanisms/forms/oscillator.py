@@ -2,8 +2,8 @@
 
     I q'' + d q' + k (q - rest) + f sign(q') = F
 
-In each phase between two reversals of the velocity the equation is linear. With a the force at the start of the phase, friction
-included and damping not, divided by I, and tau the time since then,
+In each phase between two reversals of the velocity the equation is linear. With a the force at the start of the phase, with
+friction and without damping, divided by I, and tau the time since the start of the phase,
 
     q = q0 + v0 B(tau) + a C(tau),    q' = v0 B'(tau) + a B(tau),
 
@@ -12,8 +12,8 @@ of the characteristic equation, B is
 
     exp(-lambda1 tau) (1 - exp(-(lambda2 - lambda1) tau)) / (lambda2 - lambda1),
 
-in which nothing cancels where the two rates are close to each other, and exp(-gamma tau) sin(omega tau) / omega where they are
-complex. At the end of a phase the joint sticks if the force on it is at most f.
+which does not cancel if the two rates are close to each other, and exp(-gamma tau) sin(omega tau) / omega if they are complex.
+At the end of a phase the joint sticks if the force on it is at most f.
 """
 
 from dataclasses import dataclass
@@ -30,16 +30,16 @@ from bodycheck.reference.trajectory import Array
 #: Bound of the relative error of the terms of a phase, in roundings to the wide type.
 ROUNDINGS = 32 * WIDE_EPS
 
-#: Number of phases that are computed at most; each costs some 30 microseconds.
+#: The largest number of phases; each takes some 30 microseconds.
 MOST_PHASES = 20_000
 
-#: Terms of the series of C for arguments up to 1, where the two terms of its closed form would cancel.
+#: Number of terms of the series of C for arguments up to 1, for which the two terms of the closed form would cancel.
 _TERMS = 26
 
 
 @dataclass(frozen=True, eq=False)
 class Oscillator:
-    """The numbers of the equation, and the initial state: see the module. I > 0, d, k, f >= 0. SI units."""
+    """The constants of the equation in the docstring of the module, and the initial state, in SI units. I > 0; d, k, f >= 0."""
 
     inertia: Real
     damping: Real
@@ -53,7 +53,7 @@ class Oscillator:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """The characteristic equation lambda^2 - 2 gamma lambda + omega0^2 = 0, with all digits.
+    """The rates, solutions of the characteristic equation lambda^2 - 2 gamma lambda + omega0^2 = 0, with a hundred digits.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Rates:
     root
         The square root of |gamma^2 - k / I|.
     slow, fast
-        The smaller and the larger rate where they are real; gamma both where they are complex.
+        The smaller and the larger rate if they are real; both gamma if they are complex.
     """
 
     gamma: Real
@@ -77,7 +77,7 @@ class Rates:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """The start of a phase: its time (s), coordinate and velocity there, and a as in the module."""
+    """The start of a phase: its time (s), the coordinate and velocity then, and a as in the docstring of the module."""
 
     time: Real
     position: Real
@@ -99,7 +99,7 @@ def rates_of(system: Oscillator) -> Rates:
 def follow(system: Oscillator, times: Array) -> JointForm:
     """The motion at times (n,) >= 0, s, in any order.
 
-    Raises `OutOfReach` where dry friction gives more than `MOST_PHASES` phases.
+    Raises `OutOfReach` if dry friction gives `MOST_PHASES` phases or more.
     """
     rates = rates_of(system)
     steps = phases(system, rates, float(np.max(times, initial=0.0)))
@@ -112,13 +112,13 @@ def follow(system: Oscillator, times: Array) -> JointForm:
     tau, q, v, a = t - first[at], q[at], v[at], a[at]
     b, db, c = responses(rates, tau)
     velocity = v * db + a * b
-    # The sizes of B and C without their oscillation and decay, on which rounding acts.
+    # Bounds of the sizes of B and C without their oscillation and decay, to which the rounding errors are proportional.
     largest_b = _least(tau, rates.root if rates.complex else 2 * rates.root)
     largest_c = np.abs(c) + _least(np.minimum(tau * tau / 2, tau * _least(tau, rates.fast)), rates.square / 2)
     angle = 1 + (wide(rates.root) * t if rates.complex else np.zeros_like(t))
     error = ROUNDINGS * angle * (np.abs(q) + np.abs(v) * largest_b + np.abs(a) * largest_c)
     velocity_error = ROUNDINGS * angle * (np.abs(v) + np.abs(a) * largest_b)
-    # An error of the time at which a phase begins moves the motion along itself.
+    # An error of the time at which a phase begins shifts the motion in time.
     late = 2 * WIDE_EPS * t * (first[at] > 0)
     error = error + late * np.abs(velocity)
     velocity_error = velocity_error + late * (np.abs(a) + np.abs(v) * (2 * wide(rates.gamma) + wide(rates.root)))
@@ -126,12 +126,12 @@ def follow(system: Oscillator, times: Array) -> JointForm:
 
 
 def _least(value: WideArray, rate: Real) -> WideArray:
-    """The smaller of values and of 1 / rate."""
+    """The smaller of each value and 1 / rate; the values if the rate is zero."""
     return np.minimum(value, 1 / wide(rate)) if rate else value
 
 
 def phases(system: Oscillator, rates: Rates, until: float) -> list[Phase]:
-    """The phases that begin before a time (s); in the last one the joint moves on, or rests."""
+    """The phases that begin until the time `until` (s); in the last phase the joint rests, or moves at least until then."""
     listed: list[Phase] = []
     swing: tuple[Real, Real] | None = None
     time, q, v = MP.mpf(0), system.start, system.velocity
@@ -149,7 +149,7 @@ def phases(system: Oscillator, rates: Rates, until: float) -> list[Phase]:
         if v:
             b, c = _exactly(rates, lasting)
         elif swing is None:
-            # Every swing from rest lasts half a period.
+            # Every swing from rest lasts equally long.
             b, c = swing = _exactly(rates, lasting)
         else:
             b, c = swing
@@ -171,14 +171,14 @@ def _reversal(rates: Rates, v: Real, a: Real) -> Real | None:
 
 
 def _exactly(rates: Rates, tau: Real) -> tuple[Real, Real]:
-    """B and C with a hundred digits, of which those that cancel are lost."""
+    """B and C at the time tau (s) since the start of a phase, in arithmetic of a hundred digits, of which some cancel."""
     decay = MP.exp(-rates.slow * tau)
     if rates.complex:
         b = decay * MP.sin(rates.root * tau) / rates.root
         return b, (1 - decay * MP.cos(rates.root * tau) - rates.gamma * b) / rates.square
     b = decay * (-MP.expm1(-2 * rates.root * tau) / (2 * rates.root) if rates.root else tau)
     if rates.slow:
-        # A = B' + 2 gamma B.
+        # C = (1 - A) / omega0^2 with A = B' + 2 gamma B.
         return b, (1 - decay - rates.slow * b) / rates.square
     return b, (tau - b) / rates.fast if rates.fast else tau * tau / 2
 
@@ -208,7 +208,7 @@ def responses(rates: Rates, tau: WideArray) -> tuple[WideArray, WideArray, WideA
 def _slow_and_fast(
     slow: np.longdouble, fast: np.longdouble, root: np.longdouble, tau: WideArray, b: WideArray, decay: WideArray
 ) -> WideArray:
-    """C for real rates, where fast tau >= 1: from the energy, or as the difference of what each rate gives."""
+    """C (n,) for real rates and fast tau >= 1, as (1 - B' - 2 gamma B) / omega0^2 or as the difference of two terms."""
     near = slow * tau >= 0.5
     first = -np.expm1(-slow * tau) / slow if slow else tau
     second = -np.expm1(-fast * tau) / fast if fast else tau
@@ -223,7 +223,7 @@ def _series(gamma: Any, square: Any, tau: WideArray) -> WideArray:
     term, after = tau, -gamma * tau * tau
     total: WideArray = tau * term / 2 + tau * after / 3
     for n in range(_TERMS):
-        # b_(n+2) (n+2) (n+1) = -2 gamma (n+1) b_(n+1) - omega0^2 b_n, times powers of tau, beginning at b_1 = 1.
+        # The recurrence b_(n+2) (n+2) (n+1) = -2 gamma (n+1) b_(n+1) - omega0^2 b_n, times powers of tau, from b_1 = 1.
         term, after = after, -(2 * gamma * tau * after * (n + 2) + square * tau * tau * term) / ((n + 3) * (n + 2))
         total = total + tau * after / (n + 4)
     return total

@@ -1,12 +1,12 @@
 """Linkages of parallelograms, which move as one pendulum: the N-four-bar of the IFToMM benchmark A02, for instance.
 
-All joints are hinges about parallel axes. If the rate of each is a fixed multiple c = -1, 0 or 1 of that of an angle theta, and
-each body as a whole either turns with theta or does not turn, every point moves on a circle at the rate of theta, or rests:
+All joints are hinges about parallel axes. If the rate of each joint is a fixed multiple c = -1, 0 or 1 of the rate of an angle
+theta, and each body either turns with theta or does not turn, every point moves on a circle at the rate of theta, or rests:
 
     p(theta) = a + R(theta) b,    T = I theta'^2 / 2,    V = const + A cos theta + B sin theta,
 
-and the loops stay closed if for each of them the two ends have the same b, which is checked with a hundred digits. The motion
-goes on through positions in which all bars are in line, and the linkage could also move in another way: it is the analytic one.
+and the loops stay closed if the two ends of each loop have the same b, which is checked with a hundred digits. In positions in
+which all bars are in line, the linkage can change to another mode of motion; the closed form is the analytic continuation.
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: Size of a difference, in units of the largest length, up to which it is what the file has rounded: loops are closed to this,
-#: and axes are parallel.
+#: The largest difference, in units of the largest length, that counts as rounding of the numbers in the file: loops are closed
+#: and axes parallel within this.
 _ROUNDED = MP.mpf(10) ** -12
 
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """A body's frame at the start: attitude and origin in the world, whether it turns, and the part b of its origin."""
+    """A body's frame at the start: attitude and origin in the world (m), whether it turns with theta, and b of its origin."""
 
     attitude: Quaternion4
     origin: Vector3
@@ -38,7 +38,7 @@ class _Frame:
 
 
 def form_of_parallelograms(mechanism: Mechanism) -> Form | None:
-    """The closed form of a linkage of parallelograms, or None."""
+    """The closed form of a linkage of parallelograms; None if the mechanism is not such a linkage, or nothing pulls on it."""
     joints = mechanism.joints
     if not mechanism.loops or None in mechanism.joint_of or any(joint.type not in ("revolute", "fixed") for joint in joints):
         return None
@@ -62,14 +62,20 @@ def form_of_parallelograms(mechanism: Mechanism) -> Form | None:
 
 
 def _rates(mechanism: Mechanism, first: float) -> list[int] | None:
-    """The rate of each joint as a multiple of the first one (rad/s), from the initial velocities; None if it is no such."""
+    """The rate of each joint as a multiple -1, 0 or 1 of the rate `first` (rad/s), from the initial velocities.
+
+    Returns None if a rate is no such multiple.
+    """
     speeds = [joint.start_velocity[0] if joint.type == "revolute" else 0.0 for joint in mechanism.joints]
     multiples = [1 if speed == first else -1 if speed == -first else 0 for speed in speeds]
     return multiples if all(each * first == speed for each, speed in zip(multiples, speeds, strict=True)) else None
 
 
 def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, _Frame] | None:
-    """The frames of the bodies at the start; None where the bodies move otherwise. axis: that of theta in the world."""
+    """The frames of the bodies at the start; None if an axis is not parallel or a body turns at another rate than 0 or theta's.
+
+    axis: of theta, in the world.
+    """
     multiples = {id(joint): rate for joint, rate in zip(mechanism.joints, rates, strict=True)}
     frames = {WORLD: _Frame(IDENTITY, ORIGIN, 0, ORIGIN)}
     for joint in from_the_root(mechanism):
@@ -81,7 +87,7 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
             across = cross(axis, direction)
             if dot(across, across) > _ROUNDED**2:
                 return None
-            # The axis of a joint may point the other way than that of theta.
+            # The axis of a joint may point against the axis of theta.
             multiple *= 1 if dot(axis, direction) > 0 else -1
             cosine, sine = MP.cos_sin(MP.mpf(joint.start[0]) / 2)
             x, y, z = exact.unit_axis(joint)
@@ -95,13 +101,13 @@ def _frames(mechanism: Mechanism, rates: list[int], axis: Vector3) -> dict[int, 
 
 
 def _point(frame: _Frame, point: Vector3) -> tuple[Vector3, Vector3]:
-    """The place in the world at the start of a point of a body, and its part b."""
+    """The position in the world (m) of a point of a body at the start, and its vector b (m)."""
     arm = turned(matrix(frame.attitude), point)
     return plus(frame.origin, arm), plus(frame.radius, arm) if frame.turns else frame.radius
 
 
 def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
-    """Return whether the loops stay closed: both ends are at the same place, and have the same part b."""
+    """Return whether the loops stay closed: both ends of each are at the same position and have the same b."""
     for loop in mechanism.loops:
         ends = [_point(frames[body], vector(point)) for body, point in zip(loop.bodies, loop.points, strict=True)]
         size = max(abs(value) for position, _ in ends for value in position)
@@ -114,7 +120,7 @@ def _closed(mechanism: Mechanism, frames: dict[int, _Frame]) -> bool:
 def _pendulum(
     mechanism: Mechanism, frames: dict[int, _Frame], axis: Vector3, rates: list[int], first: Joint
 ) -> pendulum.Pendulum | None:
-    """The pendulum that theta is, counted from the start; None where nothing pulls on it."""
+    """The pendulum whose angle is theta, which is 0 at the start; None if gravity has no torque, or there is no inertia."""
     inertia = sum(MP.mpf(joint.armature) * rate**2 for joint, rate in zip(mechanism.joints, rates, strict=True))
     level, slope = MP.mpf(0), MP.mpf(0)
     for body, jointed_body in enumerate(mechanism.bodies):
@@ -124,25 +130,26 @@ def _pendulum(
         inertia += properties.mass * dot(arm, arm)
         if frame.turns:
             inertia += _moment(properties.tensor, turned(matrix(conjugate(frame.attitude)), axis))
-        # The height of R(theta) b is, besides a constant, (z . b across the axis) cos theta + (z . axis x b) sin theta.
+        # Apart from a constant, the height of R(theta) b is (z . b') cos theta + (z . axis x b) sin theta, where b' is the part
+        # of b perpendicular to the axis.
         level += properties.mass * (radius[2] - dot(axis, radius) * axis[2])
         slope += properties.mass * arm[2]
     weight = MP.mpf(mechanism.gravity) * MP.hypot(level, slope)
     if not weight or not inertia:
         return None
-    # The height is least where it is opposite to its largest value, at atan2(slope, level).
+    # The height is least opposite to its largest value, which is at atan2(slope, level).
     return pendulum.Pendulum(weight / inertia, MP.atan2(-slope, -level), MP.mpf(0), MP.mpf(first.start_velocity[0]))
 
 
 def _moment(tensor: Components, axis: Vector3) -> Real:
-    """The moment of inertia about an axis of unit length through the centre of mass (kg m^2)."""
+    """The moment of inertia about a unit axis through the centre of mass (kg m^2)."""
     x, y, z = axis
     xx, yy, zz, xy, xz, yz = tensor
     return xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
 
 
 def _motion(mechanism: Mechanism, system: pendulum.Pendulum, rates: list[int], times: Array) -> FormMotion:
-    """The coordinates of all joints, which begin at their own places and turn with theta."""
+    """The coordinates of all joints, which begin at their initial values and turn at their multiples of theta's rate."""
     turning = pendulum.follow(system, times)
     parts = {
         index: JointForm(

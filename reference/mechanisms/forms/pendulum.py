@@ -8,8 +8,8 @@ The angle phi from the stable equilibrium obeys phi'' = -omega^2 sin phi. With s
     k = 1:  sin(phi / 2) = sigma tanh u,      cos(phi / 2) = sech u,    phi' = sigma 2 omega sech u,
     k > 1:  phi = sigma 2 am(u, 1 / k),                                 phi' = sigma 2 omega k dn(u, 1 / k),
 
-where u = u0 + omega t, and u = u0 + k omega t for k > 1.
-Both moduli are computed with a hundred digits, so that no digits are lost near the separatrix.
+where u = u0 + omega t, and u = u0 + k omega t for k > 1. Both moduli are computed with a hundred digits, so that no digits are
+lost near the separatrix.
 """
 
 from dataclasses import dataclass
@@ -22,13 +22,13 @@ from bodycheck.reference.independent.jacobi import argument, functions, modulus
 from bodycheck.reference.mechanisms.forms.motion import WIDE_EPS, JointForm
 from bodycheck.reference.trajectory import Array
 
-#: Bound of the relative error of the elliptic functions and of the angle made of them, in roundings to the wide type.
+#: Bound of the relative error of the elliptic functions and of the angle from them, in roundings to the wide type.
 ROUNDINGS = 32 * WIDE_EPS
 
 #: Relative error of the phase u, in roundings to the wide type.
 _PHASE = 4 * WIDE_EPS
 
-#: Size of k'^2 up to which it is only what rounding has left of zero.
+#: Size of k'^2 up to which it differs from zero only by rounding.
 _ZERO = MP.mpf(10) ** -80
 
 
@@ -105,7 +105,7 @@ def _moduli(system: Pendulum) -> tuple[Real, Real]:
 
 
 def _reduced(u: WideArray, half_period: np.longdouble | None) -> tuple[WideArray, WideArray]:
-    """Arguments less the nearest whole number of half periods 2 K, and these numbers."""
+    """Arguments minus the nearest whole number of half periods 2 K, and these whole numbers."""
     if half_period is None:
         return u, np.zeros_like(u)
     count: WideArray = np.rint(u / half_period)
@@ -113,7 +113,7 @@ def _reduced(u: WideArray, half_period: np.longdouble | None) -> tuple[WideArray
 
 
 def _resting(system: Pendulum, times: Array) -> JointForm:
-    """The pendulum in equilibrium."""
+    """The motion of a pendulum that rests in an equilibrium, at times (n,), s."""
     position = np.full((len(times), 1), wide(system.start), dtype=Wide)
     error = np.full(len(times), WIDE_EPS * float(abs(system.start)))
     return JointForm(position, np.zeros_like(position), error, np.zeros(len(times)))

@@ -6,8 +6,8 @@ L3 about the axis of symmetry,
     (du/dt)^2 = (1 - u^2) 2 (E - mu u) / I1 - (Lz - L3 u)^2 / I1^2 = (2 mu / I1) (u - u1) (u - u2) (u - u3),
     u = u1 + (u2 - u1) sn^2(lambda t + tau0),    lambda^2 = mu (u3 - u1) / (2 I1),    k^2 = (u2 - u1) / (u3 - u1).
 
-The attitude is kept as the Cayley-Klein parameters w + i z = cos(theta / 2) exp(i (phi + psi) / 2) and x + i y =
-sin(theta / 2) exp(i (phi - psi) / 2), since each of their phases has one pole only:
+The attitude is represented by the Cayley-Klein parameters w + i z = cos(theta / 2) exp(i (phi + psi) / 2) and x + i y =
+sin(theta / 2) exp(i (phi - psi) / 2), since the derivative of each of their phases has only one pole:
 
     d/dt (phi + psi) =  L3 (1/I3 - 1/I1) + (Lz + L3) / (I1 (1 + u)),
     d/dt (phi - psi) = -L3 (1/I3 - 1/I1) + (Lz - L3) / (I1 (1 - u)).
@@ -28,8 +28,8 @@ from bodycheck.reference.mechanisms.forms.carlson import third_kind
 from bodycheck.reference.mechanisms.forms.motion import WIDE_EPS
 from bodycheck.reference.trajectory import Array
 
-#: Size of a number, compared with what it was computed from, up to which it is only what rounding has left of zero. Roots of
-#: the cubic have half of a hundred digits where two of them are equal.
+#: Size of a number, relative to the terms of which it is the sum, up to which it differs from zero only by rounding. If two
+#: roots of the cubic are equal, they have only half of the hundred digits.
 _ZERO = MP.mpf(10) ** -38
 
 #: Bound of the error of the attitude, in roundings to the wide type, for each radian of the phases.
@@ -46,7 +46,7 @@ class Top:
     Attributes
     ----------
     across, along
-        I1 and I3: moments about the fixed point across and along the axis of symmetry (kg m^2).
+        I1 and I3: moments of inertia about the fixed point, across and along the axis of symmetry (kg m^2).
     weight
         mu = M g r (J) > 0.
     attitude
@@ -64,7 +64,7 @@ class Top:
 
 @dataclass(frozen=True, eq=False)
 class Turned:
-    """A rotation at n instants: quaternions (n, 4) to the world, body rates (n, 3), and bounds (n,) of their errors."""
+    """A rotation at n instants: quaternions (n, 4) to the world, body rates (n, 3), rad/s, and bounds (n,) of both errors."""
 
     attitude: WideArray
     rates: WideArray
@@ -74,7 +74,7 @@ class Turned:
 
 @dataclass(frozen=True, eq=False)
 class _Nutation:
-    """The motion of u = cos theta: see the module.
+    """The motion of u = cos theta: see the docstring of the module.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class _Nutation:
 
 @dataclass(frozen=True, eq=False)
 class _Constants:
-    """Conserved quantities: momenta Lz + L3 and Lz - L3 divided by I1, L3 / I3, L3 (1/I3 - 1/I1), and initial cos theta."""
+    """Constants of the motion: (Lz + L3) / I1, (Lz - L3) / I1, L3 / I3, L3 (1/I3 - 1/I1), and the initial cos theta."""
 
     sum: Real
     difference: Real
@@ -126,7 +126,7 @@ def follow(top: Top, times: Array) -> Turned:
     cosine = np.sqrt((low + width * sn * sn) / 2) if path.low else root * sn
     sine = np.sqrt((high + width * cn * cn) / 2) if path.high else root * cn
     first, second = _phases(top, conserved, path, t, reduced, count)
-    # Quotients cn / sine and sn / cosine, whose limits are finite.
+    # The quotients cn / sine and sn / cosine have finite limits.
     over_sine = cn / sine if path.high else np.full_like(t, 1 / root if path.width else Wide(0))
     over_cosine = sn / cosine if path.low else np.full_like(t, 1 / root if path.width else Wide(0))
     nodding = -width * wide(path.rate) * dn * over_sine * over_cosine
@@ -151,18 +151,18 @@ def follow(top: Top, times: Array) -> Turned:
 def _bounded(
     top: Top, conserved: _Constants, path: _Nutation, attitude: WideArray, rates: WideArray, turned: WideArray, tau: WideArray
 ) -> Turned:
-    """The rotation with its bounds: roundings of the phases, and the motion during an error of the time."""
+    """The rotation with bounds of its errors, from roundings of the phases and the motion during an error of the time."""
     speed = np.sqrt((rates * rates).sum(axis=1))
     late = _PHASE * (np.abs(tau) + abs(wide(path.start)) + 1) / (wide(path.rate) if path.rate else Wide(1))
     error = ROUNDINGS * (1 + turned) + late * speed
-    # The rates turn with psi, and gravity changes them.
+    # The body rates change by their rotation with psi and by gravity.
     pull = wide((top.weight + abs(conserved.spin) ** 2 * top.along) / top.across)
     rates_error = speed * error + late * (pull + speed * abs(wide(conserved.spin)))
     return Turned(attitude, rates, error.astype(float), rates_error.astype(float))
 
 
 def _constants(top: Top) -> _Constants:
-    """The constants of the motion. A sum that is only what rounding has left is exactly zero."""
+    """The constants of the motion. Sums that differ from zero only by rounding are exactly zero."""
     p, q, r = top.rates
     upright = matrix(top.attitude)[2]
     terms = (upright[0] * top.across * p, upright[1] * top.across * q, upright[2] * top.along * r)
@@ -245,7 +245,7 @@ def _one(values: WideArray) -> np.longdouble:
 
 
 def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -> WideArray:
-    """The integral from 0 to tau in [-K, K] of 1 / (1 + u) if rising, of 1 / (1 - u) if not; at_zero: 1 + u1 or 1 - u1."""
+    """The integral from 0 to tau in [-K, K] of 1 / (1 + u) if `rising`, else of 1 / (1 - u). at_zero: 1 + u1 or 1 - u1."""
     sn, cn, dn = functions(path.elliptic, tau)
     x, y, one = cn * cn, dn * dn, np.ones_like(sn)
     begin, width, square = wide(at_zero), wide(path.width), sn * sn
@@ -255,7 +255,7 @@ def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -
     ratio, k2 = path.width / at_zero, path.square
     if ratio * ratio < k2:
         return (tau - width / begin / 3 * sn * square * third_kind(x, y, one, 1 + wide(ratio) * square)) / begin
-    # With the other parameter (p - 1)(q - 1) = k^2 sn^4 of the integral [DLMF 19.21.12] all terms are positive.
+    # With the other parameter q of the integral, (p - 1) (q - 1) = k^2 sn^4 [DLMF 19.21.12], all terms are positive.
     small = wide(k2 / ratio)
     root = wide(MP.sqrt((1 + ratio) * (ratio + k2) / ratio))
     rest = small / 3 * sn * square * third_kind(x, y, one, 1 + small * square)
@@ -264,7 +264,7 @@ def _integral(path: _Nutation, tau: WideArray, at_zero: Real, *, rising: bool) -
 
 
 def _first_phases(top: Top, path: _Nutation) -> tuple[Real, Real]:
-    """The initial phases, from the attitude; where a parameter is zero at the start, from its derivative."""
+    """The initial phases (rad), from the attitude, or from the derivative of a parameter that is zero at the start."""
     w, x, y, z = top.attitude
     p, q, r = top.rates
     first, second = MP.atan2(z, w), MP.atan2(y, x)

@@ -1,14 +1,14 @@
-"""A mechanism as a chain of elements, with a hundred digits: what the Lagrangian and the start of the motion are made of.
+"""A mechanism as a chain of elements, with a hundred digits, from which the Lagrangian and the start of the motion are formed.
 
-Every joint becomes one or more elements: turns about an axis, slides along one, balls, and free elements. An element has a
-frame that moves with it, whose z is the axis of a turn or slide, so that each of them is about or along z. A planar joint is
-two slides and a turn, a universal joint two turns. A fixed joint moves the body into the frame of the element that carries it.
-Only the last element of a joint carries bodies.
+Every joint becomes one or more elements: turns about an axis, slides along an axis, balls, and free elements. An element has a
+frame that moves with it. Every turn is about, and every slide is along, the z axis of this frame. A planar joint is two slides
+and a turn, a universal joint two turns. A fixed joint moves the body into the frame of the element that carries it. Only the
+last element of a joint carries bodies.
 
-A tree that hangs on the world by a free joint, and a free body, are seen from a frame that falls with them: it starts at the
+A tree that hangs on the world by a free joint, and a free body, are described in a frame that falls with them: it starts at the
 origin of the element with its velocity. There is no gravity in that frame, and large positions do not cost digits.
 
-This is code of its own from the mechanism on: it shares nothing with `exact` and with the recursion.
+This code starts from the mechanism and is independent of the truth: it shares nothing with `exact` and the recursion.
 """
 
 import functools
@@ -36,7 +36,7 @@ Kind = Literal["turn", "slide", "ball", "free"]
 #: The numbers of coordinates and of velocities of an element.
 SIZES: dict[Kind, tuple[int, int]] = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
 
-#: Entries of rotations below this are what rounding has left of zero, and those as near to one are one.
+#: Entries of rotations that are closer than this to 0 or 1 differ from it only by rounding, and are replaced by it.
 ROUNDED = MP.mpf(10) ** -80
 
 UNIT: Matrix = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, ZERO, ONE]]
@@ -50,15 +50,15 @@ class Carried:
     Attributes
     ----------
     body
-        Its place in the mechanism.
+        The index of the body in the mechanism.
     mass
         Mass (kg).
     centre
         Centre of mass in the frame of the element (m).
     tensor
-        Rows of the inertia tensor about the centre of mass along the axes of that frame (kg m^2).
+        Rows of the inertia tensor about the centre of mass along the axes of the element's frame (kg m^2).
     axes
-        Rows of the matrix that takes components in the frame of the body to those in the frame of the element.
+        Rows of the matrix that takes components in the frame of the body to components in the frame of the element.
     """
 
     body: int
@@ -75,26 +75,27 @@ class Element:
     Attributes
     ----------
     kind
-        What it allows.
+        The kind of motion that it allows.
     parent
-        The place of the element that it moves on; None where that is the world.
+        The index of the element on which it moves; None for the world.
     joint
-        The place of its joint; None for a free body.
+        The index of its joint; None for a free body.
     turned
-        Rows of the matrix that takes components in the frame of the parent to those in the frame of this element at zero.
+        Rows of the matrix that takes components in the frame of the parent to components in the zero frame, which is the frame
+        of this element if its coordinates are zero.
     origin
-        Its origin at zero in the frame of the parent (m).
+        The origin of the zero frame in the frame of the parent (m).
     start, velocity
         Initial coordinates and velocities: of a ball the quaternion and the angular velocity in its frame; of a free element
-        first x, y, z in the frame at zero.
+        first x, y, z in the zero frame, or the velocity there.
     falls
-        Whether it is seen from a falling frame, together with what it carries.
+        Whether the element, with all elements that it carries, is described in a falling frame.
     fallen
-        Position and velocity of its origin at t = 0 in the frame at zero, which are 0 in the falling frame.
+        Position (m) and velocity (m/s) of its origin at t = 0 in the zero frame; both are 0 in the falling frame.
     carried
         The bodies that move with it.
     armature, damping, stiffness, rest, friction, effort
-        As of a joint.
+        As in `mechanism.Joint`.
     """
 
     kind: Kind
@@ -117,10 +118,10 @@ class Element:
 
 @dataclass(frozen=True, eq=False)
 class Border:
-    """The elements of a mechanism, each after the one that it moves on, and the gravitational acceleration (m/s^2).
+    """The elements of a mechanism, each after its parent, and the gravitational acceleration (m/s^2).
 
-    standing: bodies that do not move, in the frame of the world. loops: the two ends of each, with the place of the element
-    that carries it (None for the world) and the point in its frame (m).
+    standing: bodies that do not move, in the frame of the world. loops: for each of the two ends of a loop, the index of the
+    element that carries the end (None for the world), and the point in its frame (m).
     """
 
     elements: tuple[Element, ...]
@@ -131,7 +132,11 @@ class Border:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """The place of a body: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
+    """The place of a body: the index of its element (None for the world), and its frame in the frame of the element.
+
+    axes: rows of the matrix from the body's frame to the element's frame. origin: in the element's frame (m). falls: as in
+    `Element`.
+    """
 
     element: int | None
     axes: Matrix
@@ -166,12 +171,12 @@ def border(mechanism: Mechanism) -> Border:
 
 
 def _end(pose: _Place, point: tuple[float, float, float]) -> tuple[int | None, Triple]:
-    """A point of a body in the frame of the element that carries the body."""
+    """The index of the element that carries a body, and a point of the body in the frame of the element (m)."""
     return pose.element, _sum(pose.origin, times(pose.axes, [MP.mpf(value) for value in point]))
 
 
 def _downwards(mechanism: Mechanism) -> list[int]:
-    """The places of the bodies, each after its parent."""
+    """The indices of the bodies, each after its parent."""
     children: dict[int, list[int]] = {}
     for body, joint in enumerate(mechanism.joint_of):
         children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
@@ -184,7 +189,10 @@ def _downwards(mechanism: Mechanism) -> list[int]:
 
 
 def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Place:
-    """A free body, from its centre of mass: a ball that falls, or a free element where other bodies hang on it."""
+    """Append the element of a free body, with its origin at the centre of mass, and return the place of the body.
+
+    The element is a ball in a falling frame, or a free element if other bodies hang on the body (`carries`).
+    """
     start = body.start
     assert start is not None
     rates = (
@@ -203,7 +211,7 @@ def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Pl
 
 
 def _jointed(joint: Joint, number: int, parent: _Place, elements: list[Element]) -> _Place:
-    """The elements of a joint, and where its child is."""
+    """Append the elements of a joint, and return the place of its child."""
     frame = _transposed(attitude(joint.attitude))
     position = [MP.mpf(value) for value in joint.position]
     origin = _sum(parent.origin, times(parent.axes, position))
@@ -255,7 +263,7 @@ def _carried(body: JointedBody, number: int, pose: _Place) -> Carried:
 
 
 def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
-    """Mass, centre of mass and inertia tensor about it, in the frame of the body."""
+    """Mass (kg), centre of mass (m) and inertia tensor about it (kg m^2) of a body, in its frame."""
     mass, tensor = mass_and_tensor(
         Definition(body.inertia), lambda orientation: [[_fraction(v) for v in row] for row in attitude(orientation)]
     )
@@ -273,7 +281,7 @@ def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
 
 
 def _along_z(axis: Triple) -> Matrix:
-    """A rotation whose third column is an axis of length one: the smallest turn that takes the nearest frame axis to it."""
+    """A rotation whose third column is a unit axis, from the smallest rotation that takes the nearest frame axis to it."""
     largest = max(range(3), key=lambda k: abs(axis[k]))
     order = [(largest + 1) % 3, (largest + 2) % 3, largest]
     x, y, z = (axis[k] for k in order)
@@ -292,7 +300,7 @@ def _along_z(axis: Triple) -> Matrix:
 
 
 def _quaternion(cosines: Matrix) -> list[Number]:
-    """The unit quaternion w, x, y, z of a rotation, by the largest of its components."""
+    """The unit quaternion w, x, y, z of a rotation matrix, computed from its largest component."""
     m = cosines
     squares = [
         1 + m[0][0] + m[1][1] + m[2][2],
@@ -315,7 +323,7 @@ def _normed(values: list[Number]) -> list[Number]:
 
 
 def _clean(value: Number) -> Number:
-    """A number whose terms are of the order of one, without what rounding has left of 0 and 1."""
+    """A number whose terms are of the order of 1, replaced by 0 or 1 if it differs from it only by rounding."""
     nearest = MP.nint(value)
     return nearest if abs(value - nearest) < ROUNDED else value
 
@@ -341,7 +349,7 @@ def _number(value: Fraction) -> Number:
 
 
 def _fraction(value: Number) -> Fraction:
-    """A number of this arithmetic as a quotient of whole numbers, without rounding."""
+    """A number of a hundred digits as a fraction, without rounding."""
     sign, mantissa, exponent, _ = value._mpf_
     whole = Fraction(int(mantissa) << max(exponent, 0), 1 << max(-exponent, 0))
     return -whole if sign else whole

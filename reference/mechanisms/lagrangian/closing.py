@@ -1,13 +1,14 @@
 """Loops in the Lagrangian: the accelerations that keep the ends of loops together, with multipliers.
 
-The gap g of a loop is where the second end is from the first, along the axes of the element that carries the first. Along these
-axes a loop in a plane has a component that is zero whatever moves, wherever the plane turns. Of all components of gaps only
-independent ones are kept: see `independent`. With X_i the derivative in the direction of the velocity u_i (see `equations`),
+The gap g of a loop is the vector from its first end to its second end, along the axes of the element that carries the first
+end. Along these axes, a loop in a plane has a component that is identically zero, even if the plane turns. Only independent
+components of gaps are constraints: see `independent`. With X_i the derivative in the direction of the velocity u_i (see
+`equations`),
 
     J_i = X_i g,    J du/dt = -(dg'/dq) dq/dt,    M du/dt = f + J^T l,
 
-where g' = J u. The multipliers l follow from J M^-1 J^T, which is factored without pivots, as it is positive definite where the
-constraints are independent. Nothing is projected: what the gaps become shows the error.
+where g' = J u. The multipliers l follow from J M^-1 J^T, which is factored without pivots, as it is positive definite if the
+constraints are independent. The state is not projected onto the constraints, so that the drift of the gaps shows the error.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,15 +19,15 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Solid
 from bodycheck.reference.trajectory import Array
 
-#: What is left of a row, relative to the largest, when those before it are taken from it, if it depends on them.
+#: The size, relative to the largest row, of a row's component perpendicular to other rows, up to which it depends on them.
 DEPENDENT = 1e-7
 
-#: The ends of a loop: the place of the element that carries each (None for the world), and the point in its frame.
+#: The two ends of a loop: the index of the element that carries the end (None for the world), and the point in its frame.
 Ends = tuple[tuple[int | None, list[Node]], tuple[int | None, list[Node]]]
 
 
 def gap(tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], ends: Ends) -> list[Node]:
-    """Return the vector from the first end of a loop to the second, along the axes of the element that carries the first."""
+    """Return the vector from the first end of a loop to the second end, along the axes of the first end's element."""
     (one, first), (other, point) = ends
     down = list(_upwards(parents, one))
     common = next((index for index in _upwards(parents, other) if index in down), None)
@@ -47,7 +48,7 @@ def gap(tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], ends
 
 
 def _upwards(parents: Sequence[int | None], index: int | None) -> Iterator[int]:
-    """An element and those on its way to the root."""
+    """The indices of an element and of all elements on its way to the root."""
     while index is not None:
         yield index
         index = parents[index]
@@ -66,15 +67,15 @@ def closed(
     Parameters
     ----------
     tape
-        Where the equations are written.
+        The tape on which the equations are written.
     rows
-        J.
+        The rows of J.
     velocities, rates
-        u, and the derivatives of the coordinates by time.
+        The velocities u, and the time derivatives of the coordinates.
     force
-        f.
+        The forces f.
     solve
-        The solution x of M x = b.
+        The function that returns the solution x of M x = b for b.
     """
     free = solve(list(force))
     responses = [solve(row) for row in rows]
@@ -104,7 +105,10 @@ def _eliminated(tape: Tape, matrix: list[list[Node]], right: list[Node]) -> list
 
 
 def independent(tape: Tape, rows: Sequence[list[Node]], state: Sequence[float], parameters: Sequence[float]) -> tuple[int, ...]:
-    """The places of rows that are independent in a state, in order: those of which most is left, one after another."""
+    """The indices, in ascending order, of rows that are independent in a state.
+
+    The rows are chosen one after another: the next row has the largest component perpendicular to the rows chosen before.
+    """
     leaves: dict[str, Callable[[float], float]] = {
         "number": float,
         "parameter": lambda index: parameters[int(index)],

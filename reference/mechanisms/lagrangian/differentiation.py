@@ -1,25 +1,26 @@
-"""Expressions on a tape, and their derivatives by the chain rule, forwards and backwards, as further expressions on it.
+"""Expressions on a tape, and their derivatives in forward and reverse mode, as further expressions on the tape.
 
-A tape is a list of operations, each of which refers to earlier ones by their places. Equal operations have one place, and sums
-and products with 0 and 1 are not written, so that what is not there in a mechanism costs nothing. A gradient backwards costs a
-few times what the expression costs, whatever the number of variables; a derivative forwards has one direction.
+A tape is a list of operations, each of which refers to earlier operations by their indices. Equal operations are written once,
+and sums and products with 0 and 1 are not written, so that terms that are absent in a mechanism cost nothing. A gradient in
+reverse mode costs a few times as much as the expression, whatever the number of variables; a derivative in forward mode is for
+one direction.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-#: The place of an operation on a tape.
+#: The index of an operation on a tape.
 Node = int
 
-#: What an operation is, and its arguments: the places of others, or a number or an index.
+#: The kind of an operation, and its arguments: the indices of other operations, or a number or an index of a leaf.
 Operation = tuple[str, Any, Any]
 
-#: What a node is made into: a number of any arithmetic, or an expression of some package.
+#: The value of a node: a number of any arithmetic, or an expression of any package.
 Value = Any
 
 
 class Tape:
-    """A list of operations. The methods append an operation, if it is new, and return its place."""
+    """A list of operations. The methods append an operation, if it is new, and return its index."""
 
     def __init__(self) -> None:
         self.operations: list[Operation] = []
@@ -29,15 +30,15 @@ class Tape:
         self.minus_one = self.number(-1.0)
 
     def number(self, value: float) -> Node:
-        """A number that every floating-point type has."""
+        """The node of a number, which must be exact in every floating-point type."""
         return self._place("number", value)
 
     def parameter(self, index: int) -> Node:
-        """A parameter of the equations."""
+        """The node of a parameter of the equations."""
         return self._place("parameter", index)
 
     def variable(self, index: int) -> Node:
-        """A variable of the state."""
+        """The node of a variable of the state."""
         return self._place("variable", index)
 
     def sine(self, a: Node) -> Node:
@@ -86,7 +87,7 @@ class Tape:
         return self.negate(product) if (signs[0] is None) != (signs[1] is None) else product
 
     def divide(self, a: Node, b: Node) -> Node:
-        """The node of a / b, which is not differentiated."""
+        """The node of a / b, which cannot be differentiated."""
         return self.zero if a == self.zero else self._place("/", a, b)
 
     def negate(self, a: Node) -> Node:
@@ -97,18 +98,18 @@ class Tape:
         return self._place("negated", a) if negated is None else negated
 
     def total(self, terms: Iterable[Node]) -> Node:
-        """The sum of some nodes, in their order."""
+        """The node of the sum of several nodes, added in their order."""
         result = self.zero
         for term in terms:
             result = self.add(result, term)
         return result
 
     def dot(self, one: Sequence[Node], other: Sequence[Node]) -> Node:
-        """The scalar product of two vectors."""
+        """The node of the scalar product of two vectors."""
         return self.total(self.multiply(a, b) for a, b in zip(one, other, strict=True))
 
     def _negated(self, a: Node) -> Node | None:
-        """The node b if a is -b, else None."""
+        """The node b if a is the negation of b, else None."""
         kind, b, _ = self.operations[a]
         if kind == "negated":
             return int(b)
@@ -124,7 +125,10 @@ class Tape:
 
 
 def along(tape: Tape, direction: Mapping[Node, Node], outputs: Sequence[Node]) -> list[Node]:
-    """The derivatives of outputs in a direction, which gives the derivative of each variable that is not zero."""
+    """The derivatives of outputs in a direction, in forward mode.
+
+    direction: the derivatives of the variables, without those that are zero. Raises `ValueError` for a quotient.
+    """
     tangents: dict[Node, Node] = dict(direction)
     for node in sorted(needed(tape, outputs)):
         if node not in tangents and (tangent := _tangent(tape, node, tangents)) != tape.zero:
@@ -156,7 +160,7 @@ def _tangent(tape: Tape, node: Node, tangents: Mapping[Node, Node]) -> Node:
 
 
 def gradient(tape: Tape, output: Node, variables: Sequence[Node]) -> list[Node]:
-    """The derivatives of an output by some variables, from the output backwards."""
+    """The derivatives of an output with respect to some variables, in reverse mode."""
     adjoints: dict[Node, Node] = {output: tape.one}
 
     def carry(node: Node, amount: Node) -> None:
@@ -195,9 +199,10 @@ def made(
     sine: Callable[[Value], Value],
     cosine: Callable[[Value], Value],
 ) -> list[Value]:
-    """The outputs as expressions of some package, or as numbers.
+    """The values of outputs, as numbers or as expressions of any package.
 
-    leaf: makes a number, a parameter or a variable of its kind and its value or index. sine, cosine: the functions.
+    leaf: returns the value of a number, a parameter or a variable from its kind ("number", "parameter" or "variable") and its
+    number or index. sine, cosine: the functions of the arithmetic.
     """
     values: dict[Node, Value] = {}
     for node in sorted(needed(tape, outputs)):
@@ -223,7 +228,7 @@ def made(
 
 
 def needed(tape: Tape, outputs: Sequence[Node]) -> set[Node]:
-    """The places of all operations that some outputs depend on."""
+    """The indices of all operations on which some outputs depend, including the outputs."""
     nodes: set[Node] = set()
     waiting = list(outputs)
     while waiting:

@@ -1,20 +1,20 @@
 """The equations of motion of a mechanism, derived from its Lagrangian by differentiation (Boltzmann and Hamel).
 
-L = T - V is written once, from the velocities of the elements in their own frames. A tape differentiates it. With velocities u
-that are the rates of the coordinates or, of a ball, the angular velocity in its frame, and with X_i the derivative by the
-coordinates in the direction of u_i,
+L = T - V is written once, from the velocities of the elements in their own frames, and differentiated on a tape. The velocities
+u are the rates of the coordinates or, for the attitude of a ball or a free element, the angular velocity in its frame. With X_i
+the derivative with respect to the coordinates in the direction of u_i,
 
     d/dt (dL/du_i) + (omega x dL/domega)_i - X_i L = Q_i,
 
-where the second term belongs to balls alone. dL/du_i = p_i is linear in u, so that with the mass matrix M = dp/du
+where the second term is present for attitudes alone. dL/du_i = p_i is linear in u, so that with the mass matrix M = dp/du
 
     M du/dt = X L - omega x p - (dp/dq) dq/dt + Q.
 
 M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping and
 dry friction are the forces Q.
 
-A joint with dry friction slips or sticks: see `friction`. Where it sticks, it is left out of the mass matrix. Loops are held
-together by multipliers: see `closing`.
+A joint with dry friction slips or sticks: see `friction`. While it sticks, it is left out of the mass matrix. Loops are kept
+closed by multipliers: see `closing`.
 """
 
 import functools
@@ -35,15 +35,15 @@ class Derived:
     Attributes
     ----------
     tape
-        Where they are written.
+        The tape on which they are written.
     states
         The number of coordinates and velocities.
     rates
-        The derivatives of the coordinates and of the velocities by time.
+        The time derivatives of the coordinates and of the velocities.
     used
-        The places of those parameters that the equations depend on.
+        The indices of the parameters on which the equations depend.
     strains
-        For each element with dry friction, the force that would hold it as it moves, besides its friction, and its inertia.
+        For each element with dry friction, the force of friction that its motion requires, and its inertia.
     """
 
     tape: Tape
@@ -55,7 +55,7 @@ class Derived:
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """The motion of an element: along its axes, angular velocity, velocity of its origin and the vertical; and its height."""
+    """The motion of an element: angular velocity, velocity of its origin and the vertical, along its axes; and its height."""
 
     omega: list[Node]
     velocity: list[Node]
@@ -65,7 +65,7 @@ class _Moving:
 
 @dataclass(frozen=True, eq=False)
 class _Read:
-    """The numbers of a structure on a tape, one after another."""
+    """A reader of the numbers of a structure on a tape, one after another."""
 
     tape: Tape
     nodes: Iterator[Node]
@@ -81,15 +81,15 @@ class Parts:
     Attributes
     ----------
     coordinates, velocities
-        The variables.
+        The variables of the state.
     slopes, momenta
-        The derivatives of L by the coordinates and by the velocities.
+        The derivatives of L with respect to the coordinates and the velocities.
     forces
         The forces Q of damping along the velocities.
     dry
-        For each velocity, the force of dry friction along it, and whether it is not held by that.
+        For each velocity, the force of dry friction along it, and 1, or 0 if dry friction holds it.
     solids
-        What the mass matrix is made of.
+        The elements with their inertia, from which the mass matrix is formed.
     gaps
         The components of the gaps of loops.
     """
@@ -104,7 +104,7 @@ class Parts:
     gaps: list[Node]
 
     def carried(self, tape: Tape, structure: Structure, slopes: list[Node]) -> list[Node]:
-        """X of a function in the direction of each velocity, from its derivatives by the coordinates."""
+        """X_i of a function for each velocity u_i. slopes: its derivatives with respect to the coordinates."""
         q, rates = self.coordinates, list[Node]()
         for kind, (held, _) in zip(structure.kinds, structure.places, strict=True):
             rates += _carried(tape, kind, q[held], slopes[held])
@@ -112,7 +112,7 @@ class Parts:
 
 
 def parts_of(tape: Tape, structure: Structure) -> Parts:
-    """L and its derivatives. The state is all coordinates, then all velocities."""
+    """The derivatives of L and the other parts of the equations. The state is all coordinates, then all velocities."""
     nodes, parameters = [], 0
     for mark in structure.marks:
         nodes.append(tape.parameter(parameters) if mark is None else tape.number(float(mark)))
@@ -130,7 +130,7 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
 
 
 def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
-    """J of `closing`: by which velocities those components of gaps change that hold loops together."""
+    """The rows of J of `closing`, for the components of gaps that are constraints (`Structure.rows`)."""
     slopes = (gradient(tape, parts.gaps[row], parts.coordinates) for row in structure.rows)
     return [parts.carried(tape, structure, each) for each in slopes]
 
@@ -173,7 +173,7 @@ def derived(structure: Structure) -> Derived:
 def _lagrangian(
     tape: Tape, structure: Structure, read: _Read, q: list[Node], u: list[Node]
 ) -> tuple[Node, list[Node], list[tuple[Node, Node]], list[Solid]]:
-    """L, the forces of damping and of dry friction along the velocities, and what the mass matrix is made of."""
+    """L, the forces of damping, the pairs of `Parts.dry`, and the elements with their inertia. q, u: variables of the state."""
     (gravity,) = read.some(1)
     half = tape.number(0.5)
     moving: list[_Moving] = []
@@ -212,7 +212,7 @@ def _lagrangian(
 def _moved(
     tape: Tape, kind: Kind, parent: _Moving, turned: list[Node], origin: list[Node], q: list[Node], u: list[Node]
 ) -> tuple[_Moving, Frame]:
-    """Return the motion of an element from that of its parent, and its frame in that of the parent."""
+    """Return the motion of an element from the motion of its parent, and its frame in the frame of the parent."""
     rows = turned[:3], turned[3:6], turned[6:]
 
     def across(vector: list[Node]) -> list[Node]:
@@ -242,7 +242,7 @@ def _moved(
 
 
 def _axes(tape: Tape, quaternion: list[Node]) -> list[list[Node]]:
-    """The axes of the frame that a unit quaternion turns, in the frame that it turns it from."""
+    """The columns of the rotation matrix of a unit quaternion."""
     w, x, y, z = quaternion
     two = tape.number(2.0)
 
@@ -261,14 +261,14 @@ def _axes(tape: Tape, quaternion: list[Node]) -> list[list[Node]]:
 
 
 def _directions(tape: Tape, quaternion: list[Node]) -> list[list[Node]]:
-    """By which directions of a quaternion, times 2, the three components of the angular velocity in its frame move it."""
+    """Twice the derivatives of a quaternion for unit values of the three components of the angular velocity in its frame."""
     w, x, y, z = quaternion
     minus = tape.negate
     return [[minus(x), w, z, minus(y)], [minus(y), minus(z), w, x], [minus(z), y, minus(x), w]]
 
 
 def _rates(tape: Tape, kind: Kind, q: list[Node], u: list[Node]) -> list[Node]:
-    """The derivatives of the coordinates of an element by time."""
+    """The time derivatives of the coordinates of an element."""
     if kind in ("turn", "slide"):
         return u
     half = tape.number(0.5)
@@ -278,7 +278,7 @@ def _rates(tape: Tape, kind: Kind, q: list[Node], u: list[Node]) -> list[Node]:
 
 
 def _drives(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node], u: list[Node], momenta: list[Node]) -> list[Node]:
-    """X L - omega x p of an element, from the derivatives of L by its coordinates and velocities."""
+    """X L - omega x p of an element. slopes, momenta: the derivatives of L with respect to its coordinates and velocities."""
     drives = _carried(tape, kind, q, slopes)
     if kind in ("turn", "slide"):
         return drives
@@ -287,7 +287,7 @@ def _drives(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node], u: list[N
 
 
 def _carried(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node]) -> list[Node]:
-    """X of a function in the directions of an element's velocities, from its derivatives by the element's coordinates."""
+    """X_i of a function for each velocity of an element. slopes: its derivatives with respect to the element's coordinates."""
     if kind in ("turn", "slide"):
         return slopes
     half = tape.number(0.5)

@@ -1,9 +1,9 @@
 """The Lagrangian of a mechanism with dry friction, in phases in which each joint slips one way or sticks.
 
-When phases begin, and what joints do in them, is given. In a phase, friction is a constant force against a joint that slips,
-and whatever holds a joint that sticks. Whether that is so is checked: a joint that slips keeps its direction, and comes to rest
-where its phase ends; one that sticks is held by no more than its friction, and by all of it where its phase ends. By how much
-velocities contradict that is reported.
+The beginnings of the phases and the modes of the joints in them are given. In a phase, friction is a constant force against a
+joint that slips, and the force that holds a joint that sticks. The result is checked against the phases: a joint that slips
+must keep its direction, and come to rest at the end of its phase; a joint that sticks must need no more than its friction, and
+all of it at the end of its phase. Contradictions are reported as errors of velocities: see `Stray`.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,22 +20,22 @@ from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, friction_parameters
 from bodycheck.reference.trajectory import Array
 
-#: Evenly spaced instants of a phase at which joints are checked.
+#: The number of evenly spaced instants of a phase at which joints are checked.
 CHECKS = 9
 
-#: Part of the friction that rounding in double precision may add to the force that holds a joint.
+#: The error by rounding in double precision of the force that holds a joint, as a fraction of the friction.
 ROUNDED = 1e-10
 
-#: Roundings of the largest velocity, within which one is zero.
+#: The number of roundings of the largest velocity up to which a velocity counts as zero.
 STOPPED = 256.0
 
-#: Solves the equations of a structure from a start with parameters at times.
+#: A function that returns the states (n, k) of the equations of a structure from a start, parameters and times.
 Solve = Callable[[Structure, WideArray, WideArray, WideArray], WideArray]
 
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """When a phase begins (s), and what each joint with dry friction does in it: 1 or -1 where it slips, 0 where it sticks."""
+    """The beginning of a phase (s), and the mode of each joint with dry friction: 1 or -1 if it slips, 0 if it sticks."""
 
     begin: Any
     modes: dict[int, int]
@@ -43,7 +43,10 @@ class Phase:
 
 @dataclass(frozen=True, eq=False)
 class Stray:
-    """From when on (s) a joint's velocity may be wrong, by how much (rad/s or m/s), and whether it turns."""
+    """A possible error of a joint's velocity: the time from which it exists (s), its size, and whether the joint turns.
+
+    The size is in rad/s for a joint that turns, else in m/s.
+    """
 
     since: float
     rate: float
@@ -52,7 +55,7 @@ class Stray:
 
 @dataclass(frozen=True, eq=False)
 class Slipping:
-    """A mechanism with dry friction: its elements, their structure, the units, and the friction of each joint."""
+    """A mechanism with dry friction: its elements, their structure, and the units of the equations."""
 
     border: Border
     structure: Structure
@@ -60,7 +63,7 @@ class Slipping:
 
     @property
     def dry(self) -> list[tuple[int, Element]]:
-        """The places of the elements with dry friction, and these."""
+        """The elements with dry friction, each after its index."""
         return [(index, element) for index, element in enumerate(self.border.elements) if element.friction]
 
     def friction(self, element: Element) -> float:
@@ -73,7 +76,7 @@ class Slipping:
 def in_phases(
     slipping: Slipping, start: WideArray, parameters: WideArray, times: Array, phases: Sequence[Phase], solve: Solve
 ) -> tuple[WideArray, list[Stray]]:
-    """The states (n, k) at ascending times (n,), s, and what contradicts the phases."""
+    """The states (n, k) at ascending times (n,), s, and the contradictions to the phases."""
     dtype: Any = start.dtype.type
     rows, strays, state = np.empty((len(times), len(start)), dtype), list[Stray](), start.copy()
     last = dtype(times[-1]) if len(times) else dtype(0)
@@ -112,7 +115,11 @@ def _begun(slipping: Slipping, state: WideArray, parameters: WideArray, phase: P
 def _strays(
     slipping: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
 ) -> list[Stray]:
-    """Return what contradicts a phase, from states at instants of it, its length, and the time from its begin to the end."""
+    """Return the contradictions to a phase.
+
+    states: at `CHECKS` instants of the phase. after: the next phase. lasts: the length of the phase (s). rest: the time from
+    its beginning to the end of the motion (s).
+    """
     equations = derived(slipping.structure)
     values = states.astype(float).T
     leaves: dict[str, Callable[[Any], Any]] = {

@@ -1,9 +1,10 @@
 """The mass matrix of a mechanism, M = d2T/du2, and the solution of its equations.
 
-The kinetic energy of all that moves with an element as one rigid body is a quadratic form in the motion of the element's frame:
-its coefficients are a mass, a first moment and an inertia tensor about the origin. They are carried from the leaves of the tree
-to its root, since T is a sum over bodies, and the motion of a child's frame is linear in that of its parent. The momenta that
-belong to one velocity are then carried on towards the root, and are components of M along every velocity there.
+If an element moves together with all elements that it carries as one rigid body, the kinetic energy is a quadratic form in the
+motion of the element's frame: its coefficients are a mass, a first moment and an inertia tensor about the origin. They are
+added from the leaves of the tree to its root, since T is a sum over bodies, and the motion of a child's frame is linear in the
+motion of its parent's frame. The momenta for a unit value of one velocity are then transformed to the frames towards the root;
+their components along the velocities there are entries of M.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -16,17 +17,17 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 Vector = list[Node]
 Rows = list[Vector]
 
-#: The entries (i, j) of a mass matrix with j = i, or with j on the way from i to the root. All others are symmetric to these,
-#: or 0.
+#: The entries (i, j) of a mass matrix with j = i, or with j on the way from i to the root. All other entries are symmetric to
+#: these, or 0.
 Entries = dict[tuple[int, int], Node]
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The frame of an element in that of its parent.
+    """The frame of an element in the frame of its parent. At coordinates of zero it coincides with the zero frame.
 
-    turned: rows of the matrix from the frame of the parent to that at zero. origin: that at zero, in the frame of the parent.
-    axes: those of the element in the frame at zero. slid: its origin in the frame at zero.
+    turned: rows of the matrix from the frame of the parent to the zero frame. origin: of the zero frame, in the frame of the
+    parent. axes: of the element, in the zero frame. slid: the origin of the element in the zero frame.
     """
 
     turned: Rows
@@ -37,7 +38,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """An element, its armature, and what it carries: mass, centre of mass, inertia tensor about it (XX, YY, ZZ, XY, XZ, YZ)."""
+    """An element, its armature, and the mass, centre and inertia (XX, YY, ZZ, XY, XZ, YZ) about it of the bodies it carries."""
 
     kind: Kind
     frame: Frame
@@ -56,7 +57,7 @@ class _Inertia:
     tensor: Rows
 
     def shifted(self, tape: Tape, origin: Vector) -> "_Inertia":
-        """In a parallel frame, in which the origin of this one is at a place."""
+        """Convert to a parallel frame. origin: the origin of this frame in that frame."""
         moved = plus(tape, self.moment, [tape.multiply(self.mass, part) for part in origin])
         both = tape.add(tape.dot(origin, self.moment), tape.dot(origin, moved))
 
@@ -67,7 +68,7 @@ class _Inertia:
         return _Inertia(self.mass, moved, _symmetric(entry))
 
     def turned(self, tape: Tape, rows: Rows) -> "_Inertia":
-        """In a turned frame. rows: those of the matrix to it."""
+        """Convert to a turned frame. rows: of the matrix from this frame to that frame."""
         half = [[tape.dot(row, column) for column in self.tensor] for row in rows]
         return _Inertia(
             self.mass,
@@ -76,12 +77,12 @@ class _Inertia:
         )
 
     def plus(self, tape: Tape, other: "_Inertia") -> "_Inertia":
-        """Together with another in the same frame."""
+        """The sum of two inertias in the same frame."""
         rows = [plus(tape, one, two) for one, two in zip(self.tensor, other.tensor, strict=True)]
         return _Inertia(tape.add(self.mass, other.mass), plus(tape, self.moment, other.moment), rows)
 
     def momenta(self, tape: Tape, omega: Vector, velocity: Vector) -> tuple[Vector, Vector]:
-        """The angular momentum about the origin, and the linear one, of a motion of the frame."""
+        """The angular momentum about the origin and the linear momentum, for an angular velocity and velocity of the frame."""
         linear = plus(tape, [tape.multiply(self.mass, part) for part in velocity], cross(tape, omega, self.moment))
         turning = [tape.dot(row, omega) for row in self.tensor]
         return plus(tape, turning, cross(tape, self.moment, velocity)), linear
@@ -118,7 +119,10 @@ def mass_matrix(
 def _towards_the_root(
     tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], index: int, momenta: tuple[Vector, Vector]
 ) -> Iterator[tuple[int, tuple[Vector, Vector]]]:
-    """The momenta of a motion in the frames of all elements on the way to the root, about their origins."""
+    """Yield the index of each element on the way to the root, and momenta in its frame, about its origin.
+
+    momenta: the angular and the linear momentum in the frame of the element `index`.
+    """
     turning, linear = momenta
     while (parent := parents[index]) is not None:
         frame = solids[index].frame
@@ -130,14 +134,14 @@ def _towards_the_root(
 
 
 def _about_origin(tape: Tape, solid: Solid) -> _Inertia:
-    """The inertia of what an element carries about its origin."""
+    """The inertia of the bodies that an element carries, about its origin."""
     xx, yy, zz, xy, xz, yz = solid.tensor
     central = _Inertia(solid.mass, [tape.zero] * 3, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return central.shifted(tape, solid.centre)
 
 
 def _motions(tape: Tape, solid: Solid) -> list[tuple[Vector, Vector]]:
-    """The angular velocity and the velocity of the origin, in an element's frame, that belong to each of its velocities."""
+    """The angular velocity and velocity of the origin, in an element's frame, for a unit value of each of its velocities."""
     none = [tape.zero] * 3
     unit = [[tape.one if i == j else tape.zero for j in range(3)] for i in range(3)]
     spins = [(axis, none) for axis in unit]
@@ -153,7 +157,7 @@ def _motions(tape: Tape, solid: Solid) -> list[tuple[Vector, Vector]]:
 
 
 def _along(tape: Tape, motion: tuple[Vector, Vector], turning: Vector, linear: Vector) -> Node:
-    """The component of momenta along a motion."""
+    """The component of an angular and a linear momentum along a motion, a pair from `_motions`."""
     omega, velocity = motion
     return tape.add(tape.dot(omega, turning), tape.dot(velocity, linear))
 
@@ -168,7 +172,7 @@ def _transposed(rows: Rows) -> Rows:
 
 
 def order(parents: Sequence[int | None], places: Sequence[tuple[slice, slice]]) -> list[int | None]:
-    """For each velocity, the one before it on the way to the root, or None."""
+    """For each velocity, the index of the velocity before it on the way to the root, or None."""
     previous: list[int | None] = []
     for parent, (_, moving) in zip(parents, places, strict=True):
         previous.append(None if parent is None else places[parent][1].stop - 1)
@@ -177,7 +181,7 @@ def order(parents: Sequence[int | None], places: Sequence[tuple[slice, slice]]) 
 
 
 def _path(above: Sequence[int | None], velocity: int) -> Iterator[int]:
-    """The velocities on the way from one, which is not among them, to the root."""
+    """The indices of the velocities on the way from a velocity, which is excluded, to the root."""
     step = above[velocity]
     while step is not None:
         yield step
@@ -187,8 +191,8 @@ def _path(above: Sequence[int | None], velocity: int) -> Iterator[int]:
 def solved(tape: Tape, matrix: Entries, right: list[Node], above: Sequence[int | None]) -> list[Node]:
     """The solution x of M x = b.
 
-    M is factored into L^T D L from the leaves of the tree to its root, which fills no zero in (Featherstone, Rigid Body
-    Dynamics Algorithms, 2008, section 6.5). above: the order of the velocities.
+    M is factored into L^T D L from the leaves of the tree to its root, so that zeros of M remain zeros (Featherstone, Rigid
+    Body Dynamics Algorithms, 2008, section 6.5). above: from `order`.
     """
     h, x = dict(matrix), list(right)
     lower: Entries = {}
@@ -207,7 +211,7 @@ def solved(tape: Tape, matrix: Entries, right: list[Node], above: Sequence[int |
 
 
 def clamped(tape: Tape, matrix: Entries, moves: Sequence[Node]) -> Entries:
-    """The mass matrix of a mechanism in which some velocities do not change, apart from the entries on their diagonal."""
+    """The mass matrix without the entries off the diagonal of velocities that are held. moves: 1, or 0 for a held velocity."""
     entries = dict(matrix)
     for (i, j), entry in matrix.items():
         if i != j:
@@ -216,7 +220,7 @@ def clamped(tape: Tape, matrix: Entries, moves: Sequence[Node]) -> Entries:
 
 
 def product(tape: Tape, matrix: Entries, vector: Sequence[Node]) -> list[Node]:
-    """M times a vector."""
+    """The product of a mass matrix and a vector."""
     result = [tape.zero] * len(vector)
     for (i, j), entry in matrix.items():
         result[i] = tape.add(result[i], tape.multiply(entry, vector[j]))

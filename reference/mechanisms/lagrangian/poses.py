@@ -1,4 +1,4 @@
-"""The motion of joints and bodies from the states of the Lagrangian's equations, in the type of these."""
+"""The motion of joints and bodies from the states of the Lagrangian's equations, in the floating-point type of the states."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -34,9 +34,9 @@ class WideMotion:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """The frame of an element.
+    """The motion of the frame of an element at n instants.
 
-    Its axes as columns (n, 3, 3) and its origin (n, 3) in the world, the velocity of the origin (n, 3), and its angular
+    Its axes as columns (n, 3, 3), its origin (n, 3) and the velocity of the origin (n, 3), in the world, and its angular
     velocity along its own axes (n, 3).
     """
 
@@ -79,7 +79,7 @@ def _standing(n: int, dtype: Any) -> _Frame:
 
 
 def _in_si(element: Element, q: WideArray, u: WideArray, units: Units) -> tuple[WideArray, WideArray]:
-    """Coordinates and velocities in SI units, which are powers of two times those of the equations."""
+    """Convert coordinates and velocities to SI units. The factors are powers of two."""
     kind = q.dtype.type
     lengths = {"slide": 1, "free": 3}.get(element.kind, 0)
     held, moving = np.ones(q.shape[1], kind), np.full(u.shape[1], 1 / kind(units.time))
@@ -89,7 +89,7 @@ def _in_si(element: Element, q: WideArray, u: WideArray, units: Units) -> tuple[
 
 
 def _landed(element: Element, gravity: float, t: WideArray) -> tuple[WideArray, WideArray]:
-    """Position and velocity (n, 3) of the origin of a falling frame in that of the element at zero; zero for others."""
+    """Position and velocity (n, 3) of the origin of a falling frame in the element's zero frame; zero for other elements."""
     dtype = t.dtype.type
     if not element.falls or element.parent is not None:
         return np.zeros((len(t), 3), dtype), np.zeros((len(t), 3), dtype)
@@ -100,7 +100,7 @@ def _landed(element: Element, gravity: float, t: WideArray) -> tuple[WideArray, 
 
 
 def _moved(element: Element, parent: _Frame, q: WideArray, u: WideArray, landed: tuple[WideArray, WideArray]) -> _Frame:
-    """The frame of an element from that of its parent. landed: what the falling frame adds to the element's own motion."""
+    """The frame of an element from the frame of its parent. landed: position and velocity of the falling frame's origin."""
     dtype = q.dtype.type
     turned, arm = _rounded(element.turned, dtype), _rounded([element.origin], dtype)[0]
     axes = parent.axes @ turned.T
@@ -129,7 +129,7 @@ def _moved(element: Element, parent: _Frame, q: WideArray, u: WideArray, landed:
 
 
 def _body(carried: Carried, frame: _Frame) -> tuple[WideArray, ...]:
-    """The states (n, k) of a body that an element carries."""
+    """Position, quaternion, velocity and angular velocity, each (n, k), of a body that an element carries."""
     dtype = frame.origin.dtype.type
     centre, axes = _rounded([carried.centre], dtype)[0], _rounded(carried.axes, dtype)
     position = frame.origin + _turn(frame.axes, centre)
@@ -155,7 +155,7 @@ def _turn(axes: WideArray, vectors: WideArray) -> WideArray:
 
 
 def _rounded(rows: Any, dtype: Any) -> WideArray:
-    """Exact numbers by rows, rounded to a type."""
+    """An array of rows of exact numbers, rounded to a floating-point type."""
     if dtype is np.float64:
         return np.array([[float(value) for value in row] for row in rows])
     return np.array([[wide(value) for value in row] for row in rows], dtype)

@@ -1,4 +1,4 @@
-"""The equations of the Lagrangian by DOP853, where heyoka is not installed."""
+"""The solution of the Lagrangian's equations by DOP853, for use without heyoka."""
 
 import functools
 import math
@@ -13,21 +13,21 @@ from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 from bodycheck.reference.trajectory import Array
 
-#: Operations for each unit of time, an evaluation of which takes some 30 ns, after which an integration is not begun.
+#: The largest number of operations, some 30 ns each, for which an integration is begun.
 MAX_OPERATIONS = 3e8
 
-#: Evaluations of the equations for each unit of time, in which the motion turns by about a radian.
+#: The number of evaluations of the equations per unit of time, in which the motion turns by about a radian.
 EVALUATIONS = 500
 
-#: The right-hand side: the rates from the state and the parameters.
+#: The right-hand side of the equations: a function that returns the rates from the state and the parameters.
 Rates = Callable[[Sequence[float], Sequence[float]], list[float]]
 
 
 @functools.lru_cache(maxsize=8)
 def right_hand_side(structure: Structure) -> tuple[Rates, int]:
-    """The equations of a structure as a function of Python, and the number of its operations.
+    """The equations of a structure as a Python function, and the number of its operations.
 
-    The function is written out, one operation a line, which is ten times as fast as to go through the operations.
+    The function has a line of generated code for each operation, which is ten times as fast as a loop over the operations.
     """
     equations = derived(structure)
     lines: list[str] = []
@@ -48,7 +48,7 @@ def right_hand_side(structure: Structure) -> tuple[Rates, int]:
 
 
 class _Text:
-    """An operation as the name of what it is kept in."""
+    """An operation, represented by the name of the variable that holds its value in the generated code."""
 
     def __init__(self, text: str, kept: Callable[[str], "_Text"]) -> None:
         self.text, self._kept = text, kept
@@ -70,7 +70,10 @@ class _Text:
 
 
 def solve(structure: Structure, start: Array, parameters: Array, times: Array) -> Array:
-    """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations. Raises `OutOfReach`."""
+    """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations.
+
+    Raises `OutOfReach` if the integration fails or takes too long.
+    """
     rates, operations = right_hand_side(structure)
     end = float(times[-1]) if len(times) else 0.0
     if operations * EVALUATIONS * max(end, 1.0) > MAX_OPERATIONS:

@@ -1,8 +1,8 @@
 """The witness of the motion of a mechanism: its Lagrangian in joint coordinates.
 
 The equations follow from L = T - V by differentiation alone (`lagrangian.equations`), and are solved by Taylor's method in the
-widest type of NumPy (heyoka), or by DOP853 in double precision where heyoka is not installed. From the mechanism on this is
-code of its own, which shares no formula with the recursion that is the truth.
+widest type of NumPy (heyoka), or by DOP853 in double precision if heyoka is not installed. This code starts from the mechanism
+and shares no formula with the recursion, from which the truth comes.
 """
 
 import functools
@@ -27,13 +27,13 @@ from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: Name of the way in results, before that of the solver.
+#: The name of the way in results, where it precedes the name of the solver.
 NAME = "Euler-Lagrange"
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A mechanism as its equations need it: its elements, their structure, the units, the parameters and the start."""
+    """The input of a mechanism's equations: its elements, their structure, the units, the parameters and the start."""
 
     border: Border
     structure: Structure
@@ -45,8 +45,8 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` where the mechanism has dry friction (see `follow_slipping`) or free bodies in loops, `OutOfReach`
-    where it cannot be followed, and `ImportError` where heyoka is not installed.
+    Raises `NotModelled` if the mechanism has dry friction (see `follow_slipping`) or free bodies in loops, `OutOfReach` if the
+    integration fails or takes too many steps, and `ImportError` if heyoka is not installed.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
@@ -56,7 +56,10 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
 def follow_slipping(
     mechanism: Mechanism, times: Array, phases: Sequence[Phase], dtype: Any = Wide
 ) -> tuple[WideMotion, list[Stray]]:
-    """As `follow`, with dry friction, whose joints slip and stick in given phases; and what contradicts these."""
+    """The motion of a mechanism as by `follow`, whose joints with dry friction slip and stick in given phases.
+
+    Returns the motion and the contradictions to the phases.
+    """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
     ready = prepared(mechanism)
@@ -67,7 +70,7 @@ def follow_slipping(
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
-    """As `follow`, by DOP853 in double precision."""
+    """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision."""
     from bodycheck.reference.mechanisms.lagrangian import scipy_solver
 
     return _followed(mechanism, times, np.float64, scipy_solver.solve)
@@ -95,7 +98,7 @@ def _motion(ready: Prepared, mechanism: Mechanism, times: Array, states: WideArr
 
 
 def prepared(mechanism: Mechanism) -> Prepared:
-    """Return the input of a mechanism's equations. Raises `NotModelled` if free bodies, each of which falls, are in loops."""
+    """Return the input of a mechanism's equations. Raises `NotModelled` if free bodies are in loops, as they fall."""
     parts = border(mechanism)
     if any(index is not None and parts.elements[index].falls for ends in parts.loops for index, _ in ends):
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
@@ -111,7 +114,7 @@ def prepared(mechanism: Mechanism) -> Prepared:
 
 @functools.lru_cache(maxsize=8)
 def _all_rows(structure: Structure) -> tuple[Tape, list[list[Node]]]:
-    """By which velocities all components of the gaps of loops change, on a tape."""
+    """A tape, and on it the rows of J of `closing` for all components of the gaps of loops."""
     tape = Tape()
     return tape, rows_of(tape, structure, parts_of(tape, structure))
 
@@ -130,7 +133,7 @@ def _scaled_velocity(element: Element, units: Units) -> list[Number]:
 
 
 def _units(parts: Border) -> Units:
-    """Powers of two near the largest length and mass of a mechanism, and near the time of its fastest motion at the start."""
+    """The units of a mechanism: powers of two near its largest length and mass, and the time of its fastest initial motion."""
     elements = parts.elements
     lengths = [abs(value) for element in elements for value in element.origin]
     lengths += [abs(value) for element in elements for body in element.carried for value in body.centre]
@@ -148,5 +151,5 @@ def _units(parts: Border) -> Units:
 
 
 def _power_of_two(size: Any) -> float:
-    """The power of two next to a size; 1 for zero."""
+    """The power of two near a size; 1 for zero."""
     return float(2.0 ** round(math.log2(float(size)))) if size else 1.0

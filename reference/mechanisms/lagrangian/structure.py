@@ -1,6 +1,6 @@
-"""The structure of a mechanism and its numbers: equations belong to a structure, and numbers are parameters.
+"""The structure of a mechanism and its numbers: equations are derived for a structure, and numbers are their parameters.
 
-What the equations know of numbers is where they are zero, and which rotations are by right angles.
+The structure contains which numbers are zero, and which entries of rotations are 1 or -1.
 """
 
 from collections.abc import Sequence
@@ -9,28 +9,28 @@ from dataclasses import dataclass
 from bodycheck.reference.independent.border import MP, Matrix, Number, Triple
 from bodycheck.reference.mechanisms.lagrangian.border import NONE, SIZES, Border, Carried, Kind
 
-#: What is known of a number when equations are derived: that it is 0, 1 or -1, or None.
+#: The value of a number that is known when the equations are derived: 0, 1 or -1, and None for a parameter.
 Mark = int | None
 
 
 @dataclass(frozen=True)
 class Structure:
-    """The properties of a mechanism, besides numbers, that its equations depend on.
+    """The properties of a mechanism on which its equations depend, except for the values of parameters.
 
     Attributes
     ----------
     kinds, parents
-        The kinds of the elements, and the elements that they move on.
+        The kinds of the elements, and the indices of their parents.
     falls
         Whether each element is described in a falling frame.
     dry
         Whether each element has dry friction.
     marks
-        What is known of the numbers, in the order of `numbers`.
+        The marks of the numbers, in the order of `numbers`.
     loops
-        The elements that carry the two ends of each loop.
+        The indices of the elements that carry the two ends of each loop.
     rows
-        Which components of the loops' gaps, three for each, hold them together.
+        The indices of the components of the loops' gaps (three for each loop) that are constraints.
     """
 
     kinds: tuple[Kind, ...]
@@ -43,7 +43,7 @@ class Structure:
 
     @property
     def places(self) -> list[tuple[slice, slice]]:
-        """The slices of the coordinates and velocities of each element among all of them."""
+        """The slices of the coordinates and velocities of each element among those of all elements."""
         slices, first, second = [], 0, 0
         for kind in self.kinds:
             held, moving = SIZES[kind]
@@ -54,7 +54,7 @@ class Structure:
 
 @dataclass(frozen=True)
 class Units:
-    """The units of length (m), mass (kg) and time (s) of the equations, powers of two by which nothing is rounded."""
+    """The units of length (m), mass (kg) and time (s) of the equations: powers of two, so that conversions do not round."""
 
     length: float
     mass: float
@@ -65,7 +65,7 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
     """The structure of a mechanism, and the numbers that the structure does not fix, in the given units.
 
     The last two numbers of an element are the force of its dry friction, initially 0, and whether it moves (1, the initial
-    value) or sticks (0). The points of loops are last. All components of the gaps of loops hold them together.
+    value) or sticks (0). The points of loops are last. In this structure all components of the gaps of loops are constraints.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
     values: list[Number] = [MP.mpf(border.gravity) * time**2 / length]
@@ -128,12 +128,12 @@ def _mark(value: Number, turn: bool) -> Mark:
     return int(value) if value == 0 or (turn and abs(value) == 1) else None
 
 
-#: The numbers of an element, and that of the whole mechanism before them: see `numbers`.
+#: How many numbers each element has, and how many the whole mechanism has before them: see `numbers`.
 _OF_ELEMENT, _BEFORE = 29, 1
 
 
 def friction_parameters(structure: Structure, index: int) -> tuple[int, int]:
-    """Return the indices of two parameters of an element: the force of its dry friction, and whether it moves."""
+    """Return the indices of two parameters of an element with dry friction: the force of friction, and whether it moves."""
     last = _BEFORE + _OF_ELEMENT * (index + 1)
     before = sum(mark is None for mark in structure.marks[: last - 2])
     return before, before + 1

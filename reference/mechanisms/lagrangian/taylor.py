@@ -1,4 +1,4 @@
-"""The equations of the Lagrangian by Taylor's method (heyoka)."""
+"""The solution of the Lagrangian's equations by Taylor's method (heyoka)."""
 
 import functools
 import threading
@@ -16,13 +16,14 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
-#: Operations, steps times the length of the equations, after which an integration is stopped: some twenty seconds in 80 bits.
+#: The number of operations (steps times the length of the equations) after which an integration stops: some 20 s in 80 bits.
 MAX_OPERATIONS = 60_000_000
 
-#: The same where there are loops, whose steps become ever shorter near a position in which they can also move in another way.
+#: The same for a mechanism with loops, whose steps become ever shorter near a position in which it can change to another mode
+#: of motion.
 MAX_OPERATIONS_OF_LOOPS = 10_000_000
 
-#: Held while an integrator runs, which contains its state and is shared by all threads of the process.
+#: The lock that is held while an integrator runs, since an integrator contains its state and is shared by all threads.
 _lock = threading.Lock()
 
 
@@ -53,7 +54,7 @@ def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
 def solve(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray) -> WideArray:
     """The states (n, k) at times (n,) >= 0 in any order, in the unit of time of the equations and in the type of the start.
 
-    Raises `OutOfReach` where the integration fails or takes too many steps.
+    Raises `OutOfReach` if the integration fails or takes too many steps.
     """
     dtype: Any = start.dtype.type
     solver, length = integrator(structure, dtype)

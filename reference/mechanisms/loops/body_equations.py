@@ -1,4 +1,4 @@
-"""The equations of `body_space`: Newton and Euler for every body, and the accelerations that links allow."""
+"""The equations of `body_space`: Newton and Euler for every body, with the constraints of links on accelerations."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The states of b bodies at s instants: centres, quaternions, axes as columns, velocities, angular velocities (world)."""
+    """The states (s, b, ...) of b bodies at s instants, in the world, but rates along the bodies' axes; axes are columns."""
 
     position: WideArray
     quaternion: WideArray
@@ -27,7 +27,11 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """A side of a link at s instants: axes (s, 3, 3); arm, position, velocity, spin (s, 3) of its origin; all in the world."""
+    """A side of a link at s instants, in the world: the index of its body, its axes (s, 3, 3), and vectors (s, 3).
+
+    arm: from the centre of mass of the body to its origin (m). position, velocity: of its origin (m, m/s). spin: angular
+    velocity (rad/s).
+    """
 
     body: int
     axes: WideArray
@@ -37,12 +41,12 @@ class _Frame:
     spin: WideArray
 
 
-#: A row of constraints (s, 6 b), and what its second derivative has besides accelerations (s,).
+#: A row (s, 6 b) of the Jacobian of constraints, and the part (s,) of the constraint's second derivative without accelerations.
 _Row = tuple[WideArray, WideArray]
 
 
 def unpacked(system: System, states: WideArray) -> Bodies:
-    """The states of the bodies from states (s, 13 b + j)."""
+    """The states of the bodies from states (s, 13 b + j) of the equations; j: revolute and prismatic joints."""
     count, bodies = len(states), len(system.mass)
     held = states[:, : 7 * bodies].reshape(count, bodies, 7)
     moving = states[:, 7 * bodies : 13 * bodies].reshape(count, bodies, 6)
@@ -52,7 +56,7 @@ def unpacked(system: System, states: WideArray) -> Bodies:
 
 
 def derivatives(system: System, states: WideArray) -> WideArray:
-    """The derivatives (s, 13 b + j) of states."""
+    """The derivatives (s, 13 b + j) of states (s, 13 b + j)."""
     count, bodies = len(states), len(system.mass)
     now = unpacked(system, states)
     mass, force = _free_motion(system, now)
@@ -92,7 +96,7 @@ def derivatives(system: System, states: WideArray) -> WideArray:
 
 
 def gaps(system: System, states: WideArray) -> WideArray:
-    """Return the largest violations (s,) of constraints: distances (m) and cosines of right angles."""
+    """Return the largest violations (s,) of constraints: distances (m), and cosines of angles that must be right angles."""
     now = unpacked(system, states)
     sizes = [np.zeros(len(states), dtype=Wide)]
     for link in system.links:
@@ -104,7 +108,7 @@ def gaps(system: System, states: WideArray) -> WideArray:
 
 
 def _free_motion(system: System, now: Bodies) -> tuple[WideArray, WideArray]:
-    """The mass matrix (s, 6 b, 6 b) and the forces (s, 6 b) of bodies that nothing holds."""
+    """The mass matrix (s, 6 b, 6 b) and the forces (s, 6 b) of the bodies without constraints and forces of joints."""
     count, bodies = now.position.shape[:2]
     mass = np.zeros((count, 6 * bodies, 6 * bodies), dtype=Wide)
     force = np.zeros((count, 6 * bodies), dtype=Wide)
@@ -132,9 +136,9 @@ def _frame(now: Bodies, side: Side) -> _Frame:
 
 
 def _along(bodies: int, one: _Frame, other: _Frame, n: WideArray) -> tuple[WideArray, WideArray, WideArray]:
-    """The distance of the origins along a direction n (s, 3) that is fixed in the first frame.
+    """The distance of the origins of two frames along a direction n (s, 3) that is fixed in the first frame.
 
-    Its row, what its second derivative has besides accelerations, and its rate.
+    Returns its row (s, 6 b) of the Jacobian, the part (s,) of its second derivative without accelerations, and its rate (s,).
     """
     apart, speed = other.position - one.position, other.velocity - one.velocity
     turned = cross(one.spin, n)
@@ -151,7 +155,7 @@ def _along(bodies: int, one: _Frame, other: _Frame, n: WideArray) -> tuple[WideA
 
 
 def _about(bodies: int, one: _Frame, other: _Frame, axis: WideArray) -> tuple[WideArray, WideArray, WideArray]:
-    """The angle about an axis (s, 3) that is fixed in the first frame: see `_along`."""
+    """The angle between two frames about an axis (s, 3) that is fixed in the first frame. Returns the same as `_along`."""
     row = np.zeros((len(axis), 6 * bodies), dtype=Wide)
     _twist(row, other, axis)
     _twist(row, one, -axis)
@@ -160,7 +164,7 @@ def _about(bodies: int, one: _Frame, other: _Frame, axis: WideArray) -> tuple[Wi
 
 
 def _across(bodies: int, one: _Frame, other: _Frame, a: WideArray, b: WideArray) -> tuple[WideArray, WideArray, WideArray]:
-    """The cosine between directions a of the first and b of the second frame (s, 3): see `_along`."""
+    """The cosine of the angle between directions (s, 3), a fixed in the first frame and b in the second. See `_along`."""
     normal = cross(b, a)
     row = np.zeros((len(a), 6 * bodies), dtype=Wide)
     _twist(row, other, normal)
@@ -171,6 +175,6 @@ def _across(bodies: int, one: _Frame, other: _Frame, a: WideArray, b: WideArray)
 
 
 def _twist(row: WideArray, frame: _Frame, torque: WideArray) -> None:
-    """Add a torque (s, 3) on the body of a frame to forces or to a row (s, 6 b)."""
+    """Add a torque (s, 3) on the body of a frame to forces or a row (s, 6 b), unless the body is the world."""
     if frame.body != WORLD:
         row[:, 6 * frame.body + 3 : 6 * frame.body + 6] += torque

@@ -1,8 +1,8 @@
 """Mechanisms with loops by Newton and Euler in the coordinates of every body, with constraint forces at joints and loops.
 
 Each body has a position, a quaternion, a velocity and an angular velocity along its own axes. Joints and loops are constraints
-of their accelerations; nothing is projected, so that what they drift shows the error. It is the witness of `joint_space`, with
-which it shares numerical tools only. The start is computed with a hundred digits from the mechanism.
+on their accelerations; states are not projected onto the constraints, so that the drift shows the error. This is the witness of
+`joint_space`, with which it shares numerical tools only. The start is computed with a hundred digits from the mechanism.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.vectors import rounded
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
 
-#: Coordinates and velocities of a body.
+#: The numbers of coordinates and of velocities of a body.
 _HELD, _MOVING = 7, 6
 
 
@@ -29,7 +29,7 @@ _HELD, _MOVING = 7, 6
 class Place:
     """The frame of a body at the start, with a hundred digits, along the axes of the world.
 
-    Its attitude, origin (m), velocity of the origin (m/s) and angular velocity (rad/s).
+    It has an attitude, an origin (m), the velocity of the origin (m/s) and an angular velocity (rad/s).
     """
 
     attitude: Quaternion4
@@ -40,7 +40,7 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A frame fixed in a body: the body's place, and the frame's axes (3, 3) and origin (3,) from the body's centre (m)."""
+    """A frame fixed in a body: the body's index, the frame's axes (3, 3), and its origin (3,) from the centre of mass (m)."""
 
     body: int
     axes: WideArray
@@ -49,14 +49,14 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """The constraints between two bodies: points on each other, directions of one that stay across directions of the other.
+    """The constraints between two bodies: origins that coincide along directions, and directions that stay perpendicular.
 
     Attributes
     ----------
     one, other
-        The frames of parent and child.
+        The frames of the joint in the parent and in the child, or of the ends of a loop.
     along
-        (k, 3) directions, in the frame of the first, along which the origins keep together.
+        (k, 3) directions, in the first frame, along which the distance of the two origins stays zero.
     across
         Pairs of directions (3,), one in each frame, that stay perpendicular.
     joint
@@ -84,7 +84,7 @@ class System:
 
 
 def system(mechanism: Mechanism) -> System:
-    """The bodies and links of a mechanism. Raises `NotModelled` where it has dry friction or a point mass that turns."""
+    """The bodies and links of a mechanism. Raises `NotModelled` if it has dry friction or a point mass that turns."""
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     inertias = [exact.inertia(body) for body in mechanism.bodies]
@@ -113,7 +113,7 @@ def _joint(mechanism: Mechanism, joint: Joint) -> Link:
     here = np.eye(3, dtype=Wide)
     one, other = _side(mechanism, joint.parent, joint.position, turn), _side(mechanism, joint.child, (0.0, 0.0, 0.0), here)
     axis = rounded(list(exact.unit_axis(joint))) if joint.type in ("revolute", "prismatic") else here[2]
-    # Two directions across the axis.
+    # Two directions perpendicular to the axis.
     first: WideArray = cross(axis, here[int(np.argmin(np.abs(axis)))])
     first = first / np.sqrt(dot(first, first))
     second: WideArray = cross(axis, first)
@@ -142,7 +142,11 @@ def _loops(mechanism: Mechanism) -> list[Link]:
 
 
 def initial(mechanism: Mechanism) -> WideArray:
-    """Positions and quaternions (7 b), velocities and rates (6 b), and angles and slides of single joints, at the start."""
+    """The state (13 b + j,) at the start.
+
+    It consists of positions and quaternions (7 b), velocities and body rates (6 b), and the coordinates of the j revolute and
+    prismatic joints.
+    """
     frames = {WORLD: Place(IDENTITY, ORIGIN, ORIGIN, ORIGIN)}
     for body, jointed_body in enumerate(mechanism.bodies):
         if mechanism.joint_of[body] is None:
@@ -170,7 +174,7 @@ def _free(start: BodyStart, centre: Vector3) -> Place:
 
 
 def _child(joint: Joint, parent: Place) -> Place:
-    """The frame of a joint's child."""
+    """The frame of a joint's child at the start. parent: the frame of the joint's parent."""
     rows = matrix(parent.attitude)
     attitude = multiply(parent.attitude, exact.turn(joint.attitude))
     frame = matrix(attitude)
@@ -181,7 +185,7 @@ def _child(joint: Joint, parent: Place) -> Place:
 
 
 def _relative(joint: Joint) -> tuple[Vector3, Quaternion4, Vector3, Vector3]:
-    """Shift, turn, velocity and angular velocity of a child in the joint's frame, along the axes of that frame."""
+    """Position, attitude, velocity and angular velocity of a joint's child relative to the joint's frame, along its axes."""
     q, v = [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
     x, y, z = ((MP.mpf(1), *ORIGIN[1:]), (ORIGIN[0], MP.mpf(1), ORIGIN[0]), (*ORIGIN[1:], MP.mpf(1)))
     match joint.type:

@@ -1,11 +1,11 @@
 """Mechanisms with loops in the coordinates of their joints: the mass matrix of the tree, and multipliers for the loops.
 
 Each joint consists of turns, slides and balls; a free body has three slides and a ball. The accelerations of bodies are linear
-in those of the coordinates, a = J q'' + b, so that d'Alembert's principle gives
+in the accelerations of the coordinates, a = J q'' + b, so that d'Alembert's principle gives
 
     sum over bodies of  Jv^T m (Jv q'' + bv - g) + Jw^T (I (Jw q'' + bw) + w x I w) = tau + J_loop^T forces.
 
-The frames of the start are those of `start`.
+The frames at the start come from `start`.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ _EYE = np.eye(3, dtype=Wide)
 _HERE = np.zeros(3, dtype=Wide)
 _AXES = dict(zip("xyz", _EYE, strict=True))
 
-#: What an element does: an elementary motion, or nothing.
+#: The kind of an element: an elementary motion, or "fixed" for no motion.
 Kind = MotionKind | Literal["fixed"]
 
 
@@ -42,15 +42,15 @@ class Element:
     Attributes
     ----------
     kind, parent
-        What it does, and the place of the element before it; `WORLD` for none.
+        Its kind, and the index of the element before it; `WORLD` if there is none.
     turned, arm
-        Its axes as columns (3, 3) and its origin (3,) in the frame of the element before it (m).
+        Its axes as columns (3, 3) and its origin (3,), m, in the frame of the element before it.
     axis
         (3,) its axis in its own frame.
     held, moving
-        Its coordinates and velocities in those of the mechanism.
+        The slices of its coordinates and velocities among those of the mechanism.
     joint
-        The joint, of whose forces it has a part; None for a free body.
+        The joint to which it belongs, and whose forces act along it; None for a free body.
     """
 
     kind: Kind
@@ -65,24 +65,24 @@ class Element:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """A mechanism of b bodies and l loops with c coordinates and u velocities, free bodies included.
+    """A mechanism of b bodies and l loops with c coordinates and u velocities, including those of free bodies.
 
     Attributes
     ----------
     elements, ends
-        The elements, each behind its parent, and the place of the element that carries each body.
+        The elements, each after its parent, and the index of the element that carries each body.
     coordinates
-        c.
+        The number c of coordinates.
     mass, centre, tensor
-        (b,), (b, 3) and (b, 3, 3) of the bodies, in their frames.
+        Masses (b,), kg, centres of mass (b, 3), m, and inertia tensors (b, 3, 3), kg m^2, of the bodies, in their frames.
     points
-        The ends of the loops, as two tuples of an element and a point (3,) in its frame for each.
+        The two ends of each loop, each as the index of an element and a point (3,) in its frame (m).
     along
-        (b + 2 l, u) which velocities move each body, and then each first and each second end of a loop.
+        (b + 2 l, u) 1 where a velocity moves a body, then the first ends of the loops, then the second ends; else 0.
     gravity
-        (m/s^2).
+        The gravitational acceleration, along -z (m/s^2).
     inertia, damping, stiffness, rest, effort
-        (u,) armature and the numbers of the forces of each velocity's coordinate.
+        (u,) armature, and the parameters of the force along the coordinate of each velocity, as in `mechanism.Joint`.
     """
 
     elements: tuple[Element, ...]
@@ -108,11 +108,13 @@ class Motion:
     Attributes
     ----------
     axes, origin
-        (s, 3, 3) axes as columns, and (s, 3) origins (m), element by element.
+        For each element (s, 3, 3) axes as columns, and (s, 3) origins (m).
     spin, velocity, turn_bias, bias
-        (s, 3) angular velocity, velocity of the origin, and their derivatives without accelerations of coordinates.
+        For each element (s, 3) angular velocity, velocity of the origin, and the parts of their derivatives without
+        accelerations of coordinates.
     turns, slides, centres
-        (s, u, 3) angular velocity and velocity of the origin for each velocity, and where the axis of a turn lies.
+        (s, u, 3) angular velocity and velocity of the element for a unit value of each velocity, and a point on the axis of
+        rotation (m).
     """
 
     axes: list[WideArray]
@@ -127,7 +129,7 @@ class Motion:
 
 
 def tree(mechanism: Mechanism) -> Tree:
-    """The tree of a mechanism. Raises `NotModelled` where it has dry friction."""
+    """The tree of a mechanism. Raises `NotModelled` if it has dry friction."""
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     slices = dict(zip((id(joint) for joint in mechanism.joints), places(mechanism), strict=True))
@@ -169,13 +171,13 @@ def tree(mechanism: Mechanism) -> Tree:
 
 
 def joint_sizes(mechanism: Mechanism) -> tuple[int, int]:
-    """The numbers of coordinates and of velocities of the joints, which come before those of free bodies."""
+    """The numbers of coordinates and of velocities of the joints. In states these come before those of free bodies."""
     held, moving = (sum(size[joint.type] for joint in mechanism.joints) for size in (COORDINATES, VELOCITIES))
     return held, moving
 
 
 def _steps(joint: Joint | None) -> list[tuple[Kind, WideArray]]:
-    """The elements of a joint, or of a free body, and their axes; a ball needs none."""
+    """The kinds of the elements of a joint, or of a free body, each with its axis; the axis of a ball is not used."""
     form = JOINT_TYPES["free"] if joint is None else joint.form
     direction = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
     steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, direction)) for motion in form.motions]
@@ -192,7 +194,7 @@ def _append_elements(
     moving: int,
     joint: Joint | None,
 ) -> int:
-    """Append the elements of a joint, and return the place of the last one."""
+    """Append the elements of a joint, and return the index of the last element."""
     for kind, axis in steps:
         coordinates, velocities = {"ball": (4, 3), "fixed": (0, 0)}.get(kind, (1, 1))
         slices = slice(held, held + coordinates), slice(moving, moving + velocities)
@@ -203,7 +205,7 @@ def _append_elements(
 
 
 def _moving_velocities(elements: list[Element], index: int, count: int) -> WideArray:
-    """Return one for each of the velocities (u,) that moves an element, and zero for the others."""
+    """Return 1 for each velocity (u,) that moves an element, and 0 for the other velocities."""
     moves = np.zeros(count, dtype=Wide)
     while index != WORLD:
         moves[elements[index].moving] = 1
@@ -275,7 +277,7 @@ def frame_motion(linkage: Tree, states: WideArray) -> Motion:
 
 
 def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, WideArray, WideArray]:
-    """Place, velocity and acceleration without those of the coordinates (s, 3) of a point (3,) in the frame of an element."""
+    """Position, velocity and acceleration (s, 3) of a point (3,) of an element, without accelerations of the coordinates."""
     if element == WORLD:
         still = np.zeros((len(motion.turns), 3), dtype=Wide)
         return still + point, still, still
@@ -287,13 +289,16 @@ def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, Wide
 
 
 def _rows(linkage: Tree, motion: Motion, row: int, position: WideArray) -> WideArray:
-    """The velocities (s, u, 3) of a point at a place (s, 3) for each velocity; row: its row in `Tree.along`."""
+    """The velocities (s, u, 3) of a point at a position (s, 3), for a unit value of each velocity.
+
+    row: the row in `Tree.along` of the body or loop end to which the point belongs.
+    """
     rows: WideArray = (motion.slides + cross(motion.turns, position[:, None] - motion.centres)) * linkage.along[row][:, None]
     return rows
 
 
 def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
-    """Of the loops: gaps, their rates and their accelerations without those of coordinates (s, 3 l), and rows (s, 3 l, u)."""
+    """Gaps of loops, rates, accelerations without those of coordinates, each (s, 3 l), and the gaps' Jacobian (s, 3 l, u)."""
     count, bodies, loops = len(motion.turns), len(linkage.mass), len(linkage.points)
     gaps, rates, biases, rows = ([np.zeros((count, 0), dtype=Wide)] for _ in range(4))
     rows = [np.zeros((count, 0, len(linkage.inertia)), dtype=Wide)]
@@ -307,7 +312,7 @@ def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArr
 
 
 def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
-    """The mass matrix (s, u, u), and the forces less those of inertia without accelerations of coordinates (s, u)."""
+    """The mass matrix (s, u, u), and the forces (s, u) minus the inertial forces without accelerations of coordinates."""
     v = states[:, linkage.coordinates :]
     slots = np.zeros_like(v)
     for element in linkage.elements:
@@ -318,7 +323,7 @@ def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArr
     mass[:, range(v.shape[1]), range(v.shape[1])] = linkage.inertia
     down = np.array([0, 0, -1], dtype=Wide) * linkage.gravity
     for body, end in enumerate(linkage.ends):
-        # Those velocities alone that move the body, which are few of many in a long linkage.
+        # Only the velocities that move the body count: in a long linkage these are few.
         columns = np.flatnonzero(linkage.along[body])
         if not len(columns):
             continue
@@ -347,7 +352,7 @@ def derivatives(linkage: Tree, states: WideArray) -> WideArray:
 
 
 def _coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArray:
-    """The derivatives (s, c) of the coordinates with the velocities (s, u)."""
+    """The derivatives (s, c) of the coordinates for velocities v (s, u)."""
     rates = np.zeros((len(states), linkage.coordinates), dtype=Wide)
     for element in linkage.elements:
         if element.kind == "ball":
@@ -358,7 +363,7 @@ def _coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArr
 
 
 def close_loops(linkage: Tree, state: WideArray) -> WideArray:
-    """A state (c + u,) moved back to where the loops are closed and their rates are zero, by the smallest changes."""
+    """A state (c + u,), corrected by the smallest changes such that the loops are closed and their gaps have no rates."""
     states = state[None].copy()
     c = linkage.coordinates
     for element in linkage.elements:
@@ -377,13 +382,13 @@ def close_loops(linkage: Tree, state: WideArray) -> WideArray:
 
 
 def gaps(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
-    """Return the largest distances (s,) between the ends of loops (m), and the rates of these (m/s), at states (s, c + u)."""
+    """Return the largest components (s,) of gaps of loops (m) and of their rates (m/s), at states (s, c + u)."""
     distances, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
     return np.abs(distances).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
 
 def bodies(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
-    """Position, quaternion, velocity and angular velocity (b, s, k) of the bodies: the conventions of `trajectory`."""
+    """Position, quaternion, velocity and angular velocity (b, s, k) of the bodies, as in `trajectory.Trajectory`."""
     motion = frame_motion(linkage, states)
     rows: list[tuple[WideArray, ...]] = []
     for body, end in enumerate(linkage.ends):

@@ -2,10 +2,10 @@
 
     M a + J^T l = f,    J a = c
 
-The inverse in doubles of the matrix with a small negative multiple of one in its empty block is refined with residuals in the
-wide type (a proximal iteration; for robots: Carpentier et al., Robotics: Science and Systems 2021). Where constraints are
-redundant it gives the multipliers of minimum norm, to some five digits, and the accelerations to all; directions in which
-constraints are very weak are left alone.
+A small negative multiple of the identity replaces the zero block of the matrix. Its inverse in doubles is used to refine the
+solution with residuals in the wide type (a proximal iteration; for robots: Carpentier et al., Robotics: Science and Systems
+2021). If constraints are redundant, the multipliers have minimum norm, to some five digits, and the accelerations are exact to
+rounding. Constraints are ignored in directions in which they are very weak.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.trajectory import Array
 
-#: The multiple of one, relative to the mean of the diagonal of J M^-1 J^T.
+#: The multiple of the identity, relative to the mean of the diagonal of J M^-1 J^T.
 _PROXIMAL = 1e-11
 
 #: Relative change at which refinements end.
@@ -24,7 +24,7 @@ _ENOUGH = 2e-20
 def solved(
     mass: WideArray, rows: WideArray, force: WideArray, target: WideArray, *, refinements: int = 16
 ) -> tuple[WideArray, WideArray]:
-    """The accelerations (s, n) and multipliers (s, m) for M (s, n, n), J (s, m, n), f (s, n) and c (s, m)."""
+    """The accelerations a (s, n) and multipliers l (s, m) for M (s, n, n), J (s, m, n), f (s, n) and c (s, m)."""
     n, m = rows.shape[2], rows.shape[1]
     matrix = np.zeros((len(mass), n + m, n + m), dtype=Wide)
     matrix[:, :n, :n], matrix[:, n:, :n], matrix[:, :n, n:] = mass, rows, np.swapaxes(rows, 1, 2)
@@ -48,10 +48,10 @@ def solved(
 
 
 def _inverse(matrix: Array, n: int) -> Array:
-    """The inverses (s, k, k) of matrices whose first n rows are positive and whose rest is negative definite.
+    """The inverses (s, k, k) of matrices with a positive definite block of n rows, the rest being negative definite.
 
-    Gauss and Jordan's elimination needs no pivots for them. It is done for all matrices at once, without the threads of a
-    library for linear algebra, which take longer to begin than small matrices need.
+    Gauss-Jordan elimination needs no pivots for such matrices. It is done for all matrices at once, without the threads of a
+    library for linear algebra, whose start takes longer than the work for small matrices.
     """
     inverse = matrix.copy()
     inverse[:, range(n), range(n)] = _loosened(matrix[:, :n, :n])
@@ -67,6 +67,6 @@ def _inverse(matrix: Array, n: int) -> Array:
 
 
 def _loosened(mass: Array) -> Array:
-    """The diagonals (s, n) of mass matrices, without zeros: a point mass may have them."""
+    """The diagonals (s, n) of mass matrices, with small numbers instead of zeros, which a point mass may have."""
     diagonal = np.diagonal(mass, axis1=1, axis2=2)
     return np.asarray(np.maximum(diagonal, diagonal.max(axis=1, keepdims=True) * 1e-6 + 1e-300))

@@ -9,7 +9,7 @@ from bodycheck.reference.exact.pairs import WideArray
 
 
 def rounded(values: Any) -> WideArray:
-    """Numbers of a hundred digits, of any nesting, in the wide type."""
+    """Numbers of a hundred digits, in sequences of any nesting, rounded to the wide type."""
     if isinstance(values, tuple | list):
         return np.array([rounded(value) for value in values], dtype=Wide)
     return np.asarray(wide(values))
@@ -22,7 +22,7 @@ def apply(matrices: WideArray, v: WideArray) -> WideArray:
 
 
 def about(axis: WideArray, angle: WideArray) -> WideArray:
-    """Rotation matrices (s, 3, 3) about an axis (3,) of length one by angles (s,)."""
+    """Rotation matrices (s, 3, 3) about a unit axis (3,) by angles (s,)."""
     x, y, z = axis
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
     cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
@@ -44,7 +44,7 @@ def matrices(q: WideArray) -> WideArray:
 
 
 def turning(q: WideArray, rates: WideArray) -> WideArray:
-    """The derivatives (s, 4) of quaternions (s, 4) whose bodies turn with angular velocities (s, 3) in their own frames."""
+    """The derivatives (s, 4) of quaternions (s, 4) of bodies with angular velocities (s, 3) along the bodies' axes."""
     w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
     a, b, c = rates[:, 0], rates[:, 1], rates[:, 2]
     parts = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]

@@ -1,8 +1,8 @@
 """The motion of a mechanism with loops, in two ways that share numerical tools only.
 
-The way is the mass matrix in joint coordinates with multipliers for the loops (`joint_space`), the witness Newton's and Euler's
-equations of every body with constraint forces (`body_space`). Where a position is singular, the multipliers are those of
-minimum norm, and the motion goes on as its analytic continuation: a step has no node there, and its series does not end there.
+The way uses the mass matrix in joint coordinates with multipliers for the loops (`joint_space`), the witness Newton's and
+Euler's equations of every body with constraint forces (`body_space`). In a singular position the multipliers have minimum norm,
+and the motion continues analytically: a step has no node at that instant, and its series converges across it.
 """
 
 from dataclasses import replace
@@ -28,13 +28,13 @@ NAME, WITNESS = "joint coordinates with multipliers", "Newton-Euler of every bod
 #: The name of the solver in results.
 SOLVER = "Gauss-Legendre collocation"
 
-#: By how much errors of the steps may grow.
+#: The factor by which errors of the steps may grow.
 CAUTION = 8.0
 
-#: Nodes of a step.
+#: The number of nodes of a step.
 STAGES = 28
 
-#: Some seconds that a way may take. What an evaluation of its equations costs was measured on one core.
+#: The approximate time (s) that a way may take. The time of an evaluation of its equations was measured on one core.
 MOST_SECONDS = 10.0
 
 #: The tolerances of the way and of the witness, whose disagreements matter above some 1e-13.
@@ -42,11 +42,11 @@ TOLERANCE, WITNESS_TOLERANCE = 1e-17, 1e-15
 
 
 def way(mechanism: Mechanism, times: Array) -> Way:
-    """The motion at ascending times (n,) >= 0, s, with bounds of its own errors.
+    """The motion at ascending times (n,) >= 0, s, in joint coordinates, with bounds of its errors.
 
-    The bounds hold as far as errors do not grow by more than `CAUTION`; the witness shows how they do.
+    The bounds hold if errors do not grow by more than `CAUTION`; the comparison with the witness shows whether they do.
 
-    Raises `NotModelled` where the mechanism has dry friction, and `OutOfReach` where it cannot be followed.
+    Raises `NotModelled` if the mechanism has dry friction, and `OutOfReach` if the motion cannot be followed.
     """
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
     solution = integrate(
@@ -63,16 +63,19 @@ def way(mechanism: Mechanism, times: Array) -> Way:
     states: tuple[Any, ...] = joint_space.bodies(tree, solution.states)
     bodies = Trajectory(times, *states)
     motion = Motion(solution.states[:, :held], solution.states[:, tree.coordinates : tree.coordinates + moving], bodies)
-    # What is open at the start by rounding can be closed in several ways.
+    # Loops that are open at the start by rounding can be closed in several ways.
     gap, rate = (float(value[0]) for value in joint_space.gaps(tree, start[None]))
     errors = CAUTION * (solution.errors + gap + rate * (1 + times))
     return Way(f"{NAME}, {SOLVER}", motion, dict.fromkeys(STATES, errors), EXTENDED_DIGITS)
 
 
 def witness(mechanism: Mechanism, times: Array) -> Way:
-    """The motion at ascending times (n,) >= 0, s; the joints are computed from the poses in double precision.
+    """The motion at ascending times (n,) >= 0, s, in the coordinates of every body.
 
-    Raises `NotModelled` where the mechanism has dry friction, and `OutOfReach` where it cannot be followed.
+    The coordinates of the joints are computed from the poses in double precision.
+
+    Raises `NotModelled` if the mechanism has dry friction or a point mass that turns, and `OutOfReach` if the motion cannot be
+    followed.
     """
     system, start = body_space.system(mechanism), body_space.initial(mechanism)
     bodies = len(system.mass)
@@ -98,7 +101,7 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
 
 
 def closed_start(mechanism: Mechanism) -> Mechanism:
-    """A mechanism without free bodies, whose loops are almost closed at the start, with initial values that close them."""
+    """The mechanism, with initial values that close its loops, which must be almost closed. It has no free bodies."""
     tree = joint_space.tree(mechanism)
     state = joint_space.close_loops(tree, joint_space.initial(mechanism)).astype(float)
     joints = tuple(
@@ -109,6 +112,6 @@ def closed_start(mechanism: Mechanism) -> Mechanism:
 
 
 def _first(accelerations: WideArray, velocities: WideArray) -> float:
-    """A size of the first step (s): a part of the time in which the motion changes."""
+    """The length of the first step (s): a part of the time in which the motion changes."""
     rate = float(np.abs(velocities).max(initial=0) + np.sqrt(np.abs(accelerations).max(initial=0)))
     return 0.1 / rate if rate else 0.1
