@@ -52,5 +52,5 @@ A brick on a plane has `GeneralContact`, at its four corners; the module `contac
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("exudyn")

@@ -33,7 +33,7 @@ ORDERS = {
     "VelocityVerlet": (2, 1),
 }
 
-#: What Exudyn models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Exudyn models; see `Engine.models`.
 OF_MECHANISMS = frozenset(
     {
         "mechanisms",

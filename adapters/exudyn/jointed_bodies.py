@@ -19,7 +19,7 @@ from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 #: The axes, three of translation and three of rotation, that Exudyn's generic joint locks, by the types of joints.

@@ -42,7 +42,7 @@ built in a process. The code is kept in the engine's environment.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation(
     "mujoco-mjx",
     variables={

@@ -25,7 +25,7 @@ NO_TERMS = "nothing is computed at states: JAX would compile MJX's functions ane
 
 
 def read_robot(engine: Engine, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MJX makes of a file, as `RobotModels.read_robot` does, with empty terms. Raises `ModelRefused`."""
+    """Return how MJX reads a file, as `RobotModels.read_robot` does, with empty terms. Raises `ModelRefused`."""
     check_precision(engine)
     compiled = loaded(file.path)
     reading = described(compiled, compiled, file.format)

@@ -6,7 +6,7 @@ of 100 m is known to 4 micrometres, and a step adds a rounding error to every co
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation(
     "mujoco-mjx",
     variables={

@@ -13,5 +13,5 @@ forces.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("mujoco")

@@ -32,7 +32,7 @@ ROUNDING, EXACT_SINCE = 3e-5, (3, 14)
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MuJoCo makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    """Return how MuJoCo reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
     model = loaded(file.path)
     reading = described(model, model, file.format)
     with quiet():

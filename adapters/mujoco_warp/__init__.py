@@ -23,7 +23,7 @@ step.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from. Compiling the kernels of the first model takes up to a minute, so they are kept.
+#: The packages that install the engine. Compiling the kernels of the first model takes up to a minute, so they are kept.
 INSTALLATION = Installation(
     "mujoco-warp", variables={"WARP_CACHE_PATH": "{environment}/warp-cache"}, modules=("mujoco", "mujoco_warp", "warp")
 )

@@ -38,7 +38,7 @@ ROUNDINGS = 8
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MuJoCo Warp makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    """Return how MuJoCo Warp reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
     compiled = loaded(file.path)
     reading = described(compiled, compiled, file.format)
     leave_out_what_is_not_asked(compiled)

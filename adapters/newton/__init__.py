@@ -57,7 +57,7 @@ other solvers normalise it themselves.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from. Compiling the kernels of all solvers takes minutes, so they are kept.
+#: The packages that install the engine. Compiling the kernels of all solvers takes minutes, so they are kept.
 INSTALLATION = Installation(
     "newton", extras=("sim",), variables={"WARP_CACHE_PATH": "{environment}/warp-cache"}, modules=("newton", "warp")
 )

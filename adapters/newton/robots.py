@@ -85,7 +85,7 @@ class Imported:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Newton makes of a file, as `RobotModels.read_robot` does."""
+    """Return how Newton reads a file, as `RobotModels.read_robot` does."""
     with overheard(), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         robot = imported(file)
@@ -190,7 +190,7 @@ def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
 
 
 def terms(robot: Imported, state: RobotState) -> Terms:
-    """Return what Newton computes at a state."""
+    """Return the terms that Newton computes at a state."""
     model, engine_state, number = robot.model, robot.state, robot.model.joint_dof_count
     engine_state.joint_q.assign(positions(robot, state).astype(np.float32))
     engine_state.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))

@@ -24,7 +24,7 @@ from bodycheck.reference.trajectory import Array
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Pinocchio makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
+    """Return how Pinocchio reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
     model = loaded(file)
     joints, standard, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
     carrier = carried(model, frames)

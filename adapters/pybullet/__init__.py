@@ -51,5 +51,5 @@ The module `engine` is the adapter.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("pybullet")

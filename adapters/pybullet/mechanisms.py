@@ -24,7 +24,7 @@ from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_inertia, 
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What PyBullet models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that PyBullet models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",

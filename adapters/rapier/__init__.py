@@ -36,5 +36,5 @@ coordinates need a joint between two bodies, which a free body does not have.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from. One thread is enough for one body, and Rapier would start one for each core.
+#: The packages that install the engine. One thread is enough for one body, and Rapier would start one for each core.
 INSTALLATION = Installation("rapier3d", variables={"RAYON_NUM_THREADS": "1"})

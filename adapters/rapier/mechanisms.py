@@ -20,7 +20,7 @@ from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What Rapier models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Rapier models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -34,7 +34,7 @@ MODELS = frozenset(
     }
 )
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 

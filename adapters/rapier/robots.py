@@ -72,7 +72,7 @@ class Loaded:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Rapier makes of a file, as `RobotModels.read_robot` does."""
+    """Return how Rapier reads a file, as `RobotModels.read_robot` does."""
     if file.format != "urdf":
         raise FormatUnknown(f"the adapter of Rapier reads no {file.format} files")
     robots = [loaded(file) for _ in states]  # a robot is put into its positions once

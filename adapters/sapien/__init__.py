@@ -36,5 +36,5 @@ so that dry friction is not modelled; neither are ball joints, of which SAPIEN's
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("sapien")

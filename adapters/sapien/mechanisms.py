@@ -22,7 +22,7 @@ from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What SAPIEN models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that SAPIEN models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",

@@ -76,7 +76,7 @@ class Loaded:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what SAPIEN makes of a file, as `RobotModels.read_robot` does."""
+    """Return how SAPIEN reads a file, as `RobotModels.read_robot` does."""
     if file.format != "urdf":
         raise FormatUnknown(f"SAPIEN has no reader of {file.format} files")
     standard = vector(physx.get_scene_config().gravity)
@@ -201,7 +201,7 @@ def read_joint(robot: Loaded, joint: Any, index: int) -> ReadJoint:
 
 
 def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
-    """Return what SAPIEN computes at a state; `model` is its model for Pinocchio, or None."""
+    """Return the terms that SAPIEN computes at a state; `model` is its model for Pinocchio, or None."""
     put(robot, state)
     poses = {link.name: pose(link.entity_pose.p, link.entity_pose.q) for link in (*robot.links, *robot.bodies)}
     if not robot.dof or robot.free:

@@ -38,5 +38,5 @@ deviation as `quaternion_norm_error`. The arithmetic is in double precision.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("opensim")

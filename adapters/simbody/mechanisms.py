@@ -23,7 +23,7 @@ from bodycheck.reference.mechanisms.joint_types import JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What OpenSim models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that OpenSim models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -42,7 +42,7 @@ MODELS = frozenset(
     }
 )
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 #: OpenSim's joints by the types of joints.
