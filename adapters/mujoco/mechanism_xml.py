@@ -34,7 +34,7 @@ from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 
-#: Kinds of scene with loops and friction of joints, and these kinds together with the kinds that have contacts.
+#: The kinds of scene with loops and friction of joints.
 JOINTED: frozenset[Kind] = frozenset({"mechanism"})
 
 #: The options that each integrator has for a mechanism; some of them also have an effect on a plane.

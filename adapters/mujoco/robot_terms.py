@@ -35,7 +35,7 @@ def leave_out_what_is_not_asked(model: mujoco.MjModel) -> None:
 
 
 def _terms(model: mujoco.MjModel, data: mujoco.MjData, at: Coordinates, gravity: Vector) -> Terms:
-    """Return what MuJoCo computes in one state."""
+    """Return the terms that MuJoCo computes in one state."""
     mujoco.mj_resetData(model, data)
     model.opt.gravity[:] = gravity
     data.qpos[:], data.qvel[:], data.qfrc_applied[:] = at.qpos, at.qvel, at.applied

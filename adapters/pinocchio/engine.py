@@ -201,7 +201,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 
 def unjointed(scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return the simulation of one or more single bodies in flight, or lying flat; `admm` accepts only bodies with corners.
+    """Return the simulation of one or more single bodies in flight, or lying flat on a plane; `admm` needs bodies with corners.
 
     Raises `SceneUnsupported`.
     """
@@ -298,7 +298,7 @@ def friction_step(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
 
     The plane bears the weight, so the model contains neither. If friction would reverse the motion within a step, in the sense
     of the scalar product of the kinetic energy, static friction holds the body at rest from then on. If the law brakes
-    translation and spin separately, each stops by itself.
+    translation and spin separately, each of them stops separately.
 
     Parameters
     ----------
