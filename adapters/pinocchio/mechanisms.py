@@ -6,7 +6,7 @@ the gap and of its rate.
 
 Pinocchio takes armature from the model. All other effects in joints are forces that users of Pinocchio add to `tau`. They are
 evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the velocity.
-This friction is zero at rest and otherwise changes its sign from step to step, so that a joint that should stay at rest
+This friction is zero at rest, and near rest it changes its sign in each step, so that a joint that should stay at rest
 trembles, and creeps if another force loads it.
 """
 
