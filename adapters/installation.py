@@ -14,7 +14,7 @@ class Installation:
     Parameters
     ----------
     distribution
-        The package that installs the engine, as pip names it. The version of the engine is that of this package.
+        The package that installs the engine, as pip names it. The version of the engine is the version of this package.
     extras
         The extras of the package that are needed.
     others

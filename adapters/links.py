@@ -54,7 +54,7 @@ class Links(Protocol):
         Parameters
         ----------
         links
-            The links. The frame of the first is that of the body.
+            The links. The frame of the first link is the frame of the body.
         scene
             The initial state of the frame of the first link, and gravity. It has neither plane nor drag, and its body is
             ignored.

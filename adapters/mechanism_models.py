@@ -22,7 +22,7 @@ from bodycheck.reference.scene import Vector
 from bodycheck.reference.schemes.coordinates import angles
 from bodycheck.reference.trajectory import Array
 
-#: The models, from the smallest to the largest, with what each adds to the one before it.
+#: The models, from the smallest to the largest, each with a description of what it adds to the model before.
 ADDS = {
     "joints": "one joint of the engine for each joint, in its coordinates",
     "three-hinges": "three hinges in place of each ball",

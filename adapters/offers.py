@@ -66,7 +66,7 @@ def chosen(engine: Engine, scene: AnyScene, named: Sequence[str]) -> tuple[str, 
 
 
 def demonstrations(engine: Engine) -> dict[str, str]:
-    """Return what integrators demonstrate, keyed by their names, for the integrators that exist for demonstration only."""
+    """Return the phrases in `Integrator.demonstrates`, keyed by integrator, of the integrators that exist for demonstration."""
     return {integrator.name: integrator.demonstrates for integrator in engine.integrators if integrator.demonstrates}
 
 
@@ -131,7 +131,7 @@ def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Sim
     """Return one simulation of one or more scenes.
 
     An engine with batching steps several single bodies together if they differ only in their initial states and in the
-    properties that `Engine.varies` names, and need the same model. All other scenes are stepped one after another.
+    properties that `Engine.varies` names, and have the same requirements. All other scenes are stepped one after another.
 
     Raises `SceneUnsupported` if the adapter does, if the engine's record lacks a requirement of a scene, and for several scenes
     that include mechanisms or touching bodies.

@@ -148,7 +148,7 @@ class RobotModels(Protocol):
             The file.
         states
             The states at which the terms are computed. Joints that the engine does not have are ignored. Joints of the engine
-            that a state does not have keep their default positions, with zero velocity.
+            that a state does not have keep their positions, with zero velocity.
         gravity
             The gravitational acceleration for all terms, world frame (m/s^2).
 

@@ -9,7 +9,7 @@ The methods are the pipelines of Brax, each of which has one integrator:
 - `positional` is position-based dynamics: velocities are differences of positions over a step.
 - `spring` resolves contacts by impulses in the velocities.
 
-The pipeline `mjx` is not among them, because it calls the step of MJX, which has an adapter of its own.
+The pipeline `mjx` is not offered, because it calls the step of MJX, which has its own adapter.
 
 `positional` and `spring` have no gyroscopic torque: without a torque they keep the angular velocity constant in the world
 frame, so that a body tumbles like a sphere, and their attitude does not converge as the time step becomes small. `positional`

@@ -148,7 +148,7 @@ def description(scene: Scene, timestep: float) -> str:
 def loaded(xml: str) -> Any:
     """Return Brax's system of an XML text, without MuJoCo's model in it. Raises `SceneUnsupported` if Brax refuses the text.
 
-    With MuJoCo's model in it, every system would have a structure of its own, so that no two systems could share compiled code.
+    With MuJoCo's model in it, every system would have a different structure, so that no two systems could share compiled code.
     """
     try:
         system = mjcf.loads(xml)

@@ -17,7 +17,7 @@ its defaults. On a plane, all methods use Drake's defaults of stiffness, dissipa
 
 - A brick or a cylinder touches the plane by hydroelastic contact if no option is given: the body is compliant with Drake's
   default modulus (1e7 Pa), and the plane rigid. The pressure acts at the centroids of the few polygons of a coarse mesh, so
-  that the friction is neither that of an area nor that of corners.
+  that the friction is neither the friction of an area nor the friction of corners.
 - `contact=points` replaces the shape of a brick by points at its four lower corners.
 - sap and similar are convex: where a contact slides they throw the body up, as MuJoCo's contact does. lagged and tamsi do not.
 - `settings=engine` is Drake's default for the shape: a single point contact between shape and plane, which jumps from corner

@@ -59,7 +59,7 @@ MODELS = frozenset(
     }
 )
 
-#: The discrete plants whose solver has constraints, which is SAP.
+#: The approximations of contact of the discrete plant whose solver is SAP, the only one with constraints.
 CONSTRAINED = ("lagged", "similar", "sap")
 
 

@@ -90,7 +90,7 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: 
     """
     scheme, config = method.integrator, configured(method, approximations)
     builder = DiagramBuilder()
-    # A scene graph costs up to a fifth of a step, so a free body has one only where the integrator asks for it.
+    # A scene graph costs up to a fifth of a step, so a free body has one only if the integrator needs it.
     alone = scene.plane is None and not scene.drag and scheme != CENIC
     if alone:
         plant = MultibodyPlant(config.time_step)

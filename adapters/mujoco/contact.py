@@ -18,7 +18,7 @@ More pads do not approach the friction of an area. If a contact slides at speed 
 the acceleration mu b u, b ~ 2/timeconst: by default several times gravity at 1 m/s. The body then leaves the plane and falls
 back. If it also spins, the outermost pads, which are the fastest, bear the whole load.
 
-The coefficient of sliding friction is that of the scene. Torsion (0.005 m) and rolling (0.0001 m), where condim includes
+The coefficient of sliding friction is the scene's. Torsion (0.005 m) and rolling (0.0001 m), where condim includes
 them, keep MuJoCo's defaults.
 """
 

@@ -38,7 +38,8 @@ SENSORS = """
     <subtreeangmom body="body"/>
   </sensor>"""
 
-#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
+#: The models of a scene in flight, from the smallest to the largest, each with a description of what it adds to the model
+#: before.
 IN_FLIGHT = {
     "translation": "three slides",
     "rotation": "a ball joint",
@@ -81,7 +82,7 @@ class Joints:
     origin
         The position (m, world frame) of the body when all coordinates are zero.
     turn
-        The rotation from the frame of the scene's body to that of the XML's body, as a quaternion (w x y z).
+        The rotation from the frame of the scene's body to the frame of the XML's body, as a quaternion (w x y z).
     """
 
     xml: str

@@ -2,7 +2,7 @@
 
 The velocities and impulses at the end of a step solve the nonlinear complementarity problem. The normal velocity of a corner is
 limited such that the corner ends on the plane or above it. In units of the weight's impulse m g h and of the velocity g h, the
-solver's work and accuracy are the same for every mass and time step. A contact's frame is that of the world and its point is
+solver's work and accuracy are the same for every mass and time step. A contact's frame is the world frame and its point is
 fixed in the body, so only the data of the contact models change.
 
 The load of a rigid body on four corners is statically indeterminate: load can be moved from two opposite corners to the other

@@ -96,7 +96,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the tolerance of Pinocchio's contact solver. It has neither an integrator nor a time step of its own."""
+    """Return the tolerance of Pinocchio's contact solver. It has no default integrator and no default time step."""
     if not contact.HAS_POINT_CONTACTS:
         return {}
     return {"tolerance": f"{pin.ADMMSolverSettings().absolute_feasibility_tol:g} of the contact solver"}
@@ -141,7 +141,7 @@ def check_supported(scene: Scene, method: Method) -> None:
 
 
 def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
-    """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
+    """Return the feature of a scene with a plane that this adapter does not model, as a noun phrase; None if it models all."""
     if not scene.drag and not scene.gravity:
         return "contact without a weight"
     if (reason := not_flat(scene)) is not None:

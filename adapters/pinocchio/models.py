@@ -17,7 +17,8 @@ from bodycheck.reference.trajectory import Array
 #: Depth below the origin (m) of a half-space that no body ever touches.
 FAR_PLANE_DEPTH_M = 1e6
 
-#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
+#: The models of a scene in flight, from the smallest to the largest, each with a description of what it adds to the model
+#: before.
 IN_FLIGHT = {
     "translation": "a translation joint",
     "rotation": "a spherical joint",

@@ -1,10 +1,10 @@
 """Step free bodies that touch a plane and each other by Pinocchio's rigid contacts, solved by ADMM in every step.
 
-Each body has a translation joint and a spherical joint at its centre of mass, so that its velocities are those of the contract.
-Pinocchio computes the accelerations without contact and solves the contact; the points at which bodies touch are those of the
-module `contact_points`, and the step is semi-implicit Euler as in the module `contact`: the velocities and impulses at the end
-of a step solve the nonlinear complementarity problem, with the normal velocity of each point limited such that bodies end the
-step without overlap.
+Each body has a translation joint and a spherical joint at its centre of mass, so that its velocities are the velocities of the
+contract. Pinocchio computes the accelerations without contact and solves the contact; the points at which bodies touch are
+those of the module `contact_points`, and the step is semi-implicit Euler as in the module `contact`: the velocities and
+impulses at the end of a step solve the nonlinear complementarity problem, with the normal velocity of each point limited such
+that bodies end the step without overlap.
 
 If a point would penetrate another body within the step, and the pair has a coefficient of restitution e, its normal velocity
 after the step is at least -e times its normal velocity before the step instead. Bounces slower than g h, the change of a

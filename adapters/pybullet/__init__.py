@@ -1,6 +1,6 @@
 """The adapter of PyBullet, the Python interface of the Bullet physics engine, in its build in double precision.
 
-Bullet has two kinds of bodies, each with a solver of its own; they are the integrators of this adapter:
+Bullet has two kinds of bodies, each with its own solver; they are the integrators of this adapter:
 
 - `maximal`: a rigid body in maximal coordinates (`useMaximalCoordinates`, `btRigidBody`). The angular velocity is advanced by
   one Newton step of an implicit equation with the gyroscopic torque in the body frame, which is a linearly implicit Euler step.
