@@ -176,7 +176,7 @@ def flat_states(height: float, position: Array, yaw: Array, velocity: Array, spi
     ----------
     height
         The height (m) of the centre of mass.
-    place
+    position
         The horizontal positions (n, 2), in m.
     yaw
         The yaw angles (n,), in rad.
