@@ -1,6 +1,6 @@
-"""Convert attitudes of engines: states along the principal axes of a body, in which many engines step, and rotation vectors.
+"""Convert attitudes of engines: from the frame of principal axes, in which many engines step, and to and from rotation vectors.
 
-`bodycheck.reference.inertia.along_principal_axes` converts the scene, and with it the initial state.
+`bodycheck.reference.inertia.along_principal_axes` converts a scene, with its initial state, to the frame of principal axes.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from bodycheck.reference.trajectory import Array
 
 
 def in_body_frame(scene: Scene, rows: Array) -> Array:
-    """Return states (n, 13) in the frame of the scene's body, from those of a body whose frame is that of the principal axes.
+    """Return states (n, 13) of the frame of the scene's body, from states (n, 13) of the frame of its principal axes.
 
     The columns are those of `bodycheck.adapters.contract.Simulation.advance`.
     """
@@ -24,7 +24,7 @@ def in_body_frame(scene: Scene, rows: Array) -> Array:
 
 
 def rotation_vector(quaternion: Array) -> Array:
-    """Return the rotation vector (3,), rad, of at most a half turn, of a unit quaternion (4,)."""
+    """Return the rotation vector (3,) of a unit quaternion (4,), in rad and at most pi long."""
     w, vector = quaternion[0], quaternion[1:]
     size = float(np.linalg.norm(vector))
     if size == 0.0:

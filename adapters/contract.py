@@ -1,16 +1,17 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
 An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes by one function, `prepare`. The
-record says as data which scenes the engine can model, with which integrators, and how many of them together. Everything else is
-optional, and an adapter leaves out what its engine does not have: `Models` for several models of a scene, `ContactLaw`,
-`ContactLoad` and `InterfaceLoads` for what its contacts do, `Scripts` for a run as a script for the engine alone, and `Calls`
-for the functions of the engine which its steps call. `bodycheck.adapters.links.Links` is for engines that take a body as links
-welded together, and `bodycheck.adapters.robot_reading.RobotModels` for engines that read files of robots.
-`bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
-for an engine that steps one scene at a time.
+record says as data which scenes the engine can model, with which integrators, and how many scenes it steps together. Everything
+else is optional: an adapter does not implement the protocols that its engine cannot serve. `Models` is for several models of a
+scene; `ContactLaw`, `ContactLoad` and `InterfaceLoads` are for the friction law and the forces of contacts; `Scripts` is for a
+run as a script for the engine alone; `Calls` names the functions of the engine that its steps call.
+`bodycheck.adapters.links.Links` is for engines that take a body as links welded together, and
+`bodycheck.adapters.robot_reading.RobotModels` for engines that read files of robots. For all adapters,
+`bodycheck.adapters.offers` handles misspelled methods, scenes that an engine cannot model, and several scenes for an engine
+that steps one scene at a time.
 
 Scenes and states follow the conventions of `bodycheck.reference.scene`. An adapter converts them to and from the conventions
-of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
+of its engine. It imports its engine and this package, but no module of cases, truth or reports.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +34,7 @@ from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
 
-#: What may differ between scenes that an engine steps together: mass, moments, axes and shape of the body; the gravity.
+#: The properties that may differ between scenes that an engine steps together: the body (mass, moments, axes, shape), gravity.
 Varied = Literal["body", "gravity"]
 
 
@@ -46,7 +47,7 @@ class Integrator:
     name
         The name that the engine itself uses.
     order
-        The order of the error in the time step on smooth motion that the engine or a textbook claims; None if nobody does.
+        The order of the error in the time step, on smooth motion, that the engine or a textbook claims; None if neither does.
     evaluations
         The number of evaluations of the accelerations in one step; None if it is not known.
     kinds
@@ -54,7 +55,7 @@ class Integrator:
     options
         The options of the integrator by their keys.
     demonstrates
-        What the integrator is there to demonstrate, as a phrase; empty for an integrator that users choose.
+        What the integrator demonstrates, as a phrase, if it exists for demonstration only; empty for all other integrators.
     """
 
     name: str
@@ -78,21 +79,23 @@ class Engine:
     integrators
         All integrators that the adapter knows.
     models
-        The requirements of a scene that the engine can model, by the field names of
-        `bodycheck.reference.requirements.Requirements`, and those of mechanisms, by the names in
+        The requirements that the engine can model: for scenes the field names of
+        `bodycheck.reference.requirements.Requirements`, and for mechanisms the names in
         `bodycheck.reference.requirements.MechanismRequirements`.
     variants
-        Spellings of methods with options, by kind of scene. If the user names no method, they are run with the integrators.
+        Spellings of methods with options, keyed by kind of scene. If the user names no method, they are run in addition to the
+        integrators.
     precision, device
         The precision and the device of the engine's arithmetic.
     batch
         The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time. An
-        engine whose `batch` is larger takes any number of scenes that differ in their initial states and in what `varies` has.
+        engine whose `batch` is larger accepts any number of scenes that differ only in their initial states and in the
+        properties that `varies` names.
     varies
-        What may differ between such scenes besides their initial states; see `Adapter.prepare`.
+        The properties that may differ between such scenes in addition to their initial states; see `Adapter.prepare`.
     defaults
-        What the engine itself chooses where a user does not: "integrator", "timestep" and "tolerance", as far as it has them,
-        with values and units such as {"timestep": "0.002 s"}.
+        The engine's own defaults of "integrator", "timestep" and "tolerance", with values and units, such as
+        {"timestep": "0.002 s"}; keys for which the engine has no default are left out.
     """
 
     name: str
@@ -109,15 +112,15 @@ class Engine:
 
 
 class SceneUnsupported(Exception):
-    """The engine refuses a model, or cannot model something that a scene or a method requires; the text says what."""
+    """The engine refuses a model, or cannot model a requirement of a scene or a method; the text says which."""
 
 
 class EngineDiverged(Exception):
-    """The engine itself stopped or reset a simulation of one scene; the text says what it signalled, and when.
+    """The engine itself stopped or reset a simulation of one scene; the text contains the engine's signal and its time.
 
     A simulation of several scenes does not raise it; see `Simulation.advance`. The attribute `states` (1, k, bodies, 13) holds
-    the states after the first k strides, of which the last is the state at the signal. It is empty if the engine does not
-    report them.
+    the states after the first k strides; the last of them is the state at the signal. It is empty if the engine does not
+    report these states.
     """
 
     def __init__(self, text: str) -> None:
@@ -126,7 +129,7 @@ class EngineDiverged(Exception):
 
 
 class EngineReset(EngineDiverged):
-    """The engine reports that it has reset the simulation to a state of its own choice."""
+    """The engine reports that it has reset the simulation to a state that the engine chose."""
 
 
 class Simulation(Protocol):
@@ -139,9 +142,9 @@ class Simulation(Protocol):
         current state. The columns of the states are position (world, m), quaternion (w x y z, body to world, of norm 1),
         velocity (world, m/s) and angular velocity (body, rad/s). The returned array is a copy.
 
-        A simulation of one scene raises `EngineDiverged` where its engine gives up. One of several scenes does not raise it, so
-        that a scene that fails does not take the others with it: from the engine's signal on, the states of that scene are NaN,
-        and the others are what they are without it.
+        A simulation of one scene raises `EngineDiverged` if its engine gives up. A simulation of several scenes does not raise
+        it, so that a scene that fails does not affect the others: from the engine's signal on, the states of the failed scene
+        are NaN, and the states of the other scenes are the same as without it.
         """
         ...
 
@@ -152,17 +155,17 @@ class Signals(Protocol):
 
     @property
     def signals(self) -> Mapping[int, str]:
-        """The signals of the engine so far, with their times, by the indices of the scenes that it gave up."""
+        """The signals of the engine so far, with their times, keyed by the indices of the scenes that the engine gave up."""
         ...
 
 
 @runtime_checkable
 class Normalising(Protocol):
-    """A simulation that normalises the quaternions of its engine, which does not do so; see `stepping.Normalised`."""
+    """A simulation that normalises quaternions because its engine does not; see `stepping.Normalised`."""
 
     @property
     def quaternion_norm_error(self) -> float:
-        """The largest deviation from 1 of the norm of a quaternion, as the engine returned it, in all states so far."""
+        """The largest deviation from 1, in all states so far, of the norm of a quaternion as the engine returned it."""
         ...
 
 
@@ -178,14 +181,14 @@ class Adapter(Protocol):
     def prepare(self, scenes: Sequence[AnyScene], method: Method) -> Simulation:
         """Return a simulation of the smallest models of the scenes, at t = 0, compiled and warmed up.
 
-        The caller has checked the method against `engine`, and what the scenes require against `Engine.models`: an adapter
-        gets only the kinds of scene that its record names. It gets one scene, but for an engine whose `batch` is larger than 1.
-        That may get several free bodies which differ in their initial states and in what `Engine.varies` names, and require the
-        same: all or none of them move, turn, or have gravity.
+        The caller has checked the method against `engine`, and the requirements of the scenes against `Engine.models`: an
+        adapter receives only the kinds of scene that its record names. It receives one scene, unless its `batch` is larger
+        than 1. It may then receive several free bodies that differ only in their initial states and in the properties that
+        `Engine.varies` names, and that have the same requirements: all or none of them move, turn, or have gravity.
 
-        The states of a mechanism are those of its bodies, in their order: the position and velocity of the centre of mass, the
-        attitude of the body's frame, and the angular velocity along its axes. Where bodies touch, no coefficient of friction
-        is infinite. Raises `SceneUnsupported`.
+        The states of a mechanism are the states of its bodies, in their order: the position and velocity of the centre of mass,
+        the attitude of the body's frame, and the angular velocity along the axes of this frame. If bodies touch, no coefficient
+        of friction is infinite. Raises `SceneUnsupported` if the engine cannot model a scene or refuses its model.
         """
         ...
 
@@ -199,7 +202,7 @@ class Model:
     method
         The spelling of the method that selects this model.
     adds
-        A description of what this model contains and the next smaller one does not.
+        A description of what this model contains that the next smaller model does not.
     """
 
     method: str
@@ -211,9 +214,9 @@ class Models(Protocol):
     """An adapter that can model a scene in several ways."""
 
     def models(self, scene: AnyScene, integrator: str) -> Mapping[str, Model]:
-        """Return the models of a scene on which an integrator can be run, by name, from the smallest to the largest.
+        """Return the models of a scene that an integrator can step, keyed by name, from the smallest to the largest.
 
-        The smallest model is exact except for the error of the time steps. The mapping is empty if there is no choice.
+        The smallest model is exact except for the error of the time steps. The mapping is empty if there is only one model.
         """
         ...
 
@@ -225,8 +228,8 @@ class ContactLaw(Protocol):
     def contact_law(self, scene: Scene, method: Method) -> Plane | None:
         """Return the friction that a method's contacts with the scene's plane would produce if they were rigid.
 
-        The result is the scene's plane with the law, the pressure and the coefficient of the contacts; None if the reference
-        has no such law.
+        The result is the scene's plane with the friction law, the pressure distribution and the coefficient of the contacts;
+        None if the reference does not have their law.
         """
         ...
 
@@ -236,7 +239,7 @@ class ContactLoad(Protocol):
     """An adapter whose engine reports the load of a body that lies flat on a level plane."""
 
     def contact_load(self, scene: Scene, method: Method, steps: int) -> Array | None:
-        """Return the normal force (n,), in N, between body and plane in each of n steps; None if the method has none to report.
+        """Return the normal force (n,), in N, between body and plane in each of n steps; None if the method does not report it.
 
         Raises `SceneUnsupported` and `EngineDiverged`.
         """
@@ -250,23 +253,23 @@ class InterfaceLoads(Protocol):
     def interface_loads(self, scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
         """Return the normal forces (n,), in N, between pairs that touch, in each of n steps.
 
-        The keys are the indices of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
-        left out. Raises `SceneUnsupported` and `EngineDiverged`.
+        The keys are the indices of two bodies, the lower first; the index of the plane is `WORLD`. A pair that never touches
+        may be left out. Raises `SceneUnsupported` and `EngineDiverged`.
         """
         ...
 
 
 @runtime_checkable
 class Scripts(Protocol):
-    """An adapter that can write what a run does as a script for its engine alone."""
+    """An adapter that can write a run as a script that needs only its engine."""
 
     def script(self, scene: AnyScene, method: Method, duration: float, samples: int) -> str:
         """Return a Python script that takes the steps of a run and prints its states as CSV to standard output.
 
-        The script imports the engine and NumPy, but nothing of bodycheck. The columns are `bodycheck.adapters.scripts.COLUMNS`,
-        and the states those of `Simulation.advance` to the last bit, at the ends of the steps that are nearest to evenly
-        spaced instants. The rows of a mechanism have the name of a body after the time, the bodies in their order at each
-        instant: the columns are `bodycheck.adapters.scripts.MECHANISM_COLUMNS`.
+        The script imports the engine and NumPy, but nothing of bodycheck. The columns are `bodycheck.adapters.scripts.COLUMNS`.
+        The states equal the states of `Simulation.advance` to the last bit, at the ends of the steps that are nearest to evenly
+        spaced instants. A mechanism has a row for each body at each instant, in the order of the bodies, with the name of the
+        body after the time: the columns are `bodycheck.adapters.scripts.MECHANISM_COLUMNS`.
 
         Parameters
         ----------
@@ -278,21 +281,21 @@ class Scripts(Protocol):
         Raises
         ------
         SceneUnsupported
-            If the engine cannot model the scene, or there is no such script of the method.
+            If the engine cannot model the scene, or the adapter cannot write a script of the method.
         """
         ...
 
 
 @runtime_checkable
 class Calls(Protocol):
-    """An adapter that names the functions of its engine which its steps call from Python.
+    """An adapter that names the functions of its engine that its steps call from Python.
 
-    With them the time of the engine is told apart from that of the Python loop around it.
+    They allow the time of the engine to be measured apart from the time of the Python loop around it.
     """
 
     @property
     def calls(self) -> Sequence[tuple[Any, str]]:
-        """Pairs of an object, which is a module or a class, and the name of a function in it that is looked up at each call."""
+        """Pairs of a module or a class, and the name of a function in it, which is looked up at each call."""
         ...
 
 
@@ -308,17 +311,17 @@ def kind_of(scene: AnyScene) -> Kind:
 
 
 def single_bodies(scenes: Sequence[AnyScene]) -> list[Scene]:
-    """Return scenes that are single bodies, of which alone an engine gets several together."""
+    """Return the scenes, which must be single bodies: an engine steps several scenes together only if they are."""
     bodies = [scene for scene in scenes if isinstance(scene, Scene)]
     assert len(bodies) == len(scenes)  # a mechanism is simulated by itself
     return bodies
 
 
 def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any) -> Array:
-    """Return rows (n, 13) of states from their parts (n, 3), (n, 4), (n, 3) and (n, 3), in this order."""
+    """Return rows (n, 13) of states from positions (n, 3), quaternions (n, 4), velocities (n, 3), angular velocities (n, 3)."""
     return np.concatenate([position, quaternion, velocity, angular_velocity], axis=1, dtype=np.float64)
 
 
 def single(rows: Array) -> Array:
-    """Return the states (1, n, bodies, 13) of one scene, from its rows (n, bodies, 13), or (n, 13) of its only body."""
+    """Return the states (1, n, bodies, 13) of one scene, from its rows (n, bodies, 13), or (n, 13) if it has a single body."""
     return rows[None] if rows.ndim == 3 else rows[None, :, None, :]

@@ -1,6 +1,6 @@
-"""The name of an engine as it is asked for: `NAME`, or `NAME@VERSION` for one release of it.
+"""The name of an engine as users write it: `NAME`, or `NAME@VERSION` for one release of it.
 
-The name stands in case files, on the command line and in the column `engine` of every table. Only this module parses it.
+The name occurs in case files, on the command line and in the column `engine` of every table. Only this module parses it.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from bodycheck.errors import BadInput
 
 @dataclass(frozen=True)
 class EngineName:
-    """The name of an engine's adapter, and the version that is meant; None for the version that is installed.
+    """The name of an engine's adapter, and the requested version; None for the version that is installed.
 
     The version is spelled as PEP 440 normalises it.
     """
@@ -23,7 +23,7 @@ class EngineName:
 
     @classmethod
     def parse(cls, text: str) -> "EngineName":
-        """Return the name of an engine from its spelling. Raises `BadInput` for text that is none."""
+        """Return the name of an engine from its spelling. Raises `BadInput` for any other text."""
         adapter, at, version = checked_name(text, "engine").partition("@")
         if not at:
             return cls(adapter)
@@ -39,10 +39,10 @@ class EngineName:
 
 
 def adapter_of(engine: str) -> str:
-    """Return the name of the adapter in the name of an engine, which may be any text where results come from strangers."""
+    """Return the name of the adapter in the name of an engine, which may be any text, because results may come from anyone."""
     return engine.partition("@")[0]
 
 
 def in_words(engine: str, version: str) -> str:
-    """Return an engine, which may be named with a version, and the version that is meant, as `mujoco 4.0.0`."""
+    """Return the name of an engine's adapter and a version, such as `mujoco 4.0.0`; a version in `engine` is dropped."""
     return f"{adapter_of(engine)} {version}"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-#: What stands in the value of an environment variable for the folder of the engine's environment.
+#: The placeholder for the folder of the engine's environment in the value of an environment variable.
 ENVIRONMENT = "{environment}"
 
 
@@ -14,17 +14,17 @@ class Installation:
     Parameters
     ----------
     distribution
-        The package that installs the engine, as pip names it. The version of the engine is that of this package.
+        The package that installs the engine, as pip names it. The version of the engine is the version of this package.
     extras
         The extras of the package that are needed.
     others
         Further requirements, as pip spells them.
     variables
-        Environment variables of the engine's processes. `ENVIRONMENT` in a value stands for the folder of the environment in
-        which the engine is installed apart; such a variable is not set where the engine is installed beside bodycheck.
+        Environment variables of the engine's processes. `ENVIRONMENT` in a value is replaced by the folder of the engine's
+        separate environment; such a variable is not set if the engine is installed in the environment of bodycheck.
     modules
-        The top-level modules by which the adapter imports the engine and what it shares with others, which nothing else in
-        bodycheck imports. If it is empty, that is the module with the name of the package, as `imported` says.
+        The top-level modules of the engine, and of libraries that it shares with other engines, that the adapter imports and
+        that nothing else in bodycheck imports. If it is empty, `imported` is the module with the name of the package.
     """
 
     distribution: str
@@ -44,7 +44,10 @@ class Installation:
         return (f"{self.distribution}{extras}=={version}", *self.others)
 
     def variables_in(self, folder: str | None) -> tuple[tuple[str, str], ...]:
-        """Return the environment variables of processes in an environment; None stands for none."""
+        """Return the names and values of the environment variables of processes in the engine's separate environment.
+
+        If `folder` is None, the engine has no separate environment, and the variables that contain its folder are left out.
+        """
         return tuple(
             (name, value.replace(ENVIRONMENT, folder or ""))
             for name, value in self.variables.items()

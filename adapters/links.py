@@ -1,4 +1,4 @@
-"""Bodies that are made of links: the optional part of the contract for them, and the forms in which engines take them."""
+"""Bodies that are made of links: the optional part of the contract for them, and functions that convert them for engines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from bodycheck.reference.trajectory import Array
 
 @dataclass(frozen=True)
 class Link:
-    """A part of a rigid body in a frame of its own, as files of robots describe it.
+    """A part of a rigid body, described in its own frame, as files of robots describe it.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Link:
     position
         The origin of the link's frame, in the frame of the first link of the body (m).
     quaternion
-        The unit quaternion (w, x, y, z) that rotates components in the link's frame to components in that of the first link.
+        The unit quaternion (w, x, y, z) that converts components in the link's frame to components in the first link's frame.
     """
 
     mass: float
@@ -47,17 +47,17 @@ class Links(Protocol):
     def prepare_links(self, links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
         """Return a simulation of a free body that is made of links, at t = 0.
 
-        The engine receives each link as it is: its tensor, its centre of mass and its weld are not converted to those of the
-        whole body. The states of the simulation are those of the frame of the first link: the position and the velocity of its
+        The engine receives each link as it is: the tensors, centres of mass and welds of the links are not merged into one
+        body. The states of the simulation are those of the frame of the first link: the position and the velocity of its
         origin, its attitude, and the angular velocity along its axes.
 
         Parameters
         ----------
         links
-            The links. The frame of the first is that of the body.
+            The links. The frame of the first link is the frame of the body.
         scene
-            The initial state of the frame of the first link, and gravity. There is neither plane nor drag, and the scene's body
-            counts for nothing.
+            The initial state of the frame of the first link, and gravity. It has neither plane nor drag, and its body is
+            ignored.
         method
             The method, which the caller has checked as for `Adapter.prepare`.
 
@@ -77,7 +77,7 @@ def link_of(body: Body) -> Link:
 
 
 def links_of(scene: Scene, links: Sequence[Link] = ()) -> Sequence[Link]:
-    """Return links, or where there are none the one link that the body of a scene is."""
+    """Return the given links; if there are none, return the body of the scene as a single link."""
     return links or (link_of(scene.body),)
 
 
@@ -88,7 +88,7 @@ def tensor(link: Link) -> Array:
 
 
 def carried(rows: Array, position: ArrayLike, quaternion: ArrayLike) -> Array:
-    """Return the states of a frame from those of another frame that is fixed to the same body.
+    """Return the states of a frame, from the states of another frame that is fixed to the same body.
 
     Parameters
     ----------
@@ -98,11 +98,12 @@ def carried(rows: Array, position: ArrayLike, quaternion: ArrayLike) -> Array:
     position
         The origin (3,) of the frame in the other one (m).
     quaternion
-        The quaternion (4,), of any norm, that rotates components in the frame to components in the other one.
+        The quaternion (4,), of any norm, that converts components in the frame to components in the other frame.
 
     Returns
     -------
-    The states (n, 13): position and velocity of the frame's origin, its attitude, and the angular velocity along its axes.
+    The states (n, 13): position and velocity of the frame's origin, the frame's attitude, and the angular velocity along its
+    axes.
     """
     origin, attitude, velocity, spin = np.split(rows, (3, 7, 10), axis=1)
     arm = np.broadcast_to(np.asarray(position, dtype=float), origin.shape)
@@ -114,14 +115,17 @@ def carried(rows: Array, position: ArrayLike, quaternion: ArrayLike) -> Array:
 
 
 def state_in(frame: tuple[ArrayLike, ArrayLike], other: State) -> State:
-    """Return the state of a frame, given by its position and quaternion in another one, from the state of that one."""
+    """Return the state of a frame, from the state of another frame in which it has a fixed position and quaternion."""
     row = np.array([*other.position, *other.quaternion, *other.velocity, *other.angular_velocity])
     origin, attitude, velocity, spin = np.split(carried(row[None], *frame)[0], (3, 7, 10))
     return State(*(tuple(part.tolist()) for part in (origin, attitude, velocity, spin)))
 
 
 def velocity_to_origin(rows: Array, centre: ArrayLike) -> Array:
-    """Return states (n, 13) of a link's frame, from rows in which the velocity is that of its centre of mass (3,), m."""
+    """Return states (n, 13) of a link's frame, from rows (n, 13) whose velocity is the velocity of the link's centre of mass.
+
+    `centre` is the centre of mass (3,) in the link's frame (m).
+    """
     attitude, spin = normalise(rows[:, 3:7]), rows[:, 10:]
     moved = rows.copy()
     moved[:, 7:10] -= rotate(attitude, np.cross(spin, np.asarray(centre, dtype=float)))
@@ -129,5 +133,5 @@ def velocity_to_origin(rows: Array, centre: ArrayLike) -> Array:
 
 
 def velocity_of(point: ArrayLike, frame: State) -> Vector:
-    """Return the velocity (m/s, world) of a point (3,), m, in a frame."""
+    """Return the velocity (m/s, world) of a point that is fixed in a moving frame at the position (3,), in m."""
     return state_in((point, IDENTITY), frame).velocity

@@ -1,12 +1,12 @@
 """Larger models of a mechanism: the same motion with more coordinates than it needs.
 
-- `three-hinges`: each ball as three hinges, about x, then y, then z of the turned frame. They lock where the second angle is a
-  right angle.
-- `free-bodies`: every body free, held together by points that stay on points of other bodies: one for a ball, two for a hinge,
-  1 m apart on its axis, and three for a fixed joint.
+- `three-hinges`: each ball joint is replaced by three hinges, about x, then y, then z of the turned frame. They are in gimbal
+  lock where the second angle is a right angle.
+- `free-bodies`: all bodies are free, and constraints keep points of each body on points of another one: one point for a ball
+  joint, two points for a hinge, 1 m apart on its axis, and three points for a fixed joint.
 
-Both are for joints on which nothing acts: an engine has no damping of a ball's angular velocity by hinges, and no forces of
-joints between free bodies.
+`three-hinges` needs ball joints without damping, because hinges cannot damp the angular velocity of a ball. `free-bodies` needs
+joints in which nothing acts, because no joint is left between the bodies.
 """
 
 import math
@@ -22,7 +22,7 @@ from bodycheck.reference.scene import Vector
 from bodycheck.reference.schemes.coordinates import angles
 from bodycheck.reference.trajectory import Array
 
-#: The models, from the smallest to the largest, with what each adds to the one before it.
+#: The models, from the smallest to the largest, each with a description of what it adds to the model before.
 ADDS = {
     "joints": "one joint of the engine for each joint, in its coordinates",
     "three-hinges": "three hinges in place of each ball",
@@ -33,14 +33,14 @@ _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
-    """Return the models of a mechanism by name, as `Models.models` does; none where there is no choice."""
+    """Return the models of a mechanism by name, as `Models.models` does; empty if there is only one."""
     names = [name for name in ADDS if lacking(mechanism, name) is None]
     mark = "," if ":" in integrator else ":"
     return {name: Model(f"{integrator}{mark}model={name}", ADDS[name]) for name in names} if len(names) > 1 else {}
 
 
 def lacking(mechanism: Mechanism, model: str) -> str | None:
-    """Return why there is no such model of a mechanism; None if there is."""
+    """Return why a mechanism does not have the named model; None if it has."""
     joints = mechanism.joints
     if model == "three-hinges":
         balls = [joint for joint in joints if joint.type == "spherical"]
@@ -56,7 +56,7 @@ def lacking(mechanism: Mechanism, model: str) -> str | None:
 
 
 def check(mechanism: Mechanism, model: str | None) -> None:
-    """Raise `SceneUnsupported` if there is no such model of a mechanism."""
+    """Raise `SceneUnsupported` if a mechanism does not have the named model. Accept None, which names no model."""
     if model is None:
         return
     reason = lacking(mechanism, model) if model in ADDS else f"there are: {', '.join(ADDS)}"
@@ -65,7 +65,7 @@ def check(mechanism: Mechanism, model: str | None) -> None:
 
 
 def free_bodies(mechanism: Mechanism) -> Mechanism:
-    """Return a mechanism whose bodies are free and held together by loops in place of the joints."""
+    """Return the mechanism with free bodies that loops hold together in place of the joints."""
     start = kinematics.initial(mechanism)
     bodies = []
     for index, body in enumerate(mechanism.bodies):
@@ -79,7 +79,7 @@ def free_bodies(mechanism: Mechanism) -> Mechanism:
 
 
 def _held(joint: Joint) -> list[Loop]:
-    """Return the points of a joint's child that stay on points of its parent."""
+    """Return the loops that keep points of a joint's child on points of its parent."""
     points: dict[str, tuple[Vector, ...]] = {
         "spherical": ((0.0, 0.0, 0.0),),
         "revolute": ((0.0, 0.0, 0.0), exact.nearest_axis(joint)),

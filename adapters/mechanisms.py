@@ -1,4 +1,4 @@
-"""Bodies on joints in the forms in which engines take them."""
+"""Convert bodies on joints to the forms that engines take."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,13 +15,16 @@ from bodycheck.reference.trajectory import Array
 
 
 def link_of(body: JointedBody) -> Link:
-    """Return the mass, the centre of mass and the inertia of a body of a mechanism."""
+    """Return a body of a mechanism as a link, with its mass, its centre of mass and its inertia."""
     mass_properties = nearest_inertia(body)
     return Link(mass_properties.mass, mass_properties.tensor, mass_properties.centre)
 
 
 def starts(mechanism: Mechanism) -> tuple[tuple[Array, Array], ...]:
-    """Return the initial coordinates and velocities of each joint, laid out as in `coordinates`; quaternions have norm 1."""
+    """Return the initial coordinates and velocities of each joint; quaternions have norm 1.
+
+    Their layout is that of `bodycheck.reference.mechanisms.coordinates`.
+    """
     motion = kinematics.start_of(mechanism)
     return tuple(
         (motion.position[0, in_position], motion.velocity[0, in_velocity]) for in_position, in_velocity in places(mechanism)
@@ -29,7 +32,7 @@ def starts(mechanism: Mechanism) -> tuple[tuple[Array, Array], ...]:
 
 
 def frames(mechanism: Mechanism) -> tuple[State, ...]:
-    """Return the initial states of the frames of all bodies: of their origins, and the angular velocity along their axes."""
+    """Return the initial states of the frames of all bodies: the origins, with angular velocities along the frames' axes."""
     start = kinematics.initial(mechanism)
     states = []
     for index, body in enumerate(mechanism.bodies):
@@ -42,9 +45,9 @@ def frames(mechanism: Mechanism) -> tuple[State, ...]:
 
 
 def in_body_axes(seen: Array) -> Array:
-    """Return states (n, bodies, 13) from rows (n, 13 bodies), in which angular velocities are along the axes of the world.
+    """Return states (n, bodies, 13) from rows (n, 13 bodies) whose angular velocities are along the axes of the world.
 
-    Quaternions have norm 1.
+    The quaternions must have norm 1. The array of the rows may be changed in place.
     """
     states = seen.reshape(len(seen), -1, 13)
     states[..., 10:] = rotate(conjugate(states[..., 3:7]), states[..., 10:])
@@ -52,9 +55,10 @@ def in_body_axes(seen: Array) -> Array:
 
 
 def at_centres(mechanism: Mechanism, seen: Array) -> Array:
-    """Return states (n, bodies, 13) from rows (n, 13 bodies) with positions of frames, and velocities of centres of mass.
+    """Return states (n, bodies, 13) of centres of mass, from an engine's rows (n, 13 bodies).
 
-    Angular velocities are along the axes of the world in the rows. Quaternions may have any norm, which they keep.
+    In the rows, positions are those of the origins of frames, velocities those of centres of mass, and angular velocities are
+    along the axes of the world. Quaternions may have any norm, which they keep. The array of the rows may be changed in place.
     """
     states = seen.reshape(len(seen), -1, 13)
     for index, body in enumerate(mechanism.bodies):
@@ -65,7 +69,7 @@ def at_centres(mechanism: Mechanism, seen: Array) -> Array:
 
 
 def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
-    """Return the states (n, bodies, 13) of the centres of mass from those of the origins of the bodies' frames.
+    """Return the states (n, bodies, 13) of the centres of mass, from the states of the origins of the bodies' frames.
 
     Quaternions may have any norm, which they keep.
     """
@@ -75,21 +79,21 @@ def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
 
 
 def from_z(axis: Array) -> Array:
-    """Return a quaternion (4,) of a turn from z to a unit vector (3,)."""
+    """Return a quaternion (4,) of a rotation that turns the z axis to a unit vector (3,)."""
     if axis[2] < 0:
-        # By half a turn about x first, so that the rest is not near half a turn.
+        # Turn by pi about x first, so that the remaining rotation is not near pi.
         return multiply(np.array([0.0, 1.0, 0.0, 0.0]), from_z(axis * np.array([1.0, -1.0, -1.0])))
     quaternion = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
     return np.asarray(quaternion / np.linalg.norm(quaternion))
 
 
 def from_x(axis: Array) -> Array:
-    """Return a quaternion (4,) of a turn from x to a unit vector (3,)."""
+    """Return a quaternion (4,) of a rotation that turns the x axis to a unit vector (3,)."""
     return multiply(from_z(axis), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]))
 
 
 def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:
-    """Return the places of the bodies of each tree: the root, which is the world or a free body, then what hangs on it."""
+    """Return the indices of the bodies of each tree: first the root, which is `WORLD` or a free body, then its descendants."""
     free = [index for index, joint in enumerate(mechanism.joint_of) if joint is None]
     of_roots = []
     for root in (WORLD, *free):

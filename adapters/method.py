@@ -1,6 +1,6 @@
-"""A method: an integrator of an engine, its options and a time step, as one value with one spelling; and allowed options.
+"""A method (an integrator of an engine, its options and a time step) as one value with one spelling, and the allowed options.
 
-The spelling is `INTEGRATOR` or `INTEGRATOR:KEY=VALUE,KEY=VALUE`, for example `Euler:cone=elliptic,pads=4`. It stands in case
+The spelling is `INTEGRATOR` or `INTEGRATOR:KEY=VALUE,KEY=VALUE`, for example `Euler:cone=elliptic,pads=4`. It occurs in case
 files, on the command line and in the column `integrator` of every table. Only this module parses and writes it.
 """
 
@@ -10,13 +10,13 @@ from typing import Literal
 
 from bodycheck.errors import BadInput
 
-#: The time step (s) where none is given: MuJoCo's default.
+#: The time step (s) if none is given: MuJoCo's default.
 DEFAULT_TIMESTEP = 0.002
 
 #: Most characters in the name of an engine or of an integrator.
 MAX_NAME_LENGTH = 100
 
-#: Spellings that earlier versions of bodycheck wrote into results folders and baselines, with their present spellings.
+#: Spellings that earlier versions of bodycheck wrote into results folders and baselines, mapped to their present spellings.
 FORMER_SPELLINGS = {
     **{f"{name}-fluid": f"{name}:drag=fluid" for name in ("Euler", "RK4", "implicit", "implicitfast", "discrete")},
     "Euler-planar": "Euler:model=planar",
@@ -93,14 +93,17 @@ class Method:
 def is_name(text: str) -> bool:
     """Return whether a text can be the name of an engine or of an integrator.
 
-    It begins with a letter or a digit, so that no spreadsheet takes it for a formula, and has at most `MAX_NAME_LENGTH`
-    characters that can be printed, which surrogates and control characters cannot.
+    A name begins with a letter or a digit, so that no spreadsheet takes it for a formula, and has at most `MAX_NAME_LENGTH`
+    characters, all of them printable: no surrogates and no control characters.
     """
     return 0 < len(text) <= MAX_NAME_LENGTH and text[0].isalnum() and text.isprintable()
 
 
 def checked_name(text: str, what: str) -> str:
-    """Return the name of an engine or of an integrator. Raises `BadInput`, which says what was named, for any other text."""
+    """Return a text that is the name of an engine or of an integrator. Raises `BadInput` for any other text.
+
+    `what` is the kind of name, "engine" or "integrator", for the message.
+    """
     if not is_name(text):
         shown = f"{text[:MAX_NAME_LENGTH]!r}{'…' if len(text) > MAX_NAME_LENGTH else ''}"
         raise BadInput(
@@ -122,7 +125,7 @@ def current(spelling: str) -> str:
 
 
 def _shortest(word: str) -> str:
-    """Return a number in its shortest form (4 for 4.0 and 04), and any other word unchanged."""
+    """Return a word unchanged, or in the shortest form if it is a number (4 for 4.0 and 04)."""
     try:
         number = float(word)
     except ValueError:
@@ -138,12 +141,12 @@ KINDS: frozenset[Kind] = frozenset({"flight", "drag", "plane", "contact", "mecha
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers that are allowed in one place of an option.
+    """The numbers that are allowed at one position in the value of an option.
 
     Parameters
     ----------
     least, most
-        The bounds; None for none.
+        The bounds; None for no bound.
     above
         Whether the number must be larger than `least`.
     whole
@@ -156,7 +159,7 @@ class Range:
     whole: bool = False
 
     def has(self, text: str) -> bool:
-        """Return whether a text is such a number."""
+        """Return whether a text is a number in this range."""
         try:
             number = int(text) if self.whole else float(text)
         except ValueError:
@@ -174,9 +177,9 @@ class Option:
     allowed
         The allowed values in words, for error messages.
     words
-        The words that are allowed.
+        The words that are allowed as a value.
     numbers
-        The sequences of numbers, separated by spaces, that are allowed: one range for each number of a sequence.
+        The sequences of numbers, separated by spaces, that are allowed as a value: a range for each number of a sequence.
     kinds
         The kinds of scene in which the option has an effect.
     """

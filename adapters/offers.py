@@ -1,6 +1,6 @@
 """Select and check methods for any adapter, and build simulations of one or several scenes.
 
-The functions take the place of code that every adapter would otherwise repeat: which methods an engine offers for a scene,
+The functions replace code that every adapter would otherwise repeat. They find which methods an engine offers for a scene,
 which parts of a method it does not know, and which requirements of a scene it does not model.
 """
 
@@ -66,7 +66,7 @@ def chosen(engine: Engine, scene: AnyScene, named: Sequence[str]) -> tuple[str, 
 
 
 def demonstrations(engine: Engine) -> dict[str, str]:
-    """Return what integrators are there to demonstrate, by their names, without those that users choose."""
+    """Return the phrases in `Integrator.demonstrates`, keyed by integrator, of the integrators that exist for demonstration."""
     return {integrator.name: integrator.demonstrates for integrator in engine.integrators if integrator.demonstrates}
 
 
@@ -130,9 +130,11 @@ def not_modelled(engine: Engine, scene: AnyScene) -> str | None:
 def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return one simulation of one or more scenes.
 
-    An engine with batching steps together the single bodies that differ only in their initial states and in what
-    `Engine.varies` names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`,
-    also for scenes that the engine's record does not have, and for several scenes with mechanisms or touching bodies.
+    An engine with batching steps several single bodies together if they differ only in their initial states and in the
+    properties that `Engine.varies` names, and have the same requirements. All other scenes are stepped one after another.
+
+    Raises `SceneUnsupported` if the adapter does, if the engine's record lacks a requirement of a scene, and for several scenes
+    that include mechanisms or touching bodies.
     """
     if len(scenes) > 1 and any(isinstance(scene, Mechanism) or touches(scene) for scene in scenes):
         raise SceneUnsupported("mechanisms and bodies that touch are simulated one by one")
@@ -146,7 +148,7 @@ def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Sim
 
 
 def _groups(engine: Engine, scenes: Sequence[AnyScene]) -> list[list[int]]:
-    """Return the indices of the scenes that are stepped together, for each of the simulations that an engine makes of them."""
+    """Return the groups of scenes that are stepped together, each as a list of the indices of its scenes."""
     if engine.batch == 1 or len(scenes) == 1:
         return [[index] for index in range(len(scenes))]
     alike: dict[object, list[int]] = defaultdict(list)
@@ -156,9 +158,10 @@ def _groups(engine: Engine, scenes: Sequence[AnyScene]) -> list[list[int]]:
 
 
 def _shared(scene: Scene, varies: Collection[str]) -> object:
-    """Return what scenes that are stepped together have in common, in some 2 us a scene.
+    """Return the properties, as a hashable object, that all scenes of a group must share.
 
-    The requirements of a flight follow from the body, the drag, and whether there are gravity and motion.
+    The function takes about 2 us a scene. For a flight it does not compute the requirements, which follow from the body, the
+    drag, and whether there are gravity and motion.
     """
     needs: object
     if scene.plane is None:

@@ -1,4 +1,4 @@
-"""Keep what is written in C from the terminal."""
+"""Keep the output of C code from the terminal."""
 
 import ctypes
 import os
@@ -14,7 +14,7 @@ STDOUT, STDERR = 1, 2
 
 @contextmanager
 def no_stderr() -> Iterator[None]:
-    """Discard what is written to standard error, by Python or in C, while this context lasts."""
+    """Discard all output to standard error, of Python or of C code, while this context lasts."""
     sys.stderr.flush()
     kept, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
     try:
@@ -28,7 +28,10 @@ def no_stderr() -> Iterator[None]:
 
 @contextmanager
 def overheard() -> Iterator[list[str]]:
-    """Keep what is written to standard output and standard error while this context lasts; its lines are there afterwards."""
+    """Capture all output to standard output and standard error while this context lasts.
+
+    The context yields a list that is empty at first, and that contains the lines of the output after the context has ended.
+    """
     lines: list[str] = []
     flush()
     kept = {stream: os.dup(stream) for stream in (STDOUT, STDERR)}
@@ -47,12 +50,12 @@ def overheard() -> Iterator[list[str]]:
 
 
 def flush() -> None:
-    """Write out what Python and the C library hold back of the two streams."""
+    """Flush the buffers of Python and of the C library for standard output and standard error."""
     sys.stdout.flush()
     sys.stderr.flush()
     ctypes.CDLL(None).fflush(None)
 
 
 def refusal(path: str, text: str) -> str:
-    """Return the text of an engine that refuses a file, in one line, with the name of the file in place of its path."""
+    """Return the message by which an engine refuses a file, in one line, with the name of the file in place of its path."""
     return " ".join(text.replace(path, Path(path).name).split())

@@ -1,9 +1,9 @@
-"""Find adapters by name: the folders beside this file, and the entry points `bodycheck.engines` of other packages.
+"""Find adapters by name, in the folders beside this file and by the entry points `bodycheck.engines` of other packages.
 
-The adapter of a folder is its module `engine`; an entry point names an adapter's module, or an object in one. Nothing is
-imported before an engine is asked for by name. The record of an engine is checked, since another package may hold anything.
+The adapter of a folder is its module `engine`; an entry point names an adapter's module, or an object in a module. No adapter
+is imported before it is requested by name. The record of an engine is checked, because another package may contain anything.
 
-What an engine is installed from must be known even if the engine is not installed. A folder defines it as `INSTALLATION` in its
+The packages that install an engine must be known even if it is not installed. A folder defines them as `INSTALLATION` in its
 `__init__.py`, which imports nothing of the engine. Another package names the package that installs the engine by an entry point
 in the group `bodycheck.distributions`, with underscores in place of hyphens: `myengine = "my_engine"`, or
 `myengine = "my_engine [extra]"`.
@@ -34,26 +34,26 @@ DISTRIBUTION_GROUP = "bodycheck.distributions"
 
 
 class EngineMissing(Exception):
-    """An engine cannot be used here; the text says why, and which package to install if that is known."""
+    """An engine cannot be used in this environment; the text says why, and names the package to install if it is known."""
 
 
 class EngineBroken(EngineMissing):
-    """An engine is installed, but fails when it is imported or asked for its record; the text says how."""
+    """An engine is installed, but its import fails or its record is faulty; the text describes the failure."""
 
 
 def names() -> tuple[str, ...]:
     """Return the names of all engines that have an adapter, installed or not.
 
-    An entry point whose name cannot be that of an engine is not one.
+    An entry point whose name cannot be the name of an engine is ignored.
     """
     folders = _own()
     return (*folders, *(point.name for point in _points(ENGINE_GROUP) if point.name not in folders and is_name(point.name)))
 
 
 def installation(name: str) -> Installation:
-    """Return what an engine is installed from.
+    """Return the packages that install an engine.
 
-    Raises `EngineMissing` for an unknown engine, and for one whose adapter does not name its package.
+    Raises `EngineMissing` for an unknown engine, and for an engine whose adapter does not name its package.
     """
     _check_known(name)
     if name in _own():
@@ -67,7 +67,10 @@ def installation(name: str) -> Installation:
 
 
 def known_installation(name: str) -> Installation | None:
-    """Return what an engine is installed from; None if it does not say so. Raises `EngineMissing` for an unknown engine."""
+    """Return the packages that install an engine; None if its adapter does not name them.
+
+    Raises `EngineMissing` for an unknown engine.
+    """
     _check_known(name)
     try:
         return installation(name)
@@ -85,7 +88,7 @@ def sources(name: str) -> list[Path]:
 
 
 def installed(name: str) -> str | None:
-    """Return the version of the package that installs an engine, spelled as PEP 440 normalises it; None if it is not here.
+    """Return the version of the package that installs an engine, spelled as PEP 440 normalises it; None if it is not installed.
 
     Raises `EngineMissing` as `installation` does.
     """
@@ -96,10 +99,10 @@ def installed(name: str) -> str | None:
 
 
 def load(name: str) -> Adapter:
-    """Import an engine and return its adapter, whose record is complete.
+    """Import the adapter of an engine, check that its record is complete, and return it.
 
-    Raises `EngineMissing` if the engine is not installed, if another version is installed than the name says, or if it has no
-    adapter, and `EngineBroken` if it fails.
+    Raises `EngineMissing` if the engine has no adapter, is not installed, or is installed in another version than `name` says,
+    and `EngineBroken` if the import fails or the record is faulty.
     """
     engine_name = EngineName.parse(name)
     name = engine_name.adapter
@@ -131,7 +134,7 @@ def load(name: str) -> Adapter:
 
 
 def _extra(name: str) -> str:
-    """Return the end of a sentence that says how an engine is installed, if it is one of the extras of bodycheck."""
+    """Return the end of a sentence that says how to install an engine, if an extra of bodycheck installs it; otherwise ''."""
     extras = metadata("bodycheck").get_all("Provides-Extra") or ()
     return f"; pip install 'bodycheck[{name}]' installs it" if name in extras and name in _own() else ""
 
@@ -149,24 +152,24 @@ def _description(adapter: object) -> str:
 
 @cache
 def _own() -> tuple[str, ...]:
-    """Return the engines whose adapters are folders beside this file."""
+    """Return the names of the engines whose adapters are folders beside this file."""
     return tuple(module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.ispkg)
 
 
 @cache
 def _own_sources() -> tuple[Path, ...]:
-    """Return the source files beside this file."""
+    """Return the source files in the folder of this file and in its subfolders."""
     return tuple(sorted(Path(bodycheck.adapters.__path__[0]).resolve().rglob("*.py")))
 
 
 def _points(group: str, name: str | None = None) -> tuple[EntryPoint, ...]:
-    """Return the entry points of a group, or those of them with one name, on the present path of modules."""
+    """Return the entry points of a group on the present `sys.path`; if `name` is given, only the entry points of this name."""
     return tuple(point for point in _all_points(tuple(sys.path)) if point.group == group and name in (None, point.name))
 
 
 @cache
 def _all_points(path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
-    """Return the entry points that concern engines, for which the metadata of all packages are read: once for each path."""
+    """Return the entry points that concern engines. The metadata of all packages are read once for each path."""
     return (*entry_points(group=ENGINE_GROUP), *entry_points(group=DISTRIBUTION_GROUP))
 
 
@@ -187,15 +190,15 @@ def _files_of(module: str) -> list[Path]:
     return files or [Path(spec.origin)]
 
 
-#: All that engines may let differ between scenes that they step together.
+#: All properties that may differ between scenes that an engine steps together.
 VARIED = frozenset(get_args(Varied))
 
-#: What `is_name` demands of a name.
+#: The rule that `is_name` checks, in words.
 RULE = f"text of 1 to {MAX_NAME_LENGTH} printable characters that begins with a letter or digit"
 
 
 def fault_of(engine: object) -> str | None:
-    """Return what is wrong with the record of an engine, as a clause without a subject's name; None if it is complete."""
+    """Return the fault of an engine's record, as a clause that does not name the engine; None if the record is complete."""
     if not isinstance(engine, Engine):
         return f"its record is of the type {type(engine).__name__}, not Engine"
     for key in ("name", "distribution", "version"):

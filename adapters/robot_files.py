@@ -1,4 +1,4 @@
-"""Facts of a robot file that its engine uses but does not tell: names and places of floating joints, and mimic joints."""
+"""Read facts of a robot file that engines do not report: the names and places of floating joints, and the mimic joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -15,14 +15,14 @@ from bodycheck.reference.trajectory import Array
 #: The type of a joint with six degrees of freedom in each format.
 FREE = {"urdf": "floating", "mjcf": "free"}
 
-#: The origin (3,) of a joint's frame in that of its parent (m), and its turn as a quaternion (4,) w, x, y, z.
+#: The origin (3,) of a joint's frame in the frame of its parent (m), and its attitude there as a quaternion (4,) w, x, y, z.
 Place = tuple[Array, Array]
 
 
 def floating_joints(file: RobotFile) -> Mapping[str, str]:
-    """Return the names of the joints with six degrees of freedom in a file, by the links or bodies that they move.
+    """Return the names of the joints with six degrees of freedom in a file, keyed by the links or bodies that they move.
 
-    Engines that make such joints on their own do not keep the names of the file. A joint without a name has an empty one.
+    Engines that make such joints themselves do not keep the names of the file. The name of a joint without a name is empty.
     """
     root = ElementTree.parse(file.path).getroot()
     if file.format == "urdf":
@@ -38,7 +38,7 @@ def floating_joints(file: RobotFile) -> Mapping[str, str]:
 
 
 def places_on_root(file: RobotFile) -> Mapping[str, Place]:
-    """Return the places of the floating joints of a URDF whose parent is the root, by the names of the joints."""
+    """Return the places of the floating joints of a URDF whose parent is the root, keyed by the names of the joints."""
     joints = ElementTree.parse(file.path).getroot().findall("joint")
     ends = [
         {side: end.get("link", "") for side in ("parent", "child") if (end := joint.find(side)) is not None} for joint in joints
@@ -55,7 +55,7 @@ def places_on_root(file: RobotFile) -> Mapping[str, Place]:
 
 
 def turned(angles: Sequence[float]) -> Array:
-    """Return the quaternion (4,) w, x, y, z of turns (rad) about the fixed axes x, y and z in turn."""
+    """Return the quaternion (4,) w, x, y, z of rotations by angles (rad) about the fixed axes x, y and z, in this order."""
     quaternion = np.array([1.0, 0.0, 0.0, 0.0])
     for axis, angle in enumerate(angles):
         turn = np.zeros(4)
@@ -65,16 +65,16 @@ def turned(angles: Sequence[float]) -> Array:
 
 
 def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
-    """Return a state in which floating joints have their coordinates in the frame of the root.
+    """Return the state with positions and linear components of floating joints along the axes of the root.
 
-    The angular velocities remain those along the axes of the child.
+    Angular velocities, accelerations and torques stay along the axes of the child.
 
     Parameters
     ----------
     state
         The state.
     places
-        The places of floating joints in the frame of the root, by the names of the joints.
+        The places of floating joints in the frame of the root, keyed by the names of the joints.
     """
     positions = dict(state.positions)
     for name, (origin, turn) in places.items():
@@ -94,7 +94,7 @@ def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
 
 
 def mimics(file: RobotFile) -> Mapping[str, Mimic]:
-    """Return what the joints of a URDF with a mimic element follow, by their names."""
+    """Return the mimic elements of a URDF, keyed by the names of the joints that have them."""
     by_joint = {}
     for joint in ElementTree.parse(file.path).getroot().findall("joint"):
         element = joint.find("mimic")

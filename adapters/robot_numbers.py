@@ -1,4 +1,4 @@
-"""Numbers of an engine in the forms of `bodycheck.adapters.robot_reading`."""
+"""Convert numbers of an engine to the forms of `bodycheck.adapters.robot_reading`."""
 
 import math
 from collections.abc import Mapping
@@ -27,13 +27,16 @@ def vector(values: ArrayLike) -> Vector:
 
 
 def matrix(quaternion: ArrayLike) -> Array:
-    """Return the matrix (3, 3) of a quaternion w, x, y, z of any norm; it takes components in the turned frame to others."""
+    """Return the rotation matrix (3, 3) of a quaternion w, x, y, z of any norm.
+
+    It converts components in the rotated frame to components in the frame that was rotated.
+    """
     unit = normalise(np.asarray(quaternion, dtype=float))
     return rotate(np.broadcast_to(unit, (3, 4)), np.eye(3)).T
 
 
 def scalar_first(quaternion: ArrayLike) -> Array:
-    """Return the quaternion (4,) w, x, y, z of one that an engine has as x, y, z, w."""
+    """Return a quaternion (4,) in the order w, x, y, z, from an engine's order x, y, z, w."""
     return np.asarray(quaternion, dtype=float)[[3, 0, 1, 2]]
 
 
@@ -48,11 +51,11 @@ def pose(position: ArrayLike, quaternion: ArrayLike) -> Array:
 
 
 def finite(limit: float, beyond: float = math.inf) -> float | None:
-    """Return a limit; None where it is infinite, or at least as large as an engine's number for no limit."""
+    """Return a limit; None if its size is `beyond`, by which the engine says that there is no limit, or more."""
     return float(limit) if abs(limit) < beyond else None
 
 
 def values_of(values: Mapping[str, tuple[float, ...]], joint: str, count: int) -> Array | None:
-    """Return the numbers of a joint in a state; None where there are none, or not as many as the engine's joint has."""
+    """Return the numbers of a joint in a state; None if the state has none, or not the number that the engine's joint has."""
     numbers = values.get(joint, ())
     return np.array(numbers) if numbers and len(numbers) == count else None

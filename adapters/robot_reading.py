@@ -1,7 +1,7 @@
 """A robot model as an engine has it after its own reader has read the file.
 
-Numbers are those of the engine, converted to the conventions of `bodycheck.reference.robots` and to the frames of the links,
-but to nothing that the engine does not have: what it does not know is None.
+Numbers are those of the engine, converted to the conventions of `bodycheck.reference.robots` and to the frames of the links.
+Numbers that the engine does not have are not filled in: they are None.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ Components = tuple[float, float, float, float, float, float]
 
 
 class ModelRefused(Exception):
-    """The engine refuses a robot model; the text is that of the engine."""
+    """The engine refuses a robot model; the text is the engine's message."""
 
 
 class FormatUnknown(Exception):
@@ -27,7 +27,7 @@ class FormatUnknown(Exception):
 
 @dataclass(frozen=True)
 class RobotFile:
-    """A robot model as its engine gets it: a file whose references to other files have been checked.
+    """A robot model as an engine receives it: a file whose references to other files have been checked.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class RobotFile:
     format
         Its format.
     packages
-        The folders in which an engine finds packages, by the names of the packages.
+        The folders in which an engine finds packages, keyed by the names of the packages.
     """
 
     path: str
@@ -51,11 +51,11 @@ class ReadBody:
     Attributes
     ----------
     name
-        The name of the link whose frame is that of the body.
+        The name of the link whose frame is the frame of the body.
     parent
-        The name of the body that it hangs on; None for the root.
+        The name of the body's parent in the tree; None for the root.
     mass, center_of_mass, inertia
-        Mass (kg), centre of mass (m) and inertia about it (kg m^2), in the link's frame.
+        Mass (kg), centre of mass (m) and inertia about the centre of mass (kg m^2), in the link's frame.
     """
 
     name: str
@@ -67,18 +67,19 @@ class ReadBody:
 
 @dataclass(frozen=True)
 class ReadJoint:
-    """A joint of the engine, with the words of `RobotJoint`.
+    """A joint of the engine; the attributes that are not listed here have the meanings and units that `RobotJoint` gives them.
 
     Attributes
     ----------
     name, type
-        The name and the type, in the words of `bodycheck.reference.robots.model.RobotJointType`, or else the engine's own word.
+        The name, and the type: a word of `bodycheck.reference.robots.model.RobotJointType`, or else the engine's own word.
     child
-        The name of the body that it moves.
+        The name of the body that the joint moves.
     first, count
-        The place of its first velocity among those of the engine, and how many it has; 0 for a joint that is fixed.
+        The index of the joint's first velocity among the velocities of the engine, and the number of its velocities, which is 0
+        for a fixed joint.
     axis
-        The unit axis in the child's frame; None where there is none or the engine does not tell.
+        The unit axis in the child's frame; None if the joint has no axis or the engine does not report it.
     """
 
     name: str
@@ -99,25 +100,26 @@ class ReadJoint:
 
 @dataclass(frozen=True, eq=False)
 class RobotReading:
-    """A robot model as an engine has it, and what the engine computes with it.
+    """A robot model as an engine has it, and the terms that the engine computes with it.
 
     Attributes
     ----------
     bodies, joints
-        The bodies that the engine keeps, its root included if it has one, and the joints that move, in its order.
+        The bodies that the engine keeps, including its root if it has one, and the joints that move, in the engine's order.
     links
-        The names of all links of the file that the engine knows, also of those that it has joined to others.
+        The names of all links of the file that the engine knows, including the links that it has joined to others.
     velocities
-        The number of velocities of the engine.
+        The number of velocities of the robot in the engine.
     gravity
         The gravitational acceleration that the engine uses if the user sets none (m/s^2, world).
     terms
-        What the engine computes at each of the states that were asked for, with the gravity of the call.
+        The terms that the engine computes at each of the requested states, with the requested gravity.
     rounding
-        The relative error that the engine's reader leaves in what it keeps, where it is larger than rounding in the engine's
-        precision.
+        The relative error that the engine's reader adds to the numbers of the file, if it is larger than rounding in the
+        engine's precision; otherwise 0.
     notes
-        What a user should know of this reading, such as a flag without which the engine ignores the inertia of the file.
+        Facts that a user should know about this reading, such as a flag without which the engine ignores the inertia of the
+        file.
     """
 
     bodies: tuple[ReadBody, ...]
@@ -135,20 +137,20 @@ class RobotModels(Protocol):
     """An adapter whose engine reads robot models from files."""
 
     def read_robot(self, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-        """Return what the engine's own reader makes of a file, and what the engine computes with it at some states.
+        """Return the robot model that the engine's own reader makes of a file, and the terms that the engine computes with it.
 
-        The root of the robot is welded to the world where the engine leaves the choice to the user. Everything else is as the
-        engine's reader has it without options, unless without an option the reader ignores what the file says of inertia.
+        The root of the robot is welded to the world if the engine leaves this choice to the user. The reader is used without
+        options, except for an option without which it would ignore the inertia in the file.
 
         Parameters
         ----------
         file
             The file.
         states
-            The states. Joints that the engine does not have are left out, and joints of the engine that a state does not have
-            stay where they are without velocity.
+            The states at which the terms are computed. Joints that the engine does not have are ignored. Joints of the engine
+            that a state does not have keep their positions, with zero velocity.
         gravity
-            The gravitational acceleration at these states, world frame (m/s^2).
+            The gravitational acceleration for all terms, world frame (m/s^2).
 
         Raises
         ------

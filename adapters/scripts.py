@@ -1,4 +1,4 @@
-"""The parts that are the same in the scripts of all adapters: see `bodycheck.adapters.contract.Scripts`."""
+"""The parts that the scripts of all adapters share: see `bodycheck.adapters.contract.Scripts`."""
 
 import inspect
 from collections.abc import Callable, Iterable
@@ -7,10 +7,10 @@ from typing import Any
 #: The names of the columns that a script prints: time (s), then the columns of `Simulation.advance`.
 COLUMNS = "t,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 
-#: Those of the script of a mechanism, which has a row for each body.
+#: The names of the columns that the script of a mechanism prints, with a row for each body.
 MECHANISM_COLUMNS = COLUMNS.replace("t,", "t,body,", 1)
 
-#: The sampling of a script, and its loop. A sample is taken at the end of the step that is nearest to each instant.
+#: The lines of a script that define its samples, which are at the ends of the steps nearest to the instants. Its loops follow.
 SAMPLING = """\
 TIMESTEP = {timestep!r}  # s
 INSTANTS = np.linspace(0.0, {duration!r}, {samples!r})  # s
@@ -53,33 +53,33 @@ def loop(advance: str, state: str) -> str:
     advance
         Lines that advance the simulation by `step - done` steps.
     state
-        An expression for the list of the 13 numbers of the present state.
+        An expression for the list of the 13 numbers of the current state.
     """
     return LOOP.format(columns=COLUMNS, advance=indented(advance), state=state)
 
 
 def mechanism_loop(advance: str, states: str) -> str:
-    """Return the loop over the samples of a mechanism, whose names of bodies are the list BODIES.
+    """Return the loop over the samples of a mechanism; the script must define the list BODIES of the names of the bodies.
 
-    advance: as in `loop`. states: an expression for the array (bodies, 13) of the present states.
+    `advance` is as in `loop`, and `states` is an expression for the array (bodies, 13) of the current states.
     """
     return MECHANISM_LOOP.format(columns=MECHANISM_COLUMNS, advance=indented(advance), states=states)
 
 
 def indented(lines: str) -> str:
-    """Return lines that are moved to the right by one level."""
+    """Return lines indented by one level."""
     return "\n".join(f"    {line}" for line in lines.splitlines())
 
 
 def written(numbers: Iterable[float]) -> str:
-    """Return numbers as a list with all digits of a float."""
+    """Return the source of a list of numbers, with all digits of a float."""
     return f"[{', '.join(repr(float(number)) for number in numbers)}]"
 
 
 def source(*functions: Callable[..., Any]) -> str:
-    """Return the source of functions and classes that the adapter itself calls, so that a script does what the adapter does.
+    """Return the source of functions and classes that the adapter itself calls, so that a script does the same as the adapter.
 
-    Their annotations are not evaluated in a script that begins with `FUTURE`.
+    A script that begins with `FUTURE` does not evaluate their annotations.
     """
     return "\n\n".join(inspect.getsource(function) for function in functions)
 

@@ -1,4 +1,4 @@
-"""Simulations that adapters share: a loop in Python, normalised quaternions, and several simulations stepped in turn."""
+"""Simulations that adapters share: a loop in Python, normalised quaternions, and several simulations stepped one by one."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -23,10 +23,10 @@ class Loop(Generic[State]):
     step
         Returns the state one time step after a given state; it may raise `EngineDiverged`.
     seen
-        Returns a copy of the numbers (k,) that describe a state, or of those (scenes, k) of several scenes.
+        Returns a copy of the numbers that describe a state, as (k,), or as (scenes, k) for several scenes.
     rows
-        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`. Those of one scene may
-        have several bodies: (n, bodies, 13).
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`; if a single scene has
+        several bodies, to rows (n, bodies, 13).
     """
 
     state: State
@@ -62,10 +62,10 @@ class Normalised:
     simulation
         The simulation of the engine, whose quaternions may have any norm except zero.
     quaternion_norm_error
-        The largest deviation of their norms from 1 so far; infinite after a norm that is not a number. Of several scenes, those
-        that end in such norms do not count.
+        The largest deviation of their norms from 1 so far. In a simulation of one scene it is infinite after a norm that is
+        NaN; in a simulation of several scenes such norms are ignored.
     quaternion_norm_errors
-        The largest deviation so far of each scene (scenes,), infinite after a norm that is not a number.
+        The largest deviation so far of each scene (scenes,); infinite after a norm that is NaN.
     """
 
     simulation: Simulation
@@ -93,7 +93,7 @@ class Normalised:
 
 @runtime_checkable
 class NormalisingEach(Protocol):
-    """A simulation of several scenes that has for each of them the error that `Normalising` has for all."""
+    """A simulation of several scenes that has, for each scene, the error that `Normalising` has for all scenes together."""
 
     @property
     def quaternion_norm_errors(self) -> Array:
@@ -102,9 +102,10 @@ class NormalisingEach(Protocol):
 
 
 def norm_errors(simulation: Simulation, scenes: int) -> Array:
-    """Return the largest deviation from 1 of the norm of a quaternion of each scene (scenes,), as the engine returned it.
+    """Return the largest deviation from 1 of the norms of the quaternions that the engine returned, for each scene (scenes,).
 
-    It is zero where nothing is normalised. A simulation that has one error for all scenes together has the same for each.
+    The deviation is zero if the simulation does not normalise quaternions. If the simulation has a single error for all scenes
+    together, every scene gets this error.
     """
     if isinstance(simulation, NormalisingEach):
         return simulation.quaternion_norm_errors
@@ -113,14 +114,16 @@ def norm_errors(simulation: Simulation, scenes: int) -> Array:
 
 @dataclass
 class InTurn:
-    """A simulation of several scenes, of which each part steps one or more; scenes may fail without the others.
+    """A simulation of several scenes that consists of simulations of one or more scenes each, which are stepped in turn.
+
+    A scene that fails does not stop the others.
 
     Parameters
     ----------
     parts
         The simulations, each with the indices of its scenes.
     signals
-        The signals of engines so far, by the indices of the scenes that they gave up.
+        The signals of engines so far, keyed by the indices of the scenes that the engines gave up.
     """
 
     parts: Sequence[tuple[Sequence[int], Simulation]]
@@ -140,7 +143,7 @@ class InTurn:
 
     @property
     def quaternion_norm_errors(self) -> Array:
-        """The largest deviations of norms from 1 of the scenes (scenes,), as `NormalisingEach` has them."""
+        """The largest deviation of a norm from 1 of each scene (scenes,), as in `NormalisingEach`."""
         errors = np.zeros(self._scenes)
         for places, simulation in self.parts:
             errors[list(places)] = norm_errors(simulation, len(places))
@@ -151,12 +154,12 @@ class InTurn:
         return sum(len(places) for places, _ in self.parts)
 
     def _advance_one(self, index: int, simulation: Simulation, strides: Strides, states: Array) -> None:
-        """Fill in the states of one scene, unless its engine has given it up before."""
+        """Write the states of one scene into `states`, unless the engine has already given up this scene."""
         if index in self.signals:
             return
         try:
             states[index] = simulation.advance(strides)[0]
         except EngineDiverged as signal:
-            sound = signal.states[0, :-1]  # the last is the state at the signal
+            sound = signal.states[0, :-1]  # the last state is the state at the signal
             states[index, : len(sound)] = sound
             self.signals[index] = str(signal)

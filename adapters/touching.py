@@ -1,4 +1,4 @@
-"""Bodies that touch a plane and each other, in the form in which engines take them."""
+"""Convert bodies that touch a plane and each other to the forms that engines take."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +16,10 @@ from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene,
 
 @dataclass(frozen=True)
 class TouchingBody:
-    """A free body, its shape, and its state at t = 0. Its frame has the case's axes and its origin at the centre of mass."""
+    """A free body, its shape, and its state at t = 0.
+
+    Its frame has the axes of the frame in the case, and its origin is the centre of mass.
+    """
 
     name: str
     body: Body
@@ -26,7 +29,7 @@ class TouchingBody:
 
 @dataclass(frozen=True)
 class Law:
-    """The contact law of a pair: the indices of two bodies, the lower one first, which may be `WORLD`, and coefficients."""
+    """The contact law of a pair of bodies: their indices, the lower one first, which may be `WORLD`, and the coefficients."""
 
     bodies: tuple[int, int]
     friction: float
@@ -34,9 +37,9 @@ class Law:
 
 
 def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
-    """Return the bodies of a scene in their order, in the doubles nearest to the numbers of the case.
+    """Return the bodies of a scene in their order, with the doubles that are nearest to the numbers of the case.
 
-    Raises `SceneUnsupported` for a body without a shape, or one with products of inertia.
+    Raises `SceneUnsupported` for a body without a shape, and for a body with products of inertia.
     """
     if not isinstance(scene, Mechanism):
         return (TouchingBody("body", scene.body, _shaped(scene.body.shape), scene.initial),)
@@ -60,7 +63,10 @@ def plane_of(scene: AnyScene) -> Plane:
 
 
 def laws(scene: AnyScene) -> tuple[Law, ...]:
-    """Return the law of the plane, which holds for all pairs, then the laws of the pairs with coefficients of their own."""
+    """Return the law of the plane, which is the default for all pairs, then the laws of the pairs with other coefficients.
+
+    Both indices of the first law are `WORLD`.
+    """
     plane = plane_of(scene)
     pairs = scene.contacts if isinstance(scene, Mechanism) else ()
     usual = Law((WORLD, WORLD), plane.friction, plane.restitution)
@@ -68,9 +74,10 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
 
 
 def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, ...]]:
-    """Return the pushes that act from each step at which a push begins or ends, by the number of the step, in ascending order.
+    """Return the pushes that act from each step on at which a push begins or ends, keyed by the number of the step.
 
-    A push begins and ends at the starts of the steps nearest to its instants. Step 0 is always included. timestep: in s.
+    The steps are in ascending order and include step 0. A push begins and ends at the starts of the steps that are nearest to
+    its instants. `timestep` is in s.
     """
     spans = [(_nearest(push.start, timestep), _nearest(push.end, timestep), push) for push in pushes]
     steps = sorted({0.0, *(edge for first, end, _ in spans for edge in (first, end) if np.isfinite(edge))})
@@ -88,7 +95,7 @@ def _shaped(shape: Shape | None) -> Shape:
 
 
 def not_flat(scene: Scene) -> str | None:
-    """Return, as a noun phrase, why no adapter models the contact with the plane as one of a flat body; None if one does."""
+    """Return, as a noun phrase, why no adapter can model a body as one that lies flat on its plane; None if it can."""
     if scene.drag:
         return "drag together with contact"
     try:
@@ -99,12 +106,15 @@ def not_flat(scene: Scene) -> str | None:
 
 
 def corners(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction of contacts that are rigid corners, as `ContactLaw.contact_law` does."""
+    """Return the friction law of rigid contacts at the corners of a body, as `ContactLaw.contact_law` does."""
     return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
 
 
 def corners_of_brick(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction of contacts at the corners of a brick, as `ContactLaw.contact_law` does; None for a cylinder."""
+    """Return the friction law of rigid contacts at the corners of a brick, as `ContactLaw.contact_law` does.
+
+    Return None for a body that is not a brick.
+    """
     return corners(scene, method) if isinstance(scene.body.shape, Brick) else None
 
 

@@ -1,4 +1,4 @@
-"""Links as a URDF file, for engines whose own functions take a link's tensor from such a file only."""
+"""Write links as a URDF file, for engines that take the inertia tensor of a link only from such a file."""
 
 import math
 import os
@@ -13,8 +13,8 @@ from bodycheck.reference.scene import Quaternion
 def urdf(links: Sequence[Link]) -> str:
     """Return a URDF file of a body whose links are joined to the first one by fixed joints.
 
-    The links are named link_0, link_1 and so on, and have no shapes. Numbers are written with all their digits; a turn is
-    rounded, because URDF has angles for it.
+    The links are named link_0, link_1 and so on, and have no shapes. Numbers are written with all their digits; rotations are
+    rounded, because URDF describes them by angles.
     """
     parts = [link_element(f"link_{number}", link) for number, link in enumerate(links)]
     joints = [_joint(number, link) for number, link in enumerate(links[1:], 1)]
@@ -22,10 +22,10 @@ def urdf(links: Sequence[Link]) -> str:
 
 
 def angles(quaternion: Quaternion) -> tuple[float, float, float]:
-    """Return the angles (rad) of turns about the fixed axes x, y and z in turn, which a unit quaternion is.
+    """Return the angles (rad) of rotations about the fixed axes x, y and z, in this order, that make up a unit quaternion.
 
-    Half the sum and half the difference of the first and the third one are the angles of two complex numbers, one of which is
-    zero in gimbal lock; then both angles are of one size.
+    Half the sum and half the difference of the first and the third angle are the arguments of two complex numbers. In gimbal
+    lock one of these numbers is zero, and both angles then have the same size.
     """
     w, x, y, z = quaternion
     half_sum, half_difference = math.atan2(x + z, w - y), math.atan2(x - z, w + y)
@@ -34,7 +34,7 @@ def angles(quaternion: Quaternion) -> tuple[float, float, float]:
 
 
 def link_element(name: str, link: Link) -> str:
-    """Return the element of a link without shapes."""
+    """Return the URDF element of a link without shapes."""
     moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), link.inertia, strict=True)
     inertia = " ".join(f'{moment}="{spaced([value])}"' for moment, value in moments)
     return (
@@ -51,13 +51,13 @@ def _joint(number: int, link: Link) -> str:
 
 
 def spaced(numbers: Sequence[float]) -> str:
-    """Return numbers with all their digits."""
+    """Return numbers as text, separated by spaces, with all their digits."""
     return " ".join(repr(float(number)) for number in numbers)
 
 
 @contextmanager
 def file_of(text: str) -> Iterator[str]:
-    """Give the path of a file with a text, which is there while this context lasts."""
+    """Yield the path of a file that contains a text; the file exists while this context lasts."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "body.urdf")
         with open(path, "w", encoding="utf-8") as stream:

@@ -9,44 +9,45 @@ The methods are the pipelines of Brax, each of which has one integrator:
 - `positional` is position-based dynamics: velocities are differences of positions over a step.
 - `spring` resolves contacts by impulses in the velocities.
 
-The pipeline `mjx` is not among them, because it calls the step of MJX, which has an adapter of its own.
+The pipeline `mjx` is not offered, because it calls the step of MJX, which has its own adapter.
 
-`positional` and `spring` know no gyroscopic torque: they keep the angular velocity in the world frame where there is no
-torque, so that a body tumbles like a sphere, and their attitude does not converge as the time step becomes small. In
-`positional` the rate is taken from the sine of half the turn of a step, and decays. Its friction compares an impulse with a
-speed, so that it grows with the mass of the body, and is that of Coulomb's law for one mass alone. Both pipelines compute the
-impulse of each contact as if it were the only one, and apply their mean.
+`positional` and `spring` have no gyroscopic torque: without a torque they keep the angular velocity constant in the world
+frame, so that a body tumbles like a sphere, and their attitude does not converge as the time step becomes small. `positional`
+computes the angular velocity from the sine of half the rotation of a step, so that it decays. Its friction compares an impulse
+with a speed, so that friction grows with the mass of the body and agrees with Coulomb's law for a single mass only. Both
+pipelines compute the impulse of each contact as if it were the only one, and apply the mean of these impulses.
 
-Brax reads MuJoCo's XML, robot models too (the module `robots`), which it edits before MuJoCo compiles it. It has no damping,
-no sleeping and no substeps unless a model asks for them, and none is asked for, so that there is no method with other
-settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; Brax is used in the single precision of JAX
-otherwise.
+Brax reads MuJoCo's XML, also for robot models (module `robots`), and edits it before MuJoCo compiles it. It has damping,
+sleeping and substeps only if a model sets them. The models here set none of them, so that there is no method with other
+settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; without it, Brax computes in single precision,
+JAX's default.
 
-A pipeline takes no force from outside except those of actuators of joints. Gravity is an argument of a step, and for one body a
-force at the centre of mass is a change of gravity, so drag is given to a step in that way.
+A pipeline accepts no external forces except the forces of actuators of joints. Gravity is an argument of a step. For a single
+body, a force at the centre of mass is equivalent to a change of gravity, so drag is added to gravity.
 
-The positions, attitudes and velocities of links are all in the world frame; the angular velocity at the start, in the
-coordinates of a free joint, is in the body frame. All pipelines normalise the quaternion in each step. Brax models no contact
-of a cylinder with a plane. It gives no warnings: a run that diverges ends in states that are not numbers.
+The positions, attitudes and velocities of links are all in the world frame; the initial angular velocity, a coordinate of the
+free joint, is in the body frame. All pipelines normalise the quaternion in each step. Brax does not model the contact of a
+cylinder with a plane. It gives no warnings: a run that diverges ends with states that are NaN.
 
-One link may have its centre of mass and its principal axes anywhere. Several are refused: Brax moves the content of a body
-without a joint into its parent as text, where two elements of inertia are one too many for MuJoCo, and it moves none of
-them. The acceleration of `generalized` then contains the error of its inverse of the mass matrix, which with a centre of
-mass off the origin is above rounding at time steps of a few milliseconds, and below it with smaller ones.
+A single link may have its centre of mass and its principal axes anywhere. Several links are refused: Brax copies the XML
+elements of a body without a joint into its parent without changing their poses, and MuJoCo refuses a body with two elements of
+inertia. If the centre of mass is off the origin, the acceleration of `generalized` contains the error of its inverse of the
+mass matrix, which is above rounding at time steps of a few milliseconds, and below rounding at smaller time steps.
 
 Mechanisms are for `generalized`: trees of revolute, prismatic, universal and planar joints, of first order, with damping and
-springs at the start of a step; the module `mechanisms` says with what. A slide on a body that turns is refused, since Brax
-moves the body along an axis that turns and computes with one that does not. The other pipelines hold joints by iterations.
+springs at the start of a step; the module `mechanisms` describes how they are built. A slide on a body that turns is refused,
+because Brax moves the body along a rotating axis but computes inertia and forces with a fixed one. The other pipelines enforce
+joints by iterations.
 
-Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings.
+Several scenes are stepped together (`jax.vmap`); their states differ from the states of each scene alone by rounding.
 
-XLA compiles the steps of each pipeline and kind of scene, which takes seconds, when the first simulation of that sort is built
-in a process. The code is kept in the engine's environment.
+XLA compiles the steps for each pipeline and kind of scene when the first simulation of this kind is built in a process, which
+takes seconds. The compiled code is kept in the engine's environment.
 """
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation(
     "brax",
     variables={

@@ -23,7 +23,7 @@ from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 
-# MJX prints that the package of its other backend, Warp, is not installed, and packages that Brax imports warn of their age.
+# MJX prints that the package of its other backend, Warp, is not installed, and old packages that Brax imports give warnings.
 with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
     warnings.simplefilter("ignore")
     from brax import math
@@ -107,7 +107,10 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compil
 
 
 def started(xml: str, scenes: Sequence[Scene], method: Method) -> Compiled:
-    """Return the simulation of an XML text, with gravity, drag and the initial states of scenes. Raises `SceneUnsupported`."""
+    """Return the simulation of an XML text, with the gravity, the drag and the initial states of scenes.
+
+    Raises `SceneUnsupported` if Brax refuses the model.
+    """
     check_precision(engine)
     name, scene = method.integrator, scenes[0]
     gravity, drag = jnp.array([0.0, 0.0, -scene.gravity]), scene.drag / scene.body.mass if scene.drag else None
@@ -125,7 +128,7 @@ def started(xml: str, scenes: Sequence[Scene], method: Method) -> Compiled:
 
 
 def description(scene: Scene, timestep: float) -> str:
-    """Return the XML of a scene. Raises `SceneUnsupported` for a contact that is not that of a flat body."""
+    """Return the XML of a scene. Raises `SceneUnsupported` if the scene has a plane on which the body does not lie flat."""
     default, plane, geom = "", "", TOUCHES_NOTHING
     if scene.plane is not None:
         (geom,) = body_geoms(lying_shape(scene), 0)
@@ -143,9 +146,9 @@ def description(scene: Scene, timestep: float) -> str:
 
 @lru_cache(maxsize=8)
 def loaded(xml: str) -> Any:
-    """Return Brax's system of an XML text, without MuJoCo's model in it. Raises `SceneUnsupported` for what Brax refuses.
+    """Return Brax's system of an XML text, without MuJoCo's model in it. Raises `SceneUnsupported` if Brax refuses the text.
 
-    With MuJoCo's model, no system has the structure of another one, and none would share compiled code.
+    With MuJoCo's model in it, every system would have a different structure, so that no two systems could share compiled code.
     """
     try:
         system = mjcf.loads(xml)
@@ -180,15 +183,16 @@ def seen(state: Any) -> Any:
     return jnp.concatenate([pose.pos, pose.rot, motion.vel, math.inv_rotate(motion.ang, pose.rot)])
 
 
-#: For each pipeline, what takes its strides and what makes its initial state; compiled once for each structure of a system.
+#: For each pipeline, the functions that take its strides (TAKE) and that return its initial state (START). JAX compiles them
+#: once for each structure of a system.
 TAKE = {name: strider(partial(step, pipeline), seen) for name, pipeline in PIPELINES.items()}
 START = {name: jax.jit(pipeline.init) for name, pipeline in PIPELINES.items()}
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts; None for the impulses of `positional` and `spring`, which have no law.
+    """Return the friction law of a method's contacts; None for `positional` and `spring`, which follow no law of the reference.
 
-    Both compute the impulse of each contact as if it were the only one, and apply their mean.
+    Both compute the impulse of each contact as if it were the only one, and apply the mean of these impulses.
     """
     if scene.plane is None or method.integrator != "generalized":
         return None

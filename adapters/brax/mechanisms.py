@@ -1,9 +1,9 @@
 """Mechanisms in Brax's pipeline `generalized`, which computes in the coordinates of joints.
 
-The model is the XML of the adapter of MuJoCo, which computes the poses of bodies from Brax's coordinates, whose layout is
-MuJoCo's. A constant effort is the input of a motor of the joint, and so is what the rest position adds to the force of a
-spring, which Brax does not know. See `align_slides` for slides. Brax refuses ball joints, and has neither
-loops nor dry friction. Bodies on fixed joints are not offered for the reason for which several links are refused; see
+The model is the XML of the adapter of MuJoCo. MuJoCo computes the poses of bodies from Brax's coordinates, which have the same
+layout as MuJoCo's. A constant effort is the input of a motor of the joint. Brax ignores the rest position of a spring, so the
+constant force that it adds is an input of the motor too. See `align_slides` for slides. Brax refuses ball joints, and has
+neither loops nor dry friction. Bodies on fixed joints are not offered, for the same reason as several links; see
 `bodycheck.adapters.brax`.
 """
 
@@ -28,7 +28,7 @@ from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What Brax models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Brax models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -45,15 +45,15 @@ MODELS = frozenset(
 
 
 def pushed(joint: Joint) -> bool:
-    """Return whether a constant force acts in a joint."""
+    """Return whether a constant force acts in a joint: an effort, or the part of a spring's force from its rest position."""
     return bool(joint.effort or (joint.stiffness and joint.rest))
 
 
 def for_brax(xml: str, mechanism: Mechanism) -> str:
     """Return the XML of a mechanism for Brax. Raises `SceneUnsupported` for a slide on a body that turns.
 
-    Bodies on slides are along the axes of the world, each joint in which a constant force acts has a motor, and each body has a
-    shape, which Brax needs.
+    The frames of bodies on slides have the axes of the world, each joint in which a constant force acts has a motor, and each
+    body has a shape, because Brax needs one.
     """
     root = ElementTree.fromstring(xml)
     align_slides(root)
@@ -67,12 +67,12 @@ def for_brax(xml: str, mechanism: Mechanism) -> str:
 
 
 def stepped(system_and_inputs: tuple[Any, Any], state: Any) -> Any:
-    """Return the state after one step, from Brax's system with the inputs of its motors, and the state."""
+    """Return the state one step after a state; the first argument contains Brax's system and the inputs of its motors."""
     system, inputs = system_and_inputs
     return pipeline.step(system, state, inputs)
 
 
-#: Takes strides of a mechanism; compiled once for each structure of a system.
+#: The functions that take strides of a mechanism, which JAX compiles once for each structure of a system.
 TAKE = strider(stepped, lambda state: jnp.concatenate([state.q, state.qd]))
 START = jax.jit(pipeline.init)
 
@@ -107,10 +107,11 @@ UNTURNED = "1 0 0 0"
 def align_slides(root: ElementTree.Element) -> None:
     """Turn the frames of all bodies on slides, in MuJoCo's XML of a mechanism, to the axes of the world.
 
-    Brax's pipeline `generalized` turns the axes of hinges to the world in each step, and not those of slides: it displaces a
-    body along the axis in the body's frame, and computes inertia and forces as if that axis were along the same numbers in the
-    world. The two agree where the frame of a slide is not turned. A frame that keeps its attitude can be written so: the axes,
-    the inertia and all that hangs on the body are then given along the axes of the world. A slide on a body that turns cannot.
+    In each step, Brax's pipeline `generalized` converts the axes of hinges to the world frame, but not the axes of slides: it
+    displaces a body along the axis in the body's frame, and computes inertia and forces as if the axis had the same components
+    in the world frame. Both agree if the frame of the slide has the axes of the world. A frame that keeps its attitude can be
+    replaced by such a frame, by expressing the axes, the inertia and the child bodies along the axes of the world. The frame
+    of a slide on a body that turns cannot be replaced.
 
     Coordinates and motion stay the same. Raises `SceneUnsupported` for a slide on a body that turns.
     """
@@ -119,7 +120,7 @@ def align_slides(root: ElementTree.Element) -> None:
 
 
 def _align(parent: ElementTree.Element, turns: bool) -> None:
-    """Align the bodies in a body. turns: whether the body rotates; if not, its frame already has the axes of the world."""
+    """Align the bodies in a body. `turns` is whether this body rotates; if not, its frame already has the axes of the world."""
     for body in parent.findall("body"):
         kinds = {joint.get("type"): joint for joint in body.findall("joint")}
         if "slide" in kinds:
@@ -135,7 +136,8 @@ def _align(parent: ElementTree.Element, turns: bool) -> None:
 def turn_content(body: ElementTree.Element, attitude: Array) -> None:
     """Rotate the content of a body's element by the attitude (4,), w x y z, that is removed from the body's frame.
 
-    The axes of joints, the inertia, and the poses of child bodies are rotated. Without a rotation nothing is written anew.
+    The axes of joints, the inertia, and the poses of child bodies are rotated. If the attitude is no rotation, the element
+    stays unchanged.
     """
     if not attitude[1:].any():
         return

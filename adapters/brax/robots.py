@@ -1,8 +1,8 @@
-"""Robot models in Brax, which reads MJCF: it edits the text, and MuJoCo compiles what it has made of it.
+"""Robot models in Brax, which reads MJCF: it edits the text, and MuJoCo compiles the result.
 
 The terms are those of the generalized pipeline, without limits and contacts. Brax has no function for the Jacobian of a link.
-It turns the axes of hinges to the world, and not those of slides, whose terms are wrong unless their frames are not turned.
-JAX compiles the terms anew for every robot, which takes up to a minute.
+It converts the axes of hinges to the world frame, but not the axes of slides: the terms of slides are wrong, unless their
+frames have the axes of the world. JAX compiles the terms for every robot again, which takes up to a minute.
 """
 
 import warnings
@@ -52,13 +52,13 @@ def loaded(path: str) -> Any:
             warnings.simplefilter("ignore")
             system = mjcf.load(path)
             mjcf.validate_model(system.mj_model)
-    except Exception as error:  # Brax edits the text without checks of its own, so that anything may fail
+    except Exception as error:  # Brax edits the text without checks, so any exception may occur
         raise ModelRefused(refusal(path, f"{type(error).__name__}: {error}")) from error
     return system
 
 
 def kept(system: Any) -> Any:
-    """Return the numbers of a system by MuJoCo's names. Brax knows neither the world nor dry friction."""
+    """Return the numbers of a system by MuJoCo's names. Brax keeps neither the world's body nor dry friction."""
     inertia, compiled = system.link.inertia, system.mj_model
 
     def with_world(rows: Any, first: Any) -> Array:
@@ -78,9 +78,9 @@ def kept(system: Any) -> Any:
 
 
 def terms_of(system: Any, names: Sequence[str], columns_of_states: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
-    """Return the terms that Brax computes at states.
+    """Return the terms that Brax computes at n states, with gravity (m/s^2).
 
-    names: the names of all links. columns_of_states: positions, velocities, accelerations and applied forces (n, k).
+    `names` are the names of all links. `columns_of_states` are positions, velocities, accelerations and applied forces (n, k).
     """
     down = jnp.array(gravity)
     terms = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *columns_of_states)
@@ -89,7 +89,7 @@ def terms_of(system: Any, names: Sequence[str], columns_of_states: Sequence[Any]
 
 
 def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> Mapping[str, Any]:
-    """Return the terms that Brax computes at one state with a gravity (3,), by their names."""
+    """Return the terms that Brax computes at one state with gravity (3,), keyed by their names."""
     falling, floating = system.replace(gravity=gravity), system.replace(gravity=0 * gravity)
     moving, resting = state_of(system, q, qd), state_of(system, q, 0 * qd)
     matrix, bias = mass.matrix(system, moving), dynamics.inverse(falling, moving)
@@ -112,7 +112,7 @@ def state_of(system: Any, q: Any, qd: Any) -> Any:
 
 
 def _terms(numbers: Mapping[str, Array], names: Sequence[str], row: int) -> Terms:
-    """Return the terms of one state."""
+    """Return the terms of the state in one row of the numbers that `computed` returned for all states."""
     poses = zip(names, numbers["position"][row], numbers["quaternion"][row], strict=True)
     return Terms(
         poses={name: pose(position, quaternion) for name, position, quaternion in poses},

@@ -15,13 +15,13 @@ LARGEST_ENERGY_J = 1e200
 
 
 def inertia(link: Link) -> "dart.dynamics.Inertia":
-    """Return the mass, the centre of mass and the inertia of a link."""
-    with no_stderr():  # DART warns of moments of zero, and takes them
+    """Return the mass, the centre of mass and the inertia of a link as DART's inertia."""
+    with no_stderr():  # DART warns of moments of zero, but accepts them
         return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
 
 
 def pose(position: Sequence[float], quaternion: Sequence[float]) -> Any:
-    """Return the pose of a frame in another one; the quaternion w x y z may have any norm."""
+    """Return DART's pose of a frame in another frame; the quaternion w x y z may have any norm."""
     isometry = dart.math.Isometry3()
     isometry.set_translation(np.array(position, dtype=float))
     isometry.set_quaternion(dart.math.Quaternion(*normalise(np.array(quaternion, dtype=float)).tolist()))

@@ -30,15 +30,15 @@ OPTIONS: dict[str, Option] = {
     "settings": choice("engine", kinds=frozenset({"plane"})),
 }
 
-#: Half the side and half the height (m) of the box on which the body lies. No body slides so far, and contacts on a box of this
-#: size agree to all printed digits with those on one of 20 m.
+#: Half the side and half the height (m) of the box on which the body lies. No body slides beyond the box. The results of
+#: contacts on this box and on a box of 20 m agree to all printed digits.
 GROUND_HALF_SIDE_M, GROUND_HALF_HEIGHT_M = 1e5, 1.0
 
 
 def law(scene: Scene, method: Method) -> Plane | None:
     """Return the friction law of a method's contacts; None if the reference has no such law.
 
-    The reference has none for friction in a box, which is anisotropic, and none for the points under a cylinder.
+    The reference has no law for friction in a box, which is anisotropic, and none for the contact points under a cylinder.
     """
     if scene.plane is None or method.option("solver") not in CONES or not isinstance(scene.body.shape, Brick):
         return None
@@ -46,7 +46,7 @@ def law(scene: Scene, method: Method) -> Plane | None:
 
 
 def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: Scene, plane: Plane, method: Method) -> None:
-    """Add to a world the plane under a body, the shape of the body, and what a method asks of contacts.
+    """Add to a world the plane under a body, the shape of the body, and the detector and solver of contacts of a method.
 
     Raises `SceneUnsupported` for a body that does not lie flat.
     """
@@ -64,8 +64,8 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
     solver.setCollisionDetector(DETECTORS[name]())
     solver_name = method.option("solver")
     if solver_name == "pgs":
-        # It cannot be constructed from Python, but every world has one for where Dantzig's algorithm fails. A world refuses its
-        # own, because it would then have one solver twice.
+        # This solver cannot be constructed from Python, but every world has one in case Dantzig's algorithm fails. A world
+        # refuses its own solver, because it would then have the same solver twice.
         other = dart.simulation.World().getConstraintSolver()
         solver.setBoxedLcpSolver(other.getSecondaryBoxedLcpSolver())
     elif solver_name is not None:
@@ -76,7 +76,7 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
 
 
 def solid(shape: Brick | Cylinder) -> "dart.dynamics.Shape":
-    """Return the shape of a lying body as DART's."""
+    """Return DART's shape of a body that lies flat."""
     if isinstance(shape, Cylinder):
         return dart.dynamics.CylinderShape(shape.radius, 2 * shape.half_length)
     return dart.dynamics.BoxShape([2 * half for half in shape.semi_axes])

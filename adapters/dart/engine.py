@@ -1,4 +1,4 @@
-"""The adapter of DART; see the package for what the methods are and for the frames of its velocities."""
+"""The adapter of DART; the docstring of the package describes the methods and the frames of DART's velocities."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -66,7 +66,10 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[N
 
 
 def loop(built: Model, drag: float = 0.0) -> Loop[None]:
-    """Return the simulation of a body with the drag -c |v| v, c in kg/m, of the state at the beginning of each step."""
+    """Return the simulation of a body with the drag force -c |v| v, computed from the velocity v at the start of each step.
+
+    `drag` is the coefficient c (kg/m).
+    """
     world, skeleton, body = built.world, built.skeleton, built.body
 
     def step(state: None) -> None:
@@ -84,7 +87,10 @@ def loop(built: Model, drag: float = 0.0) -> Loop[None]:
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
-    """Return the body of a scene, or links in its place, on a free joint, in its initial state. Raises `SceneUnsupported`."""
+    """Return the model of a scene, in its initial state: the scene's body, or the links if given, on a free joint.
+
+    Raises `SceneUnsupported`.
+    """
     initial = scene.initial
     world = dart.simulation.World()
     world.setGravity([0.0, 0.0, -scene.gravity])

@@ -1,7 +1,7 @@
-"""Mechanisms in DART: bodies on DART's joints, and what acts in these.
+"""Mechanisms in DART: bodies on DART's joints, and the forces in these joints.
 
-Each joint is DART's own of its type, with DART's own damping, spring and dry friction, and the constant effort is the command
-of the joint. DART has no armature. Loops are ball joint constraints.
+Each joint is DART's joint of the same type, with DART's damping, spring and dry friction; a constant effort is the command of
+the joint. DART has no armature. Loops are ball joint constraints.
 """
 
 from typing import Any
@@ -19,7 +19,7 @@ from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What DART models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that DART models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -55,7 +55,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
         world.getConstraintSolver().addConstraint(closing(bodies, loop))
 
     def step(state: None) -> None:
-        world.step(False)  # so that efforts stay
+        world.step(False)  # keep the efforts
         if not skeleton.computeKineticEnergy() < LARGEST_ENERGY_J:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
@@ -84,7 +84,7 @@ def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]
 
 
 def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> tuple[Any, Any]:
-    """Add a joint, with what acts in it, and its child to a skeleton, and return both; the parent of a root is None."""
+    """Add a joint, with the forces in it, and its child to a skeleton, and return both; the parent of a root is None."""
     create = {
         "revolute": skeleton.createRevoluteJointAndBodyNodePair,
         "prismatic": skeleton.createPrismaticJointAndBodyNodePair,
@@ -116,8 +116,8 @@ def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> 
 def in_dart(joint: Joint, position: Array, velocity: Array) -> tuple[Any, Any]:
     """Return DART's coordinates and velocities of a joint.
 
-    A ball joint has a rotation vector, and the angular velocity along the child's axes. The velocities of a free joint are
-    along the axes of the parent.
+    The coordinates of a ball joint are a rotation vector, and its velocities the angular velocity along the child's axes. The
+    velocities of a free joint are along the axes of the parent.
     """
     if joint.type == "spherical":
         return rotation_vector(position), velocity
@@ -145,7 +145,7 @@ def closing(bodies: list[Any], loop: Loop) -> "dart.constraint.BallJointConstrai
 
 
 def seen(bodies: list[Any]) -> Array:
-    """Return the states (13 k,) of k bodies at their centres of mass; angular velocities are along the axes of the world."""
+    """Return the states (13 k,) of the centres of mass of k bodies; angular velocities are along the axes of the world."""
     parts = []
     for body in bodies:
         turn = body.getWorldTransform().quaternion().wxyz()

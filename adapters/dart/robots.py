@@ -1,19 +1,21 @@
 """Robot models as DART's `DartLoader` and `MjcfParser` read them, and the terms that DART computes with them.
 
-The root of a URDF is welded to the world, which is an option of the loader; without it DART gives it a free joint. A link with
-the name world is DART's world, and its inertia counts for nothing. A link without inertia has DART's default, 1 kg with moments
-of 1 kg m^2. DART starts a joint whose limits exclude zero between them.
+The root of a URDF is welded to the world by an option of the loader; without it DART gives the root a free joint. A link with
+the name `world` is DART's world, and its inertia is ignored. A link without inertia has DART's default, 1 kg with moments of
+1 kg m^2. A joint whose limits exclude zero starts between its limits.
 
 DART has damping, dry friction, stiffness and effort limits of joints, but no armature. Dry friction is a constraint in each
-step, so that DART computes neither passive forces nor forward dynamics of a robot that has it. A mimic joint has an actuator of
-that type, of which DART's Python package tells no more; the numbers are those of the file. In the forward dynamics DART takes
-damping and springs at the end of a time step, which is made so short here that nothing is left of it, cuts efforts at the
-limits, which are lifted here, and has no efforts of mimic joints, whose actuators take them here.
+step, so that DART computes neither passive forces nor forward dynamics of a robot with dry friction. A mimic joint has an
+actuator of the type MIMIC. DART's Python package does not report its numbers; they are read from the file. Three settings of
+the forward dynamics are changed here. DART evaluates damping and springs at the end of a time step: the step is so short that
+this makes no difference. DART cuts efforts at their limits: the limits are lifted. DART applies no efforts to mimic joints:
+they get actuators that take efforts.
 
-Of an MJCF of one tree DART keeps the tree and damping, but ignores every `inertial`: a body has the inertia of its shapes, or
-1 kg with moments of 1 kg m^2. It welds a body with a `freejoint`, and drops armature, friction and stiffness.
+From an MJCF with one tree DART keeps the tree and the damping, but ignores every `inertial`: a body has the inertia of its
+shapes, or 1 kg with moments of 1 kg m^2. DART welds a body with a `freejoint`, and drops armature, friction and stiffness.
 
-The velocities of a floating joint are the angular one and then that of the child's origin, both along the axes of the parent.
+The velocities of a floating joint are the angular velocity and then the velocity of the child's origin, both along the axes of
+the parent.
 """
 
 import re
@@ -47,16 +49,16 @@ TYPES = {
     "BallJoint": "spherical",
 }
 
-#: The name that DART gives the joint of a root, and that of a link that is DART's world.
+#: The name that DART gives the joint of a root, and the name of a link that is DART's world.
 ROOT_JOINT, WORLD = "rootJoint", "world"
 
-#: What DART and the library that reads URDF for it write besides a message: colours, and places in their sources.
+#: The parts of DART's output, and of the library that reads URDF for it, that surround a message: colours and source locations.
 COLOURS_AND_PLACES = re.compile(r"\x1b\[[0-9;]*m|Warning \[\S*\]|at line \d+ in \S*")
 
-#: What the names of skeletons begin with that DART makes of the shapes of an MJCF's world.
+#: The beginning of the names of skeletons that DART makes from the shapes of an MJCF's world.
 SHAPES = "__geom_skel__"
 
-#: A time step (s) of which nothing is left beside the mass matrix.
+#: A time step (s) so short that its effect vanishes in rounding beside the mass matrix.
 NO_TIME = 1e-30
 
 
@@ -82,7 +84,10 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def loaded(file: RobotFile) -> tuple[Any, list[str]]:
-    """Return a skeleton of a URDF whose root is welded to the world, and what DART says of it. Raises `ModelRefused`."""
+    """Return the skeleton of a URDF, with the root welded to the world, and the lines that DART prints about the file.
+
+    Raises `ModelRefused`.
+    """
     loader = dart.utils.DartLoader()
     loader.setOptions(dart.utils.DartLoaderOptions(defaultRootJointType=dart.utils.DartLoaderRootJointType.FIXED))
     for name, path in file.packages.items():
@@ -96,7 +101,7 @@ def loaded(file: RobotFile) -> tuple[Any, list[str]]:
 
 
 def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
-    """Return the skeleton of an MJCF, and what DART says of the file.
+    """Return the skeleton of an MJCF, and the lines that DART prints about the file.
 
     Raises `ModelRefused`, and `FormatUnknown` if the file has several skeletons.
     """
@@ -136,7 +141,7 @@ def place_of(joint: Any) -> slice:
 
 
 def read_bodies(skeleton: Any) -> tuple[ReadBody, ...]:
-    """Return the bodies. DART's world is one of them if a body hangs on it by a joint of the file."""
+    """Return the bodies. DART's world is one of them if it is the parent of a body by a joint of the file."""
     bodies = []
     for joint in joints_of(skeleton):
         body, parent = joint.getChildBodyNode(), joint.getParentBodyNode()
@@ -155,7 +160,7 @@ def read_bodies(skeleton: Any) -> tuple[ReadBody, ...]:
 
 
 def read_joints(skeleton: Any, followed: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
-    """Return the joints that move. Joints of several velocities have the damping of the first one, as DART gives it to all."""
+    """Return the joints that move. For a joint with several velocities, the properties are those of the first velocity."""
     joints = []
     for joint in moving(skeleton):
         single = joint.getNumDofs() == 1
@@ -189,7 +194,7 @@ def axis(joint: Any) -> Vector | None:
 
 
 def freed(skeleton: Any) -> None:
-    """Lift the limits at which DART cuts efforts, and let mimic joints, which DART moves by a constraint, take efforts."""
+    """Remove the limits at which DART cuts efforts, and give mimic joints force actuators in place of their constraints."""
     for joint in moving(skeleton):
         joint.setActuatorType(dart.dynamics.ActuatorType.FORCE)
         for index in range(joint.getNumDofs()):
@@ -221,7 +226,10 @@ def terms(skeleton: Any, state: RobotState, frictionless: bool) -> Terms:
 
 
 def inverted(skeleton: Any, passive: bool) -> Array:
-    """Return the efforts for the accelerations of a skeleton, with or without the efforts against damping and springs."""
+    """Return the efforts of inverse dynamics for the accelerations of a skeleton.
+
+    If `passive` is true, they include the efforts that overcome damping and springs.
+    """
     skeleton.computeInverseDynamics(False, passive, passive)
     return np.array(skeleton.getForces())
 
@@ -246,7 +254,7 @@ def coordinates(joint: Any, position: Sequence[float]) -> Any:
 
 
 def in_plane(joint: Any) -> Array:
-    """Return the matrix (3, 3) that takes the numbers of a planar joint to DART's, whose plane has axes of DART's choice."""
+    """Return the matrix (3, 3) that converts coordinates of a planar joint to DART's, which chooses the axes in the plane."""
     rotation = np.eye(3)
     axes = np.stack([joint.getTranslationalAxis1(), joint.getTranslationalAxis2()])
     rotation[:2, :2] = axes @ plane_axes(np.array(joint.getRotationalAxis(), np.longdouble))[:, :2].astype(float)
@@ -254,10 +262,10 @@ def in_plane(joint: Any) -> Array:
 
 
 def rates(skeleton: Any, state: RobotState, values: Values) -> Array:
-    """Return DART's velocities, accelerations or efforts of all joints from those of a state.
+    """Return DART's velocities, accelerations or efforts of all joints from the same quantities of a state.
 
-    Angular accelerations turn as angular velocities do, because the further term of the derivative is the angular velocity
-    times itself.
+    Angular accelerations are converted like angular velocities, because the additional term of the derivative is the cross
+    product of the angular velocity with itself, which is zero.
     """
     values_of_dart = np.zeros(skeleton.getNumDofs())
     for joint in moving(skeleton):

@@ -39,7 +39,10 @@ EDGE_IN_RADII = 0.2
 
 
 def contact_of(method: Method) -> str:
-    """Return the model of contact with the plane: hydroelastic, points or engine. Raises `SceneUnsupported` for two of them."""
+    """Return the model of contact with the plane: hydroelastic, points or engine.
+
+    Raises `SceneUnsupported` for a method that selects two of them.
+    """
     chosen, settings = method.option("contact"), method.option("settings")
     if chosen and settings:
         raise SceneUnsupported(f"contact={chosen} together with settings={settings}, which choose the contact themselves")
@@ -56,7 +59,7 @@ def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str)
     scene, plane
         The scene and its plane.
     contact
-        How the body touches the plane, as `contact_of` says it.
+        The model of contact, as `contact_of` returns it.
 
     Raises
     ------
@@ -81,12 +84,12 @@ def _properties(plane: Plane) -> Any:
 
 
 def _edge(shape: Brick | Cylinder) -> float:
-    """Return the length (m) of the edges of a shape's mesh; that of a brick has its own edges, whatever the length."""
+    """Return the length (m) of the edges of a shape's mesh. The mesh of a brick does not depend on this length."""
     return EDGE_IN_RADII * shape.radius if isinstance(shape, Cylinder) else 1.0
 
 
 def _geometries(shape: Brick | Cylinder, contact: str) -> list[tuple[Any, list[float]]]:
-    """Return the geometries of a body, and the places (m) of their centres in its frame."""
+    """Return the geometries of a body, each with the position (m) of its centre in the body's frame."""
     if contact == "points":
         if not isinstance(shape, Brick):
             raise SceneUnsupported(f"contact=points has points at corners, which {describe_shape(shape)} does not have")

@@ -21,12 +21,12 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
-# Drake logs warnings about what every scene here does: deprecated approximations, and rigid planes that deformable bodies would
+# Drake warns of features that every scene here uses: deprecated approximations, and rigid planes that deformable bodies would
 # not touch.
 logging.getLogger("drake").setLevel(logging.ERROR)
 
 #: The orders that Drake's documentation claims, and the numbers of evaluations of the accelerations in one step of fixed size.
-#: Those that iterate have no such number.
+#: Integrators that iterate have no such number.
 CLAIMS: dict[str, tuple[int, int | None]] = {
     "explicit_euler": (1, 1),
     "semi_explicit_euler": (1, 1),
@@ -41,14 +41,14 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
     "cenic": (1, None),
 }
 
-#: The explicit integrators. With contact as stiff as Drake's is by default (1e6 N/m a point), a body of 1 kg leaves the plane
-#: unless they take steps well below 0.5 ms, so they are offered only in flight.
+#: The explicit integrators. With Drake's default stiffness of contact (1e6 N/m a point), a body of 1 kg leaves the plane unless
+#: steps are well below 0.5 ms, so these integrators are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
 
-#: The approximation of contact that Drake takes if none is named.
+#: The approximation of contact that Drake uses by default.
 DEFAULT = "lagged"
 
-#: The approximations of contact of the installed release, by Drake's names, the default first.
+#: Drake's names of the approximations of contact in the installed release, the default first.
 APPROXIMATIONS = tuple(
     sorted(
         (name.removeprefix("k").lower() for name in DiscreteContactApproximation.__members__),
@@ -68,7 +68,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the choices of Drake's configurations of a plant, which is discrete, and of a simulator of a continuous one."""
+    """Return the defaults of Drake's configuration of a plant, which is discrete, and of a simulator of a continuous plant."""
     plant, simulator = MultibodyPlantConfig(), SimulatorConfig()
     return {
         "integrator": f"{plant.discrete_contact_approximation}, {simulator.integration_scheme} of a continuous plant",
@@ -88,12 +88,12 @@ engine = Engine(
 )
 
 
-#: The functions of Drake that steps call from Python. The drag, which Drake calls in turn, counts as Drake's.
+#: The functions of Drake that steps call from Python. The time of drag, which Drake calls in turn, counts as Drake's time.
 calls = ((Simulator, "AdvanceTo"),)
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """Return the friction law of a method's contacts: rigid corners for points.
+    """Return the friction law of a method's contacts: rigid corners for the option `contact=points`, else None.
 
     The reference has no law for the centroids of a hydroelastic mesh, nor for a single point.
     """
@@ -132,12 +132,12 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 
 def loop(model: Model, timestep: float) -> Loop[int]:
-    """Return the simulation of a model, whose state is the number of steps taken; quaternions have any norm."""
+    """Return the simulation of a model, whose state is the number of steps taken. Its quaternions may have any norm."""
     plant, context = model.plant, model.context
     return Loop(0, stepper(model, timestep), lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
 
 
 def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of the contract, but with quaternions of any norm, from Drake's states (n, 13)."""
+    """Return the rows (n, 13) of the contract from Drake's states (n, 13). Quaternions may have any norm, which they keep."""
     attitude, position, spin, velocity = np.split(seen, (4, 7, 10), axis=1)
     return states(position, attitude, velocity, rotate(conjugate(normalise(attitude)), spin))

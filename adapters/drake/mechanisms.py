@@ -1,9 +1,9 @@
-"""Mechanisms in Drake: bodies on Drake's joints, and what acts in these.
+"""Mechanisms in Drake: bodies on Drake's joints, and the forces in these joints.
 
-Each joint is Drake's own of its type. The coordinates of a spherical one are roll, pitch and yaw, whose rates are infinite at a
-pitch of a right angle. A body without a joint has the quaternion joint that Drake gives it, and so has a free joint. Springs
-are Drake's elements of force. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and a constant effort
-is the input of such an actuator. Loops are Drake's ball constraints, which the discrete plant alone has. Drake has no dry
+Each joint is Drake's joint of the same type. The coordinates of a spherical joint are roll, pitch and yaw, whose rates are
+infinite at a pitch of a right angle. A body without a joint and a body on a free joint have Drake's quaternion joint. Springs
+are Drake's force elements. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and a constant effort
+is the input of such an actuator. Loops are Drake's ball constraints, which only the discrete plant has. Drake has no dry
 friction."""
 
 from collections.abc import Callable
@@ -39,7 +39,7 @@ from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What Drake models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Drake models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -59,7 +59,7 @@ MODELS = frozenset(
     }
 )
 
-#: The discrete plants whose solver has constraints, which is SAP.
+#: The approximations of contact of the discrete plant whose solver is SAP, the only one with constraints.
 CONSTRAINED = ("lagged", "similar", "sap")
 
 
@@ -71,7 +71,7 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     mechanism, method
         The mechanism and the method.
     approximations
-        The names of the integrators that are those of the discrete plant.
+        The names of the integrators that are approximations of contact of the discrete plant.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def add_actuator(plant: Any, drake_joint: Any, joint: Joint) -> Any | None:
 
 def add_loops(plant: Any, bodies: list[Any], mechanism: Mechanism) -> None:
     """Add the loops of a mechanism to a plant as ball constraints."""
-    # A constraint on the body of the world itself ends the process; a body that is welded to the world has its place.
+    # A constraint on the body of the world itself ends the process; a body that is welded to the world takes its place.
     anchor = add_link(plant, "anchor", Link(1.0, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)))
     plant.WeldFrames(plant.world_frame(), anchor.body_frame())
     for loop in mechanism.loops:
@@ -170,7 +170,7 @@ def start(mechanism: Mechanism, plant: Any, context: Any, bodies: list[Any], joi
 
 
 def in_drake(joint: Joint, position: Array, velocity: Array) -> tuple[Array, Array]:
-    """Return Drake's coordinates and velocities of a joint. Its angular velocities are along the axes of the joint's frame."""
+    """Return Drake's coordinates and velocities of a joint; its angular velocities are along the axes of the joint's frame."""
     if joint.type == "spherical":
         return RollPitchYaw(Quaternion(position)).vector(), rotate(position, velocity)
     if joint.type == "free":
@@ -182,7 +182,7 @@ def in_drake(joint: Joint, position: Array, velocity: Array) -> tuple[Array, Arr
 def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
     """Return a function that returns the poses and velocities (13 k,) of k bodies, along the axes of the world."""
     plant, context = model.plant, model.context
-    # Of the context that is stepped, `cenic` leaves the poses before its last step in the cache.
+    # `cenic` leaves the poses before its last step in the cache of the context that is stepped, so poses need another context.
     own_context = plant.CreateDefaultContext()
 
     def seen(_: int) -> Array:
@@ -201,7 +201,7 @@ def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
 
 
 def rows(mechanism: Mechanism, seen: Array) -> Array:
-    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
+    """Return the states (n, bodies, 13) of the contract from the rows (n, 13 bodies) of the function that `seer` returns."""
     return centred(mechanism, in_body_axes(seen))
 
 

@@ -1,4 +1,4 @@
-"""Build Drake's model of a scene: a plant with one body, in a diagram where it has contact or drag, and its simulator."""
+"""Build Drake's model of a scene: a plant with one body, in a diagram if the scene has contact or drag, and its simulator."""
 
 import math
 import re
@@ -20,14 +20,14 @@ from bodycheck.adapters.links import Link, links_of
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.scene import Scene
 
-#: The integrator that Drake offers only for a plant of this name, in a diagram, with a scene graph.
+#: The integrator that Drake offers only for a plant of the name `PLANT`, in a diagram with a scene graph; and this name.
 CENIC, PLANT = "cenic", "plant"
 
 #: The numbers of positions (quaternion w x y z, position) and of velocities (angular, then linear; world) of a free body.
 POSITIONS, VELOCITIES = 7, 6
 
 #: The largest step of an integrator in time steps. Steps end at multiples of the time step, which are rounded. If the largest
-#: step were the time step itself, Drake would divide every step that is longer by rounding into two.
+#: step were the time step itself, Drake would divide every step that is longer because of rounding into two steps.
 LARGEST_STEP = 1 + 1e-6
 
 
@@ -60,7 +60,7 @@ class Drag(LeafSystem):  # type: ignore[misc]  # Drake has no types here
     """
 
     def __init__(self, coefficient: float) -> None:
-        LeafSystem.__init__(self)  # Drake asks for the call by this name
+        LeafSystem.__init__(self)  # Drake requires a call by this name
         self._coefficient = coefficient
         self.DeclareVectorInputPort("state", POSITIONS + VELOCITIES)
         self.DeclareVectorOutputPort("force", VELOCITIES, self._force)
@@ -81,16 +81,16 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: 
     approximations
         The names of the integrators that are approximations of contact of the discrete plant.
     links
-        The links that take the place of the scene's body; empty for that body.
+        The links that replace the scene's body; if empty, the body stays.
 
     Raises
     ------
     SceneUnsupported
-        If Drake refuses the body, or there is no such contact.
+        If Drake refuses the body, or has no such contact.
     """
     scheme, config = method.integrator, configured(method, approximations)
     builder = DiagramBuilder()
-    # A scene graph costs up to a fifth of a step, so a free body has one only where the integrator asks for it.
+    # A scene graph costs up to a fifth of a step, so a free body has one only if the integrator needs it.
     alone = scene.plane is None and not scene.drag and scheme != CENIC
     if alone:
         plant = MultibodyPlant(config.time_step)
@@ -120,7 +120,7 @@ def configured(method: Method, approximations: tuple[str, ...]) -> Any:
 
 
 def add_body(plant: Any, links: Sequence[Link]) -> Any:
-    """Add a free body of links to a plant, and return its first link. Raises `SceneUnsupported` if Drake refuses one."""
+    """Add a free body of links to a plant, and return its first link. Raises `SceneUnsupported` if Drake refuses a link."""
     bodies = [add_link(plant, "body", links[0])]
     for number, link in enumerate(links[1:], 1):
         bodies.append(add_link(plant, f"link {number}", link))
@@ -148,7 +148,7 @@ def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: b
     system, plant
         The system to simulate, and the plant, which is the system itself or a part of it.
     continuous
-        Whether an integrator steps the plant, and not the plant itself.
+        Whether an integrator steps the plant; otherwise the plant steps itself.
     """
     simulator = Simulator(system)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
@@ -161,21 +161,21 @@ def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: b
 
 
 def integrated(simulator: Any, method: Method, continuous: bool) -> None:
-    """Initialize a simulator at the state of its context; an integrator takes fixed steps of a continuous plant."""
+    """Initialize a simulator at the state of its context, with an integrator of fixed steps for a continuous plant."""
     if continuous:
         ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
         simulator.get_mutable_integrator().set_fixed_step_mode(True)
     simulator.Initialize()
 
 
-#: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process there.
+#: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process above it.
 LARGEST_ENERGY_J = 1e200
 
 
 def stepper(model: Model, timestep: float) -> Callable[[int], int]:
-    """Return a function that takes a time step of a model, and returns the number of steps taken from that before it.
+    """Return a function that takes a time step of a model; its argument and its result are the numbers of steps taken so far.
 
-    It raises `EngineDiverged`.
+    The function raises `EngineDiverged` if Drake fails, or if its next accelerations may overflow.
     """
     simulator, plant, context = model.simulator, model.plant, model.context
 
@@ -185,7 +185,7 @@ def stepper(model: Model, timestep: float) -> Callable[[int], int]:
         try:
             simulator.AdvanceTo((taken + 1) * timestep)
         except RuntimeError as error:
-            # Drake counts the sources of poses in a process.
+            # The number is different in each run, because Drake counts the sources of poses in a process.
             words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
             raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
         return taken + 1

@@ -1,17 +1,17 @@
 """Robot models as Drake's parser reads them, and the terms that Drake computes with them.
 
-The root of a URDF, which the parser leaves free, is welded to the world. A link with the name world is the world of Drake, and
-its inertia counts for nothing. A child of a floating joint is a free body on the world: Drake ignores its parent and the origin
-of the joint. If the parent is the root, the state of the body is that of the joint all the same. All other links are bodies of
-Drake, also those on fixed joints. Drake replaces an inertia that no body can have by that of a ball of the link's mass, as
-dense as water, and a link with inertia but without mass by such a ball of 1 kg. It warns of both.
+The root of a URDF, which the parser leaves free, is welded to the world. A link with the name `world` is the world of Drake,
+and its inertia is ignored. A child of a floating joint is a free body on the world: Drake ignores its parent and the origin of
+the joint. If the parent is the root, the state of the joint is still used, converted to the world. All other links are bodies
+of Drake, including links on fixed joints. Drake replaces an inertia that no body can have by the inertia of a ball of the
+link's mass with the density of water, and a link with inertia but without mass by such a ball of 1 kg. It warns of both.
 
-Effort limits and armature belong to Drake's actuators, which it makes of transmissions alone. There is no dry friction. Mimic
-joints are couplers, constraints of which Drake does not tell the numbers; they are those of the file, if Drake has as many
-couplers as the file has mimic elements. A continuous plant has no accelerations with them.
+Effort limits and armature belong to Drake's actuators, which Drake makes only from transmissions. Drake has no dry friction.
+Mimic joints are couplers, which are constraints whose numbers Drake does not report. Their numbers are read from the file, if
+Drake has as many couplers as the file has mimic elements. A continuous plant with couplers has no accelerations.
 
-The terms are those of the continuous plant. The velocities of a floating joint are the angular one and then that of the child's
-origin, both along the axes of the world. Drake's warnings are notes of the reading.
+The terms are those of the continuous plant. The velocities of a floating joint are the angular velocity and then the velocity
+of the child's origin, both along the axes of the world. Drake's warnings are notes of the reading.
 """
 
 import logging
@@ -49,10 +49,10 @@ from bodycheck.reference.trajectory import Array
 #: Drake's names of types of joints in the words of `bodycheck.reference.robots.model`.
 TYPES = {"quaternion_floating": "floating", "ball_rpy": "spherical"}
 
-#: What Drake writes before a warning: the file and the line, of which one warning has many.
+#: The text before a warning of Drake, which contains the file and a line, so that it differs between copies of one warning.
 PLACE = re.compile(r"^\S+:\d+: warning: ")
 
-#: The name of Drake's world, which is a link of a file that has one of this name.
+#: The name of Drake's world. A link with this name in a file is Drake's world.
 WORLD = "world"
 
 
@@ -70,7 +70,7 @@ class Heard(logging.Handler):
 
 @contextmanager
 def heard() -> Iterator[list[str]]:
-    """Keep Drake's warnings from the terminal, and give their texts, while this context lasts."""
+    """Keep Drake's warnings from the terminal while this context lasts, and yield the list to which their texts are added."""
     logger, handler = logging.getLogger("drake"), Heard()
     level, propagates, others = logger.level, logger.propagate, logger.handlers[:]
     logger.setLevel(logging.WARNING)
@@ -84,7 +84,7 @@ def heard() -> Iterator[list[str]]:
 
 @dataclass(frozen=True, eq=False)
 class Parsed:
-    """A file as Drake has it.
+    """A robot file as Drake's parser has read it.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Parsed:
     anchor
         The name of the link that is, or is welded to, Drake's world.
     gravity
-        The gravity that the plant has before another one is set (m/s^2).
+        The default gravity of the plant (m/s^2).
     """
 
     plant: Any
@@ -112,7 +112,7 @@ class Parsed:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Drake makes of a file, as `RobotModels.read_robot` does."""
+    """Return how Drake reads a file, as `RobotModels.read_robot` does."""
     with heard() as texts:
         robot = parsed(file, gravity)
         names = named(robot, floating_joints(file))
@@ -138,7 +138,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def parsed(file: RobotFile, gravity: Vector) -> Parsed:
-    """Return a file in a continuous plant with gravity (m/s^2). Raises `ModelRefused`."""
+    """Return a file as Drake parses it into a continuous plant with gravity (m/s^2). Raises `ModelRefused`."""
     plant = MultibodyPlant(0.0)
     parser = Parser(plant)
     for name, path in file.packages.items():
@@ -155,9 +155,9 @@ def parsed(file: RobotFile, gravity: Vector) -> Parsed:
 
 
 def welded(plant: Any, floating: set[str]) -> str:
-    """Weld the roots of a URDF to the world, and return the name of the link that the world then is.
+    """Weld the roots of a URDF to the world, and return the name of the link that is then fixed to the world.
 
-    A root is a body without a joint, and without one of the type "floating" in the file.
+    A root is a body that is the child of no joint of Drake, nor of a joint of the type "floating" in the file.
     """
     moved = {joint.child_body().name() for joint in joints_of(plant)} | floating
     names = [plant.get_body(BodyIndex(index)).name() for index in range(1, plant.num_bodies())]
@@ -173,7 +173,7 @@ def joints_of(plant: Any) -> list[Any]:
 
 
 def named(robot: Parsed, floating: Mapping[str, str]) -> dict[str, Any]:
-    """Return the joints that move, by the names of the file; those that Drake adds itself have the names of their bodies."""
+    """Return the joints that move, keyed by the names in the file; the key of a joint that Drake added is its body's name."""
     moving = [joint for joint in robot.joints if joint.num_velocities()]
     return {floating.get(joint.child_body().name()) or joint.name(): joint for joint in moving}
 
@@ -198,7 +198,7 @@ def read_bodies(robot: Parsed) -> tuple[ReadBody, ...]:
 
 
 def read_joints(robot: Parsed, names: Mapping[str, Any], followers: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
-    """Return the joints that move. One without an actuator has no armature."""
+    """Return the joints that move. A joint without an actuator has no armature."""
     plant = robot.plant
     actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
     springs = [plant.get_force_element(ForceElementIndex(number)) for number in range(plant.num_force_elements())]
@@ -242,14 +242,14 @@ def axis(joint: Any) -> Vector | None:
 
 
 def stiffness(element: Any, joint: Any) -> float:
-    """Return the stiffness (N m/rad or N/m) of an element of force that is a spring of a joint; 0 if it is not."""
+    """Return the stiffness (N m/rad or N/m) of a force element if it is a spring of the joint, else 0."""
     if not isinstance(element, RevoluteSpring | PrismaticSpring) or element.joint().index() != joint.index():
         return 0.0
     return float(element.default_stiffness() if isinstance(element, RevoluteSpring) else element.stiffness())
 
 
 def terms(robot: Parsed, context: Any, names: Mapping[str, Any], state: RobotState) -> Terms:
-    """Return what Drake computes at a state."""
+    """Return the terms that Drake computes at a state."""
     plant = robot.plant
     positions = plant.GetPositions(robot.plant.CreateDefaultContext())
     for name, joint in names.items():
@@ -283,10 +283,11 @@ def coordinates(joint: Any, position: Array) -> Array:
 
 
 def rates(plant: Any, names: Mapping[str, Any], state: RobotState, values: Values) -> Array:
-    """Return Drake's velocities, accelerations or efforts of all joints from those of a state.
+    """Return Drake's velocities, accelerations or efforts of all joints from the same quantities of a state.
 
-    Drake's angular velocities are along the axes of the joint's frame. Angular accelerations turn as they do, because the
-    further term of the derivative is the angular velocity times itself.
+    Drake's angular velocities are along the axes of the joint's frame. Angular accelerations are converted like angular
+    velocities, because the additional term of the derivative is the cross product of the angular velocity with itself, which is
+    zero.
     """
     velocities = np.zeros(plant.num_velocities())
     for name, joint in names.items():
@@ -301,7 +302,7 @@ def rates(plant: Any, names: Mapping[str, Any], state: RobotState, values: Value
 
 
 def accelerations(plant: Any, context: Any, forces: Array) -> Array | None:
-    """Return Drake's accelerations under generalised forces; None where it has none, as with constraints or without mass."""
+    """Return Drake's accelerations under generalised forces; None if it cannot compute them, as with constraints or no mass."""
     plant.get_applied_generalized_force_input_port().FixValue(context, forces)
     try:
         return np.array(plant.get_generalized_acceleration_output_port().Eval(context))

@@ -1,56 +1,57 @@
 """The adapter of Exudyn, a C++ engine of flexible multibody dynamics that computes in double precision.
 
-The module `engine` is the adapter, `formulations` has the coordinates of the body's rotation, `stepping` the settings and the
-loop of the solvers, and `contact` the contacts of a brick. Steps are taken in C++, many a call.
+The module `engine` is the adapter, `formulations` has the coordinates of the body's rotation, `stepping` has the settings and
+the loop of the solvers, and `contact` has the contacts of a brick. A call takes many steps in C++.
 
 The integrators are Exudyn's dynamic solvers: explicit Runge-Kutta methods (`ExplicitEuler`, `ExplicitMidpoint`, `RK33`, `RK44`,
 `RK67`, `ODE23`, `DOPRI5`) and `VelocityVerlet`, and the implicit `GeneralizedAlpha`, which is Exudyn's default, and
-`TrapezoidalIndex2`. `ODE23` and `DOPRI5` adapt their step by default and are stepped at a fixed one here. `DVERK6` is in
-Exudyn's list, but no solver of 1.13 accepts it. Generalized alpha with `useNewmark` is the trapezoidal rule, and so is that
-with a spectral radius of 1: their states were the same, so that Newmark is no method of its own. Exudyn calls `VelocityVerlet`
-a method of order 2 under development; its rotation and its drag are of order 1, because these depend on velocities.
+`TrapezoidalIndex2`. `ODE23` and `DOPRI5` adapt their step by default and take fixed steps here. `DVERK6` is in Exudyn's list,
+but no solver of 1.13 accepts it. Generalized alpha with `useNewmark` is the trapezoidal rule, and so is generalized alpha with
+a spectral radius of 1: their states were the same, so that Newmark is not a separate method. Exudyn calls `VelocityVerlet` a
+method of order 2 under development; rotation and drag depend on velocities, and with them its order is 1.
 
 The option `formulation` selects the coordinates of the rotation:
 
 - `RotVecLG`, the rotation vector on the Lie group (Holzinger, Arnold and Gerstmayr 2023, doi 10.21203/rs.3.rs-2715112/v1); the
   default here with all solvers. The velocities are the angular velocity in the body frame. A body at rest that starts to turn
-  by less than 1e-8 rad a step stays where it is, because of how Exudyn composes rotations.
+  by less than 1e-8 rad a step does not turn at all, because of how Exudyn composes rotations.
 - `EP`, Euler parameters, with their norm as an algebraic constraint, for implicit solvers alone; the default of Exudyn's own
   functions that create bodies. `GeneralizedAlpha` keeps the norm in every step, but without numerical damping accelerations
-  of alternating sign grow until Newton's method fails, after some seconds; it therefore has them by default in
-  `settings=engine` alone. `TrapezoidalIndex2` keeps only the rate of the norm, which drifts.
-- `Rxyz`, angles about x, y and z. They meet gimbal lock: errors of order one, or the solver stops.
+  of alternating sign grow until Newton's method fails, after some seconds; therefore it uses Euler parameters by default only
+  with `settings=engine`. `TrapezoidalIndex2` constrains only the rate of the norm, so that the norm drifts.
+- `Rxyz`, angles about x, y and z. In gimbal lock errors are of order one, or the solver stops.
 
 The linear velocity is in the world frame. Euler parameters are normalised here; the other formulations have no quaternions.
 Drag is a force that Exudyn evaluates in every stage of a step, so that every solver keeps its order; a Python function computes
 it, which takes most of the time of a step.
 
-Switched off are numerical damping (the spectral radius is 1), the halving of steps in which Newton's method fails, and adaptive
-steps. `GeneralizedAlpha:settings=engine` has Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved steps, and
-on a plane friction that is proportional to the velocity below 1 mm/s. In all other methods that speed is the least with which
-no step reverses the sliding. Newton's method is full instead of modified, so that states do not depend on where they are
-sampled; its tolerances are Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
+Numerical damping (the spectral radius is 1), the halving of steps in which Newton's method fails, and adaptive steps are
+switched off. `GeneralizedAlpha:settings=engine` has Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved
+steps, and on a plane friction that is proportional to the velocity below 1 mm/s. In all other methods this speed is the
+smallest speed for which no step reverses the sliding. Newton's method is full instead of modified, so that states do not depend
+on where they are sampled; its tolerances are Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
 
-Links have a node each, at the origin of their frames. They are welded by Exudyn's generic joint with all axes locked, which is
-a constraint: explicit solvers refuse it. `GeneralizedAlpha` has it on positions, and without numerical damping the velocities
-of a welded body alternate, the more the smaller the step, or Newton's method fails. With `settings=engine`, and on velocities
-in `TrapezoidalIndex2`, the constraint costs an error of second order.
+Each link has a node at the origin of its frame. Links are welded by Exudyn's generic joint with all axes locked, which is a
+constraint: explicit solvers refuse it. `GeneralizedAlpha` applies it to positions. Without numerical damping the velocities of
+a welded body then alternate, the more the smaller the step, or Newton's method fails. With `settings=engine`, and in
+`TrapezoidalIndex2`, which applies it to velocities, the constraint costs an error of second order.
 
-A mechanism of turning and sliding joints from the world on, planar, universal and fixed ones included, is a kinematic tree in
-the coordinates of its joints (module `kinematic_trees`), which all solvers step, each with the order that it claims on scenes,
-with armature, springs, damping and efforts; `VelocityVerlet` is of order 1 where forces depend on velocities. Dry friction is
-proportional to the velocity below a speed that vanishes with the step, so that a joint under load creeps instead of being held.
-Every other mechanism, with ball joints or free bodies, is made of bodies that constraints hold together (`jointed_bodies`),
-which implicit solvers step, with order 2; these have no armature and no dry friction. As with links, `GeneralizedAlpha` without
-numerical damping lets the velocities of such bodies alternate, the more the smaller the step, until Newton fails: with
-`settings=engine` and in `TrapezoidalIndex2` they are of order 2. A loop is a constraint too: on positions in
-`GeneralizedAlpha`, where its gap is rounding, and on velocities in `TrapezoidalIndex2`, where it grows by the square of the
-step. Loops may be redundant, so that the solver is told to accept a singular Jacobian.
+A mechanism is a kinematic tree in the coordinates of its joints (module `kinematic_trees`) if its joints are turning, sliding,
+planar, universal and fixed joints that connect all bodies to the world. All solvers step it, with armature, springs, damping
+and efforts, and each has its claimed order on the scenes here, except `VelocityVerlet`, which is of order 1 if forces depend on
+velocities. Dry friction is proportional to the velocity below a speed that vanishes with the step, so that a joint under load
+creeps instead of being held. Every other mechanism, with ball joints or free bodies, consists of bodies that constraints hold
+together (`jointed_bodies`). Implicit solvers step it with order 2; it has no armature and no dry friction. As with links,
+`GeneralizedAlpha` without numerical damping lets the velocities of such bodies alternate, the more the smaller the step, until
+Newton's method fails: with `settings=engine` and in `TrapezoidalIndex2` the order is 2. A loop is a constraint too: on
+positions in `GeneralizedAlpha`, where its gap is rounding, and on velocities in `TrapezoidalIndex2`, where the gap grows with
+the square of the step. Loops may be redundant, so the solver is set to accept a singular Jacobian.
 
-A brick on a plane has `GeneralContact`, at its four corners; the module `contact` says how stiff it is. A cylinder has none.
+A brick on a plane has a `GeneralContact` at its four corners; the module `contact` describes its stiffness. A cylinder has no
+contact.
 """
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("exudyn")

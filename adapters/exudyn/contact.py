@@ -2,8 +2,9 @@
 
 The spheres have the height of the brick and touch the plane below its edges, so that the contacts are at its lower corners. A
 contact is a linear spring with a damper, and its friction is Coulomb's, proportional to the velocity while this is small.
-Exudyn has no default of the stiffness. Here the body's vertical motion is critically damped with a time constant of 3 ms, or of
-four steps if that is longer, so that explicit solvers are stable. Under gravity a brick sinks in by g times its square.
+Exudyn has no default stiffness. Here the body's vertical motion is critically damped with a time constant of 3 ms, or of four
+steps if they are longer, so that explicit solvers are stable. Under gravity g a brick sinks in by g times the square of the
+time constant.
 """
 
 import math
@@ -34,11 +35,14 @@ def brick(scene: Scene) -> Brick:
 
 
 def add(system: "exudyn.MainSystem", number: Any, scene: Scene, plane: Plane, method: Method) -> "exudyn.GeneralContact":
-    """Add to a system the plane under the body of a number, and its contacts, and return these. Raises `SceneUnsupported`."""
+    """Add to a system the plane under a body, given by its number, and the contacts between both; return the contacts.
+
+    Raises `SceneUnsupported` for a body that is not a brick that lies flat.
+    """
     shape, body = brick(scene), scene.body
     a, b, c = shape.semi_axes
     rate = 1 / max(TIME_CONSTANT_S, STEPS_IN_TIME_CONSTANT * method.timestep)
-    # Of two things that touch the springs are in series and the dampers side by side.
+    # In a contact, the springs of the two objects are in series and their dampers are in parallel.
     stiffness, damping = 2 * body.mass * rate**2 / 4, body.mass * 2 * rate / 4 / 2
     common = {"contactStiffness": stiffness, "contactDamping": damping, "frictionMaterialIndex": 0}
 
@@ -58,10 +62,11 @@ def add(system: "exudyn.MainSystem", number: Any, scene: Scene, plane: Plane, me
 
 
 def proportional_zone(body: Body, shape: Brick, deceleration: float, timestep: float) -> float:
-    """Return the speed (m/s) below which friction is proportional to the velocity, such that a step does not reverse it.
+    """Return the speed (m/s) below which friction is proportional to the velocity, such that no step reverses the sliding.
 
-    A corner is decelerated by friction at its full size (m/s^2), and faster by the ratio of its moment of inertia about the
-    vertical as a point of the body's mass to the body's own, where the body only spins.
+    `deceleration` (m/s^2) is the deceleration of a sliding body by friction. In a pure spin a corner is decelerated by a
+    multiple of it: the moment of inertia about the vertical of the body's mass, concentrated at the corner, divided by the
+    body's own moment.
     """
     a, b, _ = shape.semi_axes
     ratio = max(1.0, body.mass * math.hypot(a, b) ** 2 / body.moments[2])

@@ -1,4 +1,4 @@
-"""The adapter of Exudyn; see the package for what the methods are."""
+"""The adapter of Exudyn; the docstring of the package describes the methods."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-# Exudyn prints warnings and errors, and writes errors to a file, besides raising them.
+# In addition to raising errors, Exudyn prints warnings and errors, and writes errors to a file.
 exudyn.config.printToConsole = exudyn.special.exceptions.writeErrorsToLogFile = False
 
 #: The orders that Exudyn claims, and the numbers of evaluations in a step, of the explicit solvers.
@@ -33,7 +33,7 @@ ORDERS = {
     "VelocityVerlet": (2, 1),
 }
 
-#: What Exudyn models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Exudyn models; see `Engine.models`.
 OF_MECHANISMS = frozenset(
     {
         "mechanisms",
@@ -69,7 +69,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the choices of Exudyn's settings of simulations."""
+    """Return the defaults of Exudyn's settings of simulations."""
     time = exudyn.SimulationSettings().timeIntegration
     return {
         "integrator": time.solverType.name,
@@ -91,7 +91,7 @@ engine = Engine(
 #: The friction law of contacts.
 contact_law = corners
 
-#: The functions of Exudyn that steps call from Python; force functions are called by Exudyn.
+#: The functions of Exudyn that steps call from Python. Exudyn itself calls the Python functions of forces.
 calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
 
 
@@ -128,13 +128,16 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
 
 
 def normalised(built: Model) -> Simulation:
-    """Return the simulation of a model, whose quaternions have the norm 1."""
-    # Only the Euler parameters can have another norm; the quaternions of the others are made here.
+    """Return the simulation of a model, with quaternions of norm 1."""
+    # Only Euler parameters can have another norm; for the other formulations, the adapter computes the quaternions.
     return Normalised(built.stepper) if built.formulation is FORMULATIONS["EP"] else built.stepper
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
-    """Return the model of a scene with its body, or with links in its place, for a method. Raises `SceneUnsupported`."""
+    """Return the model of a scene for a method, with the scene's body, or with links in place of it.
+
+    Raises `SceneUnsupported`.
+    """
     formulation = formulations.of_method(method)
     container = exudyn.SystemContainer()
     system = container.AddSystem()
@@ -142,7 +145,7 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     contacts = None if scene.plane is None else contact.add(system, body, scene, scene.plane, method)
 
     def seen() -> Array:
-        data, count = system.systemData, formulations.coordinates(formulation)  # those of the first link come first
+        data, count = system.systemData, formulations.coordinates(formulation)  # the first link comes first
         return np.concatenate([data.GetODE2Coordinates()[:count], data.GetODE2Coordinates_t()[:count]])
 
     stepper = stepping.initialised(container, system, method, seen, lambda seen: formulations.rows(formulation, seen))
@@ -174,16 +177,16 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
 
 
 def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, scene: Scene) -> Any:
-    """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
+    """Add to a system a link with its weight, at its place in the initial state of a scene, and return its number."""
     return formulations.add_body(
         system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity
     )
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, in each of n steps, as Exudyn's last evaluation in the step had it."""
+    """Return the normal force (n,), in N, in each of n steps, from Exudyn's last evaluation in the step."""
     built = model(scene, method)
-    assert built.contacts is not None  # the caller asks for scenes with a plane
+    assert built.contacts is not None  # the caller passes only scenes with a plane
     built.contacts.computeContactForces = True
     load = np.empty(steps)
     for step in range(steps):
@@ -193,7 +196,7 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
 
 
 def jointed(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism: as a tree, where it is one of joints that trees have, or else as jointed bodies.
+    """Return the simulation of a mechanism: as a kinematic tree if `fits` allows it, else as jointed bodies.
 
     Raises `SceneUnsupported`.
     """

@@ -1,7 +1,7 @@
-"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, what they mean, and bodies on them.
+"""The formulations of a rigid body's rotation in Exudyn: the coordinates of a node, their conversions, and bodies on nodes.
 
-Each has three coordinates of the position along the axes of the world, then those of the rotation. The velocities are the rates
-of the coordinates, except for the rotation vector, whose velocities are the angular velocity in the body frame.
+A node has three coordinates of the position along the axes of the world, then the coordinates of the rotation. The velocities
+are the rates of the coordinates, except for the rotation vector, whose velocities are the angular velocity in the body frame.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
 
-#: How near to 1/2 half the sine of the second angle is at which its cosine has lost half of the digits.
+#: The distance from 1/2 of half the sine of the second angle, below which the cosine of this angle has lost half of its digits.
 GIMBAL_LOCK = 1e-16
 
 
@@ -34,9 +34,10 @@ class Formulation:
     reference
         The reference rotation, to which initial and current coordinates are relative.
     start
-        Returns rotation and its velocities at a state.
+        Returns the coordinates of the rotation and their velocities, from a quaternion and an angular velocity.
     meaning
-        Returns quaternions (n, 4) and angular velocities (n, 3) in the body frame, from rotations and velocities of n states.
+        Returns quaternions (n, 4) and angular velocities (n, 3) in the body frame, from the coordinates and velocities of the
+        rotation in n states.
     """
 
     node: Callable[..., Any]
@@ -46,7 +47,7 @@ class Formulation:
 
 
 def node(formulation: Formulation, initial: State) -> Any:
-    """Return a node of a formulation at an initial state."""
+    """Return a node of a formulation in an initial state."""
     rotation, rates = formulation.start(np.array(initial.quaternion), np.array(initial.angular_velocity))
     return formulation.node(
         referenceCoordinates=[0.0, 0.0, 0.0, *formulation.reference],
@@ -68,17 +69,17 @@ def rows(formulation: Formulation, seen: Array) -> Array:
 
 
 def euler_parameters_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
-    """Return a quaternion (4,) and its rates, q (0, w) / 2."""
+    """Return a quaternion q (4,) and its rates q (0, w) / 2 (4,), for the angular velocity w (3,) in the body frame."""
     return quaternion, multiply(quaternion, np.array([0.0, *angular_velocity])) / 2
 
 
 def of_euler_parameters(parameters: Array, rates: Array) -> tuple[Array, Array]:
-    """Return quaternions of any norm, and the angular velocities 2 q* dq/dt."""
+    """Return the quaternions q (n, 4), of any norm, and the angular velocities 2 q* dq/dt (n, 3)."""
     return parameters, 2 * multiply(conjugate(parameters), rates)[:, 1:]
 
 
 def rotation_vector_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
-    """Return the rotation vector (3,), rad, of at most a half turn, and the angular velocity."""
+    """Return the rotation vector (3,), in rad and at most pi long, and the angular velocity."""
     return rotation_vector(quaternion), angular_velocity
 
 
@@ -88,9 +89,9 @@ def of_rotation_vector(vectors: Array, angular_velocity: Array) -> tuple[Array, 
 
 
 def angles_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
-    """Return the angles of turns about x, then y, then z of the body, and their rates.
+    """Return the angles (3,), in rad, of rotations about x, then y, then z of the body, and their rates (3,).
 
-    Raises `SceneUnsupported` in gimbal lock, where the turns about x and z are about one axis.
+    Raises `SceneUnsupported` in gimbal lock, where the rotations about x and z have the same axis.
     """
     w, x, y, z = quaternion
     if abs(w * y + x * z) > 0.5 - GIMBAL_LOCK:
@@ -117,13 +118,13 @@ def of_angles(angles: Array, rates: Array) -> tuple[Array, Array]:
 
 
 def rates_to_velocity(angles: Array) -> Array:
-    """Return the matrices (n, 3, 3) from rates of angles (n, 3) to angular velocities in the body frame."""
+    """Return the matrices (n, 3, 3) that convert rates of angles (n, 3) to angular velocities in the body frame."""
     (c2, c3), (s2, s3) = np.cos(angles[:, 1:]).T, np.sin(angles[:, 1:]).T
     zeros, ones = np.zeros(len(angles)), np.ones(len(angles))
     return np.stack([c2 * c3, s3, zeros, -c2 * s3, c3, zeros, s2, zeros, ones], axis=1).reshape(-1, 3, 3)
 
 
-#: All formulations by the names of Exudyn's nodes, without the words that these have in common.
+#: All formulations, keyed by the parts of the names of Exudyn's nodes in which these names differ.
 FORMULATIONS = {
     "EP": Formulation(itemInterface.NodeRigidBodyEP, (1.0, 0.0, 0.0, 0.0), euler_parameters_at, of_euler_parameters),
     "RotVecLG": Formulation(itemInterface.NodeRigidBodyRotVecLG, (0.0, 0.0, 0.0), rotation_vector_at, of_rotation_vector),
@@ -132,13 +133,13 @@ FORMULATIONS = {
 
 
 def of_method(method: Method) -> Formulation:
-    """Return the formulation of a method: the one that it names, or Exudyn's default with its settings, or the Lie group."""
+    """Return the formulation that a method names; by default `EP` with Exudyn's own settings, and `RotVecLG` otherwise."""
     return FORMULATIONS[method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")]
 
 
 def add_body(system: "exudyn.MainSystem", formulation: Formulation, link: Link, initial: State, gravity: float) -> Any:
     """Add to a system a link with its weight, whose frame is in a state, and return its number."""
-    # Exudyn takes the tensor about the origin of the link; this is its own conversion.
+    # Exudyn needs the tensor about the origin of the link; this is Exudyn's own conversion.
     inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
     body = system.AddObject(
         itemInterface.ObjectRigidBody(

@@ -1,6 +1,7 @@
-"""Mechanisms in Exudyn as rigid bodies that joints hold together, which are constraints for implicit solvers.
+"""Mechanisms in Exudyn as rigid bodies that joints hold together. The joints are constraints, which need implicit solvers.
 
-Springs, damping and efforts are connectors beside the joints. There are no universal joints, no armature and no dry friction.
+Springs, damping and efforts are connectors parallel to the joints. There are no universal joints, no armature and no dry
+friction.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,10 +20,10 @@ from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
-#: The axes, three of translation and three of rotation, that Exudyn's generic joint locks, by the types of joints.
+#: The axes, three of translation and three of rotation, that Exudyn's generic joint locks for each type of joint.
 LOCKED = {"fixed": [1, 1, 1, 1, 1, 1], "planar": [0, 0, 1, 1, 1, 0]}
 
 
@@ -33,8 +34,8 @@ def add(
 
     Returns
     -------
-    A function that returns numbers (k,), after the system is assembled, that describe the state, and one that converts those of
-    n states (n, k) to the states (n, bodies, 13) of the contract.
+    Two functions. The first returns the numbers (k,) that describe the current state of the system, which must be assembled.
+    The second converts the numbers (n, k) of n states to the states (n, bodies, 13) of the contract.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def add(
 
 
 def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any, position: Array) -> None:
-    """Add a joint to a system, with what acts in it. Raises `SceneUnsupported`."""
+    """Add a joint to a system, with the forces in it. Raises `SceneUnsupported`."""
     only = "in its kinematic trees only, which begin at the world and have no balls"
     if joint.armature or joint.friction:
         raise SceneUnsupported(f"Exudyn has {'armature' if joint.armature else 'dry friction'} of joints {only}")

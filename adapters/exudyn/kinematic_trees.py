@@ -1,11 +1,11 @@
 """Mechanisms in Exudyn as kinematic trees, in the coordinates of their joints.
 
-`ObjectKinematicTree` has turning and sliding joints about the axes of its links. Other axes are turned to z by the frames of
-the links; a universal and a planar joint are two and three of these joints, with links without mass between; a body on a fixed
-joint is a part of the link that carries it, by Exudyn's own sum of inertias. Springs, damping and efforts are those of the
-tree. Armature is the mass matrix of a second object on the coordinates of the tree, and dry friction a connector of a
-coordinate, proportional to the velocity at low speeds; see `friction_zone`. A loop is a spherical joint between two markers,
-which needs an implicit solver.
+`ObjectKinematicTree` has turning and sliding joints along the axes of its links. The frames of the links are rotated so that
+the axis of every joint is z. A universal joint consists of two of these joints and a planar joint of three, with links without
+mass between them. A body on a fixed joint is a part of the link that carries it, by Exudyn's own sum of inertias. Springs,
+damping and efforts are properties of the tree. Armature is the mass matrix of a second object on the coordinates of the tree.
+Dry friction is a connector of a coordinate, and is proportional to the velocity at low speeds; see `friction_zone`. A loop is a
+spherical joint between two markers, which needs an implicit solver.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,26 +28,40 @@ from bodycheck.reference.trajectory import Array
 #: The types of joints of a tree.
 JOINTS: frozenset[JointType] = frozenset({"revolute", "prismatic", "universal", "planar", "fixed"})
 
-#: What a link of a tree tells, at a point of it.
+#: The quantities that a sensor measures at a point of a link of a tree.
 SEEN = ("Position", "RotationMatrix", "Velocity", "AngularVelocityLocal")
 
 
 @dataclass(frozen=True)
 class Place:
-    """The place of a frame: the number of a link, and origin (3,) and attitude (4,), w x y z, in the frame of the link."""
+    """The place of a frame: the number of its link, and its origin (3,) and attitude (4,), w x y z, in the link's frame."""
 
     link: int
     origin: Array
     turn: Array
 
     def after(self, origin: Array, turn: Array) -> "Place":
-        """The place of a frame whose origin and attitude in this one are given."""
+        """Return the place of a frame whose origin and attitude in the frame of this place are given."""
         return Place(self.link, self.origin + rotate(self.turn, origin), multiply(self.turn, turn))
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link of a tree: its joint's type, its parent, the joint's frame in the parent's frame, the start and what acts."""
+    """A link of a tree.
+
+    Attributes
+    ----------
+    kind
+        The type of its joint in Exudyn.
+    parent
+        The number of the parent link; -1 for the world.
+    origin, turn
+        The origin (3,) of the joint's frame (m) and its attitude (4,), w x y z, in the frame of the parent link.
+    position, velocity
+        The initial coordinate of the joint (rad or m) and its rate.
+    acting
+        The joint of the mechanism, for the forces and the armature.
+    """
 
     kind: str
     parent: int
@@ -59,12 +73,12 @@ class Link:
 
 
 def fits(mechanism: Mechanism) -> bool:
-    """Return whether a mechanism is a tree of the joints that Exudyn's trees have, from the world on."""
+    """Return whether all bodies of a mechanism are on joints that Exudyn's trees have; free bodies are not."""
     return all(joint is not None and joint.type in JOINTS for joint in mechanism.joint_of)
 
 
 def elements(joint: Joint) -> list[tuple[str, Array]]:
-    """Return the kinds and axes (3,) of the turning and sliding joints that a joint is made of."""
+    """Return the kinds and axes (3,) of the turning and sliding joints that make up a joint."""
     x, y, z = np.eye(3)
     kinds = {
         "revolute": [("RevoluteZ", np.array(exact.nearest_axis(joint)))],
@@ -96,12 +110,12 @@ def linked(mechanism: Mechanism) -> tuple[list[Link], list[Place]]:
 def add(
     system: "exudyn.MainSystem", mechanism: Mechanism, timestep: float
 ) -> tuple[Callable[[], Array], Callable[[Array], Array]]:
-    """Add a mechanism, which is to be stepped with a time step (s), to a system.
+    """Add a mechanism to a system for the given time step (s).
 
     Returns
     -------
-    A function that returns numbers (k,), after the system is assembled, that describe the state, and one that converts those of
-    n states (n, k) to the states (n, bodies, 13) of the contract.
+    Two functions. The first returns the numbers (k,) that describe the current state of the system, which must be assembled.
+    The second converts the numbers (n, k) of n states to the states (n, bodies, 13) of the contract.
     """
     links, places = linked(mechanism)
     node = system.AddNode(
@@ -185,8 +199,8 @@ def add_friction(system: "exudyn.MainSystem", mechanism: Mechanism, links: Seque
 def friction_zone(mechanism: Mechanism, joint: Joint, timestep: float) -> float:
     """Return the speed (rad/s or m/s) below which dry friction is proportional to the speed.
 
-    It is twice the speed that the friction takes from the child alone in a step, so that no step reverses the motion of a joint
-    whose inertia is at least half of the child's. It vanishes with the step.
+    It is twice the speed by which the friction slows the child alone in a step, so that no step reverses the motion of a joint
+    whose inertia is at least half of the child's inertia. It vanishes with the time step.
     """
     link = link_of(mechanism.bodies[joint.child])
     inertia = joint.armature + link.mass

@@ -13,7 +13,7 @@ from bodycheck.reference.trajectory import Array
 #: Exudyn's solvers that take explicit steps.
 EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "RK67", "ODE23", "DOPRI5", "VelocityVerlet")
 
-#: A tolerance of the error of a step that every step keeps, so that a solver that adapts its step takes the largest.
+#: A tolerance of the error of a step so large that every step meets it: a solver that adapts its step takes the largest step.
 NO_TOLERANCE = 1e100
 
 
@@ -59,23 +59,23 @@ class Stepper:
         return single(self.rows(np.array(seen)))
 
     def failed(self, steps: int) -> str | None:
-        """Take a number of steps, at least one, and return what the solver says if it fails; None if it does not."""
+        """Take a number of steps, at least one. Return the solver's message if it fails, else None."""
         iteration, adaptive = self.solver.it, self.settings.timeIntegration.adaptiveStep
-        # The loop ends after the first step that reaches the end. Where Exudyn may change steps, it shortens the last one to
-        # end there; where they are fixed, the end lies half a step back, so that rounding adds or omits no step.
+        # The loop ends after the first step that reaches the end time. If Exudyn may change steps, it shortens the last step to
+        # end there. If steps are fixed, the end time is set back by half a step, so that rounding adds or omits no step.
         iteration.startTime = self.taken * self.timestep
         self.taken += steps
         iteration.endTime = (self.taken if adaptive else self.taken - 0.5) * self.timestep
         try:
             if self.solver.SolveSteps(self.system, self.settings):
                 return None
-        except Exception as error:  # Exudyn raises what its messages of errors are, of several types
+        except Exception as error:  # Exudyn raises exceptions of several types
             return f"Exudyn stops: {' '.join(str(error).split())}"
         return f"Exudyn's solver fails: {' '.join(self.solver.GetErrorString().split())}"
 
 
 def settings(method: Method) -> "exudyn.SimulationSettings":
-    """Return the settings with which a solver takes the fixed steps of a method, writes no file and prints nothing."""
+    """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing."""
     simulation = exudyn.SimulationSettings()
     simulation.solution.file.write = False
     time = simulation.timeIntegration
@@ -84,14 +84,14 @@ def settings(method: Method) -> "exudyn.SimulationSettings":
     time.automaticStepSize = False
     time.absoluteTolerance = time.relativeTolerance = NO_TOLERANCE
     time.explicit.computeEndOfStepAccelerations = False  # no step depends on them
-    # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on where they are seen.
+    # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
     time.newton.useModifiedNewton = False
     if method.option("settings") != "engine":
         time.adaptiveStep = False
         time.generalizedAlpha.spectralRadius = 1.0
     time.solverType = getattr(exudyn.DynamicSolverType, method.integrator)
     if method.integrator == "TrapezoidalIndex2":
-        # What Exudyn's own function for this solver sets.
+        # Exudyn's own function for this solver sets these flags.
         time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = True
     return simulation
 
@@ -109,14 +109,14 @@ def initialised(
     rows: Callable[[Array], Array],
     redundant: bool = False,
 ) -> Stepper:
-    """Return the simulation of a system that is complete, with an initialised solver.
+    """Return the simulation of a complete system, with an initialised solver.
 
     Parameters
     ----------
     container, system, method, seen, rows
         See `Stepper`.
     redundant
-        Whether constraints may depend on each other, so that the solver is to accept a singular Jacobian.
+        Whether constraints may depend on each other, so that the solver must accept a singular Jacobian.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def initialised(
         chosen.linearSolver.ignoreSingularJacobian = True
     try:
         refusal = "" if engine_solver.InitializeSolver(system, chosen) else engine_solver.GetErrorString()
-    except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where there are constraints
+    except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it if there are constraints
         refusal = str(error).partition(" [Python file")[0]
     if refusal:
         raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")

@@ -1,15 +1,16 @@
 """The adapter of MJX, which is MuJoCo written in JAX, in double precision on the CPU.
 
 The module `engine` is the adapter, `simulation` builds and steps a model, and `compiled` has the loop of steps that JAX
-compiles. The adapter of the engine in single precision, `bodycheck.adapters.mjx32`, shares them: JAX fixes its precision when a
-process begins, so that each precision is an engine of its own.
+compiles. The adapter in single precision, `bodycheck.adapters.mjx32`, shares these modules: JAX fixes its precision when a
+process begins, so that each precision is a separate engine.
 
 MJX reads MuJoCo's model. The XML is that of the adapter of MuJoCo, with a free joint for a body in flight, and MuJoCo's own
 contact for a body on a plane. The methods are the integrators of MJX:
 
 - `Euler` is semi-implicit Euler in the velocities of the free joint.
-- `RK4` is the classical Runge-Kutta scheme, whose last turn follows the mean of the velocities of the stages. For a tumbling
-  body it is of fourth order in the angular velocity and of second order in the attitude, as MuJoCo's was before version 4.
+- `RK4` is the classical Runge-Kutta scheme, whose final rotation follows the mean of the velocities of the stages. For a
+  tumbling body it is of fourth order in the angular velocity and of second order in the attitude, as MuJoCo's RK4 was before
+  version 4.
 - `implicitfast` treats damping and actuators implicitly. A body without them takes the same steps as with `Euler`, because the
   derivative of the gyroscopic torque, which MuJoCo includes, is not part of MJX.
 
@@ -17,12 +18,12 @@ Nothing has to be switched off: MJX has no damping, no sleeping, no limits of sp
 no method with other settings. The parameters of contact are the engine's own.
 
 Drag is a force (`xfrc_applied`) that is computed at the start of each step and kept for the step, also by RK4, so that every
-integrator is of first order in it. `drag=fluid` selects MuJoCo's fluid model as in the adapter of MuJoCo; MJX does not have it
-with `implicitfast`.
+integrator is of first order with drag. `drag=fluid` selects MuJoCo's fluid model as in the adapter of MuJoCo; MJX does not have
+it with `implicitfast`.
 
 A free joint has the position and the velocity of the centre of mass in the world frame, a quaternion w x y z, and the angular
-velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends in states
-that are not numbers.
+velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends with
+states that are NaN.
 
 Links are those of the adapter of MuJoCo, which compiles the model.
 
@@ -31,18 +32,19 @@ order on hinges and slides, and of second order on ball joints. Damping is that 
 `implicitfast`. A loop is as soft as MuJoCo's default constraint: its gap does not vanish with the time step. Compiling the
 steps of a mechanism takes a minute or more.
 
-Robot models are read by MuJoCo's compiler. The module `robots` tells what MJX keeps of them and refuses.
+MuJoCo's compiler reads robot models. The module `robots` reads the numbers that MJX keeps, and finds the models that it
+refuses.
 
-Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings. For each number of scenes the steps
-are compiled anew.
+Several scenes are stepped together (`jax.vmap`); their states differ from the states of each scene alone by rounding. The steps
+are compiled again for each number of scenes.
 
-XLA compiles the steps of each integrator and kind of scene, which takes seconds, when the first simulation of that sort is
-built in a process. The code is kept in the engine's environment.
+XLA compiles the steps for each integrator and kind of scene when the first simulation of this kind is built in a process, which
+takes seconds. The compiled code is kept in the engine's environment.
 """
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation(
     "mujoco-mjx",
     variables={

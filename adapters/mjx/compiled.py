@@ -11,12 +11,12 @@ from jax import numpy as jnp
 from bodycheck.adapters.contract import Engine, Strides
 from bodycheck.reference.trajectory import Array
 
-#: The number of strides that one compiled call takes. A call with fewer strides is filled up with strides of no steps.
+#: The number of strides that one compiled call takes. Fewer strides are filled up with strides of no steps.
 STRIDES_PER_CALL = 64
 
 
 def check_precision(engine: Engine) -> None:
-    """Raise `RuntimeError` if JAX computes in another precision in this process than the engine's record says."""
+    """Raise `RuntimeError` if JAX's precision in this process differs from the precision in the engine's record."""
     if (precision := np.dtype(jnp.float64 if jax.config.jax_enable_x64 else jnp.float32).name) != engine.precision:
         raise RuntimeError(
             f"JAX computes in {precision} in this process, and {engine.name} in {engine.precision}: "
@@ -25,13 +25,16 @@ def check_precision(engine: Engine) -> None:
 
 
 def device() -> Literal["cpu", "cuda"]:
-    """Return the device on which JAX computes in this process."""
+    """Return the kind of device on which JAX computes in this process."""
     return "cpu" if jax.default_backend() == "cpu" else "cuda"
 
 
 @dataclass(frozen=True)
 class Strider:
-    """Compiled functions that take `STRIDES_PER_CALL` strides: of one state, and of several states of one system together."""
+    """Two compiled functions that take `STRIDES_PER_CALL` strides.
+
+    The function `one` takes one state, and `several` takes several states of one system.
+    """
 
     one: Any
     several: Any
@@ -40,7 +43,8 @@ class Strider:
 def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Strider:
     """Return compiled functions that take `STRIDES_PER_CALL` strides.
 
-    The system is an argument of them and not a constant, so that all systems of the same structure share compiled code.
+    The system is an argument of these functions and not a constant, so that all systems of the same structure share compiled
+    code.
 
     Parameters
     ----------
@@ -51,8 +55,8 @@ def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Stri
 
     Returns
     -------
-    Functions of the system, the state and the numbers of steps (`STRIDES_PER_CALL`,), which return the state after all strides
-    and the numbers (`STRIDES_PER_CALL`, k) after each. Several states, and their numbers, have a first axis more.
+    Functions of the system, the state and the numbers of steps (`STRIDES_PER_CALL`,). They return the state after all strides
+    and the numbers (`STRIDES_PER_CALL`, k) after each stride. Several states, and their numbers, have an additional first axis.
     """
 
     def taken(system: Any, state: Any, strides: Any) -> Any:

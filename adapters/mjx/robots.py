@@ -1,7 +1,7 @@
 """Robot models in MJX, which takes the model that MuJoCo's compiler makes of a file.
 
-A reading tells which models MJX refuses, and the numbers that it keeps of bodies and joints. It has no terms: JAX compiles
-every function of MJX anew for every robot, which takes minutes for an arm.
+A reading shows whether MJX refuses a model, and the numbers of bodies and joints that MJX keeps. It has no terms: JAX compiles
+every function of MJX for every robot again, which takes minutes for an arm.
 """
 
 import contextlib
@@ -25,7 +25,7 @@ NO_TERMS = "nothing is computed at states: JAX would compile MJX's functions ane
 
 
 def read_robot(engine: Engine, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MJX makes of a file, as `RobotModels.read_robot` does, with empty terms. Raises `ModelRefused`."""
+    """Return how MJX reads a file, as `RobotModels.read_robot` does, with empty terms. Raises `ModelRefused`."""
     check_precision(engine)
     compiled = loaded(file.path)
     reading = described(compiled, compiled, file.format)

@@ -1,7 +1,7 @@
 """Step a model of MuJoCo in MJX, in the precision of the process.
 
-The poses and velocities of the bodies of a mechanism are computed from MJX's coordinates by MuJoCo, because those in MJX's data
-are of the start of a step.
+MuJoCo computes the poses and velocities of the bodies of a mechanism from MJX's coordinates, because the poses in MJX's data
+belong to the start of the step.
 """
 
 import contextlib
@@ -31,8 +31,9 @@ from bodycheck.reference.trajectory import Array
 with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package of its other backend, Warp, is not installed
     from mujoco import mjx
 
-#: Most scenes that are stepped together; more are stepped in groups. With 10,000, the threads of XLA waited for each other for
-#: ever (JAX on two processors), and a step of one of 1,000 scenes costs no more than that of one of fewer.
+#: The largest number of scenes that are stepped together; more scenes are stepped in groups. With 10,000 scenes, the threads of
+#: XLA waited for each other for ever (JAX on two processors). With 1,000 scenes, the time per scene of a step is as short as
+#: with any smaller number.
 MOST_TOGETHER = 1000
 
 #: MuJoCo's contact options. MJX has no noslip solver.
@@ -63,7 +64,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
 def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
-    Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
+    Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision differs from the engine's.
     """
     if isinstance(scenes[0], Mechanism):
         return jointed(engine, scenes[0], method)
@@ -107,7 +108,7 @@ def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: M
 def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | None) -> Compiled:
     """Return the simulation of an XML text, from the initial states of one or more free joints.
 
-    drag: the coefficient of drag (kg/m); None for no force of drag.
+    `drag` is the coefficient of drag (kg/m), or None without a force of drag. Raises as `prepare` does.
     """
     check_precision(engine)
     model, data = handed_over(compiled_model(xml))
@@ -119,7 +120,7 @@ def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | No
 
 
 def handed_over(compiled: Any) -> tuple[Any, Any]:
-    """Return MJX's model of a model of MuJoCo, and its data. Raises `SceneUnsupported`."""
+    """Return MJX's model and data for a model of MuJoCo. Raises `SceneUnsupported` if MJX refuses the model."""
     try:
         return mjx.put_model(compiled), mjx.make_data(compiled)
     except NotImplementedError as error:
@@ -127,7 +128,7 @@ def handed_over(compiled: Any) -> tuple[Any, Any]:
 
 
 def step(system: tuple[Any, Any], data: Any) -> Any:
-    """Return MJX's data after one step of a model with a coefficient of drag (kg/m), or with None for no force of drag."""
+    """Return MJX's data after one step of a system: a model, and a coefficient of drag (kg/m) or None without drag."""
     model, drag = system
     if drag is not None:
         velocity = data.qvel[:3]
@@ -149,15 +150,15 @@ def seen(data: Any) -> Any:
     return jnp.concatenate([data.qpos, data.qvel, data.qfrc_constraint[2:3]])
 
 
-#: Takes strides of a model; compiled once for each structure of a model.
+#: The functions that take strides of a free joint, which JAX compiles once for each structure of a model.
 TAKE = strider(step, seen)
 
-#: Takes strides of the coordinates of a mechanism; compiled once for each structure of a model.
+#: The functions that take strides of a mechanism, which JAX compiles once for each structure of a model.
 TAKE_COORDINATES = strider(stepped, lambda data: jnp.concatenate([data.qpos, data.qvel]))
 
 
 def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, in each of n steps, for RK4 that of the last stage."""
+    """Return the normal force (n,), in N, in each of n steps; for RK4 it is the force of the last stage."""
     simulation = unjointed(engine, [scene], method)
     assert isinstance(simulation, Compiled)  # of one scene
     return simulation.seen(np.ones(steps, dtype=np.int64))[:, 13]

@@ -1,12 +1,12 @@
-"""The adapter of MJX in single precision, which is the precision of JAX unless it is told otherwise, on the CPU.
+"""The adapter of MJX in single precision, which is JAX's default precision, on the CPU.
 
-Everything else is as in `bodycheck.adapters.mjx`, whose modules it shares. The states are numbers of single precision: a length
-of 100 m is known to 4 micrometres, and a step adds a rounding error to every coordinate.
+Everything else is as in `bodycheck.adapters.mjx`, whose modules this adapter shares. The states are numbers of single
+precision: a length of 100 m is known to 4 micrometres, and a step adds a rounding error to every coordinate.
 """
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation(
     "mujoco-mjx",
     variables={

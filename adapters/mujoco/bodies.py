@@ -1,10 +1,10 @@
 """The models of several scenes in MuJoCo, as many at a time as are rolled out together.
 
-Compiling an XML text takes MuJoCo about a millisecond. Scenes in flight whose models differ in nothing but the mass, the
-moments of inertia and gravity have copies of one compiled model instead, in which these numbers are set, and what MuJoCo
-derives from them (`mj_setConst`). The copies are then equal to the models from XML in every number that counts in a flight,
-and serve one group of scenes after another. Only the mean inertia stays that of the first model, by which MuJoCo scales the
-tolerance of its constraint solver.
+MuJoCo takes about a millisecond to compile an XML text. Scenes in flight whose models differ only in the mass, the moments of
+inertia and gravity have copies of one compiled model instead, in which these numbers, and the numbers that MuJoCo derives from
+them (`mj_setConst`), are set. The copies then equal the models from XML in every number that matters in a flight, and serve one
+group of scenes after another. Only the mean inertia, by which MuJoCo scales the tolerance of its constraint solver, stays the
+mean inertia of the first model.
 """
 
 import copy
@@ -17,7 +17,7 @@ import numpy as np
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: Most copies of a model, each of which takes about as much memory and time to make as one from XML takes to read.
+#: The largest number of copies of a model. A copy takes about as much memory and time as compiling a model from XML.
 COPIES = 32
 
 #: The number of the body in its model; number 0 is the world.
@@ -31,9 +31,9 @@ class Models:
     Parameters
     ----------
     at
-        Returns the models of the scenes at some places. They are valid until the next call.
+        Returns the models of the scenes with the given indices. They are valid until the next call.
     most
-        The largest number of places in a call.
+        The largest number of indices in a call.
     """
 
     at: Callable[[Sequence[int]], list[mujoco.MjModel]]
@@ -41,7 +41,7 @@ class Models:
 
 
 def compiled(models: Sequence[mujoco.MjModel]) -> Models:
-    """Return models that were each compiled by itself."""
+    """Return the models of scenes that were compiled separately."""
     return Models(lambda places: [models[index] for index in places], len(models))
 
 
@@ -53,7 +53,7 @@ def with_bodies(model: mujoco.MjModel, scenes: Sequence[Scene]) -> Models:
     model
         The compiled model of the first scene.
     scenes
-        The scenes, whose bodies have their principal axes as the first one has, and which `may_be_refused` does not name.
+        The scenes. Their bodies have the same principal axes as the first body, and MuJoCo accepts them (see `may_be_refused`).
     """
     numbers = numbers_of(scenes)
     if (numbers == numbers[0]).all():
@@ -77,9 +77,10 @@ def numbers_of(scenes: Sequence[Scene]) -> Array:
 
 
 def may_be_refused(scenes: Sequence[Scene]) -> list[int]:
-    """Return the places of scenes whose bodies MuJoCo may refuse, so that it must be asked: see `mujoco.mjMINVAL`.
+    """Return the indices of scenes whose bodies MuJoCo may refuse, so that their models must be compiled to find out.
 
-    MuJoCo refuses bodies of almost no mass or moment, and moments that no body has: it compares sums as they are rounded.
+    MuJoCo refuses bodies with almost no mass or moment (see `mujoco.mjMINVAL`), and moments that no body can have: it compares
+    rounded sums of moments.
     """
     mass, a, b, c, _ = numbers_of(scenes).T
     tiny = np.minimum(mass, np.minimum(np.minimum(a, b), c)) <= 10 * mujoco.mjMINVAL

@@ -8,7 +8,8 @@ XML, and keeps the default of the installed MuJoCo. The keys are:
 - noslip: the number of iterations of MuJoCo's noslip solver.
 - condim: the dimensions of a contact: 1 (no friction), 3 (sliding), 4 (sliding, torsion), 6 (sliding, torsion, rolling).
 - solref, solimp: MuJoCo's parameters for the stiffness and the softness of a contact.
-- multiccd: whether MuJoCo looks for several points of a contact that it finds by convex optimisation; not on a level plane.
+- multiccd: whether MuJoCo looks for several points of a contact that it finds by convex optimisation; not for a body that lies
+  flat on a level plane.
 - restitution: see `touching`; not for a body that lies flat.
 - pads: n replaces the body's own shape by n x n small spheres at the centres of equal cells of its lower face; a round face
   keeps only the spheres inside it. Without pads, MuJoCo finds at most four contacts.
@@ -17,7 +18,7 @@ More pads do not approach the friction of an area. If a contact slides at speed 
 the acceleration mu b u, b ~ 2/timeconst: by default several times gravity at 1 m/s. The body then leaves the plane and falls
 back. If it also spins, the outermost pads, which are the fastest, bear the whole load.
 
-The coefficient of sliding friction is that of the scene. Torsion (0.005 m) and rolling (0.0001 m), where condim includes
+The coefficient of sliding friction is the scene's. Torsion (0.005 m) and rolling (0.0001 m), where condim includes
 them, keep MuJoCo's defaults.
 """
 
@@ -92,7 +93,7 @@ def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float
 
 def shortest_time_constant(integrator: str, timestep: float) -> float:
     """Return the smallest time constant (s) that MuJoCo accepts unchanged with a time step (s)."""
-    # For stability, MuJoCo keeps the time constant of a constraint above two steps; `discrete` does not need this.
+    # For stability, MuJoCo keeps the time constant of a constraint at two steps or more; `discrete` does not need this.
     return 0.0 if integrator == "discrete" else 2 * timestep
 
 
@@ -156,7 +157,7 @@ def numbers_written(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-#: Contact options have an effect only in scenes with a plane; some only where the body lies flat, or only where none does.
+#: Contact options have an effect only in scenes with a plane; some only if the body lies flat, and some only if it does not.
 ON_PLANE: frozenset[Kind] = frozenset({"plane", "contact"})
 FLAT: frozenset[Kind] = frozenset({"plane"})
 NOT_FLAT: frozenset[Kind] = frozenset({"contact"})
@@ -164,7 +165,8 @@ NOT_FLAT: frozenset[Kind] = frozenset({"contact"})
 POSITIVE, NOT_POSITIVE, NOT_NEGATIVE = Range(0, above=True), Range(most=0), Range(0)
 FRACTION, AT_LEAST_ONE = Range(0, 1), Range(1)
 
-#: The contact options, which every integrator has on a plane. MuJoCo replaces a solref of mixed signs by its default.
+#: The contact options, which every integrator has on a plane. MuJoCo replaces a solref with numbers of different signs by its
+#: default.
 OPTIONS: dict[str, Option] = {
     "cone": choice("elliptic", "pyramidal", kinds=ON_PLANE),
     "impratio": Option("a positive number", numbers=((POSITIVE,),), kinds=ON_PLANE),

@@ -111,7 +111,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return what MuJoCo does where a model has no element `option`."""
+    """Return MuJoCo's defaults, which apply if a model has no element `option`."""
     option = mujoco.MjOption()
     return {
         "integrator": available()[option.integrator],
@@ -145,9 +145,9 @@ interface_loads, read_robot, compiled = touching.interface_loads, robots.read_ro
 
 
 def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
-    """Return the models of a scene by name; a method with contact options or with `model=` has no choice of models.
+    """Return the models of a scene by name; empty for a method with contact options or with `model=`.
 
-    Neither have bodies that touch, except one that lies flat on a level plane.
+    The result is also empty for bodies that touch, unless a single body lies flat on a level plane.
     """
     method = Method.parse(integrator, 0.0)
     if touches(scene) or method.option("model"):
@@ -206,7 +206,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 
 def unjointed(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
-    """Return the simulation of one or more single bodies in flight, or lying flat. Raises `SceneUnsupported`."""
+    """Return the simulation of one or more single bodies in flight, or lying flat on a plane. Raises `SceneUnsupported`."""
     if len(scenes) == 1:
         return stepper(scenes[0], method)
     model = model_of(scenes[0], method)
@@ -252,7 +252,7 @@ def started(xml: str, joints: scene_models.Joints) -> Stepper:
 
 
 def external_force(scene: Scene, method: Method, model: str, data: mujoco.MjData) -> scene_models.Force | None:
-    """Return the force from outside that a model of a scene needs, on the data that are stepped; None if it needs none."""
+    """Return the external force that a model of a scene needs; None if it needs none. `data` is the data that is stepped."""
     if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
         return scene_models.friction_force(scene, scene.plane, method.timestep, data)
     if scene.drag and method.option("drag") != "fluid" and model != "rotation":
@@ -268,7 +268,7 @@ def script(scene: AnyScene, method: Method, duration: float, samples: int) -> st
         return mechanisms.script(scene, method, duration, samples)
     model = model_of(scene, method)
     xml, joints = description(scene, method, model)
-    compiled_model(xml)  # what MuJoCo refuses is no script
+    compiled_model(xml)  # raises an error if MuJoCo refuses the model
     return exporting.script(scene, method, xml, joints, model, duration, samples)
 
 
@@ -359,7 +359,7 @@ def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Stri
     Returns
     -------
     The normal force (n,) in N and the number of contacts with a normal force (n,). MuJoCo reports both at the beginning of a
-    step; for RK4 they are those of the last stage.
+    step; for RK4 they belong to the last stage.
 
     Raises
     ------

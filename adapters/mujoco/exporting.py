@@ -1,4 +1,4 @@
-"""Write what a run does as a script for MuJoCo alone."""
+"""Write a run as a script that needs MuJoCo alone."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from bodycheck.adapters.touching import switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 
-#: Take the steps to the next sample.
+#: The lines of a script that take the steps to the next sample.
 ADVANCE = "if step > done:\n    mujoco.mj_step(model, data, step - done)"
 
 SCRIPT = '''\
@@ -31,7 +31,7 @@ data.qvel[:] = {qvel}
 {force}
 {loop}'''
 
-#: The force of drag, which MuJoCo evaluates together with its own passive forces.
+#: The lines of a script that define the force of drag, which MuJoCo evaluates together with its own passive forces.
 DRAG = """
 import math
 
@@ -50,7 +50,7 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
     scene, method
         The scene and the method.
     xml
-        MuJoCo's model of the scene.
+        MuJoCo's model of the scene as XML.
     joints
         The joints of that model.
     model
@@ -61,7 +61,7 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
     Raises
     ------
     SceneUnsupported
-        For a model with friction as an external force.
+        If friction is an external force in the model.
     """
     if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
         raise SceneUnsupported(f"a script of the model {model!r}: its friction is a force of bodycheck, not of MuJoCo")
@@ -87,7 +87,8 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
 def touching_script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
     """Return a script of bodies that touch, as `Scripts.script` does.
 
-    Raises `SceneUnsupported` for pushes that begin, end or turn a body: these are switched and turned by bodycheck.
+    Raises `SceneUnsupported` for pushes that begin later, end, or act beside the centre of mass: bodycheck switches and rotates
+    them.
     """
     pushes = switches(scene.pushes, method.timestep)
     if len(pushes) > 1 or any(any(push.point) for push in scene.pushes):

@@ -1,25 +1,27 @@
 """Write a mechanism as MuJoCo's XML, and define the options of a method that change its constraints.
 
-A body of the file is a body of MuJoCo, in the body of its parent, with the joint's frame as its place, so that `xquat` is the
-attitude of the file's frame. Its joints are:
+A body of the file is a body of MuJoCo inside the body of its parent. Its pose there is the joint's frame, so that `xquat` is
+the attitude of the body's frame in the file. A joint of the file becomes:
 
 - revolute, prismatic: a hinge, a slide.
 - spherical: a ball.
-- free, and a body that is the child of no joint: a free joint. MuJoCo has it for children of the world alone. A free joint on
-  another body is three slides and a ball, whose velocities are those of the file.
+- free, and a body that is the child of no joint: a free joint, which MuJoCo allows for children of the world only. On another
+  body it becomes three slides and a ball, whose velocities are the velocities of the joint in the file.
 - universal: two hinges; planar: two slides and a hinge. Joints of one body act one after another.
 - fixed: no joint. A body of MuJoCo without a joint moves with its parent and keeps its own mass, tensor and frame in the model.
   MuJoCo would fuse such bodies into their parents with `fusestatic`, which is off in MJCF (and on in URDF).
 
 Armature, damping, stiffness with `springref`, and `frictionloss` are attributes of a joint. A loop is a `connect` between two
-sites. Angles are in radians, and `balanceinertia` is off, so that MuJoCo refuses what it cannot take instead of changing it.
+sites. Angles are in radians, and `balanceinertia` is off, so that MuJoCo refuses inertias that it cannot use instead of
+changing them.
 
 An option that is not given is not written into the XML, and keeps the default of the installed MuJoCo. The keys are:
 
 - solref, solimp: the stiffness and the softness of the constraints that close loops.
-- solreffriction, solimpfriction: those of the dry friction of joints.
+- solreffriction, solimpfriction: the stiffness and the softness of the dry friction of joints.
 - noslip: the number of iterations of MuJoCo's noslip solver, which acts on dry friction.
-- eulerdamp: `disable` takes the damping of joints from the velocity before the step; else `Euler` takes it from the one after.
+- eulerdamp: with `disable`, `Euler` computes the damping of joints from the velocity before the step, else from the velocity
+  after the step.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,10 +34,10 @@ from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 
-#: Kinds of scene with loops and friction of joints, and those that have contacts besides.
+#: The kinds of scene with loops and friction of joints.
 JOINTED: frozenset[Kind] = frozenset({"mechanism"})
 
-#: The options that each integrator has for a mechanism, some of which it has on a plane too.
+#: The options that each integrator has for a mechanism; some of them also have an effect on a plane.
 OPTIONS: dict[str, Option] = {
     **{
         key: replace(contact.OPTIONS[key], kinds=contact.OPTIONS[key].kinds | JOINTED) for key in ("solref", "solimp", "noslip")
@@ -47,7 +49,7 @@ OPTIONS: dict[str, Option] = {
 #: The options of `Euler` for a mechanism.
 OF_EULER = {"eulerdamp": choice("disable", kinds=JOINTED)}
 
-#: MuJoCo's joints of each type of joint: the kind and the axis of each. A joint with an axis of its own has None.
+#: MuJoCo's joints for each type of joint, each as its kind and its axis. The axis is None if the joint in the file has an axis.
 PARTS: dict[str, tuple[tuple[str, str | None], ...]] = {
     "revolute": (("hinge", None),),
     "prismatic": (("slide", None),),
@@ -58,7 +60,7 @@ PARTS: dict[str, tuple[tuple[str, str | None], ...]] = {
     "planar": (("slide", "1 0 0"), ("slide", "0 1 0"), ("hinge", "0 0 1")),
 }
 
-#: A ball as three hinges.
+#: The three hinges that replace a ball.
 THREE_HINGES = (("hinge", "1 0 0"), ("hinge", "0 1 0"), ("hinge", "0 0 1"))
 
 
@@ -72,7 +74,7 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     timestep, integrator
         The time step (s) and MuJoCo's name of the integrator.
     chosen
-        The options of the method by their keys.
+        The options of the method, keyed by their names.
 
     Raises
     ------
@@ -102,12 +104,12 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
 
 
 def constrained(mechanism: Mechanism) -> bool:
-    """Return whether MuJoCo's constraint solver has to do with a mechanism."""
+    """Return whether a mechanism has constraints for MuJoCo's constraint solver: loops or dry friction."""
     return bool(mechanism.loops) or any(joint.friction for joint in mechanism.joints)
 
 
 def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> None:
-    """Raise `SceneUnsupported` for options without an effect, or a time constant that MuJoCo would raise."""
+    """Raise `SceneUnsupported` for options without an effect, and for a time constant that MuJoCo would raise."""
     rubbing = any(joint.friction for joint in mechanism.joints)
     for key, present, lacking in (
         ("solref", mechanism.loops, "loops"),
@@ -128,7 +130,7 @@ def add_body(
 ) -> ElementTree.Element:
     """Add a body, with its joints and its inertia, to the element of its parent, and return its element.
 
-    hinges: whether a ball is three hinges.
+    `hinges` is whether three hinges replace a ball.
     """
     attributes = {"name": body.name}
     if joint is not None:
@@ -151,7 +153,7 @@ def add_body(
 def add_joints(
     element: ElementTree.Element, joint: Joint, parts: Sequence[tuple[str, str | None]], friction: Mapping[str, str]
 ) -> None:
-    """Add MuJoCo's joints of a joint, given as in `PARTS`, to the element of its child."""
+    """Add the MuJoCo joints that make up a joint, given as in `PARTS`, to the element of the joint's child."""
     numbers = {
         "armature": joint.armature,
         "damping": joint.damping,
@@ -170,7 +172,7 @@ def add_joints(
 def add_loops(
     root: ElementTree.Element, elements: Mapping[int, ElementTree.Element], mechanism: Mechanism, softness: Mapping[str, str]
 ) -> None:
-    """Add the loops of a mechanism: a site at each point, and a `connect` between the two."""
+    """Add the loops of a mechanism: a site at each of the two points, and a `connect` between the sites."""
     if not mechanism.loops:
         return
     equality = ElementTree.SubElement(root, "equality")

@@ -1,12 +1,12 @@
 """Step mechanisms in MuJoCo. The module `mechanism_xml` writes them.
 
-MuJoCo keeps the pose and the velocities of a body as functions of its coordinates, which it computes at the start of a step, so
-that they lag by one step in the data after it. They are computed again here, from the coordinates after the step, by
-`mj_kinematics`, `mj_comPos` and `mj_comVel` on data of their own. `cvel` is the angular velocity (world) and the velocity at
-the centre of mass of the tree of bodies, and is taken to the centre of mass of the body.
+MuJoCo computes the poses and the velocities of bodies from the coordinates at the start of a step, so that in the data after
+the step they lag by one step. Here they are computed again from the coordinates after the step, by `mj_kinematics`, `mj_comPos`
+and `mj_comVel` on separate data. `cvel` contains the angular velocity (world) and the velocity at the centre of mass of the
+tree of bodies, from which the velocity at the centre of mass of the body is computed.
 
-The velocity of a ball joint is the angular velocity in the child's frame. That of a free joint is the velocity of the origin of
-the child's frame, in the world frame, and the angular velocity in the child's frame.
+The velocity of a ball joint is the angular velocity in the child's frame. The velocity of a free joint is the velocity of the
+origin of the child's frame, in the world frame, and the angular velocity in the child's frame.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: The requirements of a mechanism that MuJoCo models. MuJoCo itself refuses a body that moves and has a moment of zero.
+#: The requirements of a mechanism that MuJoCo models. MuJoCo itself refuses a moving body with a moment of zero.
 MODELS = frozenset(
     {
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
@@ -68,7 +68,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Stepper:
 
 
 def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
-    """Return a mechanism as the model of a method has it, and its XML. Raises `SceneUnsupported`."""
+    """Return the mechanism that the model of a method simulates, and its XML. Raises `SceneUnsupported`."""
     chosen = dict(method.options)
     mechanism_models.check(mechanism, chosen.get("model"))
     if chosen.get("model") == "free-bodies":
@@ -104,7 +104,7 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> N
         first = model.body_jntadr[model.body(mechanism.bodies[index].name).id]
         at, by = model.jnt_qposadr[first], model.jnt_dofadr[first]
         if joint is None or model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
-            # Its coordinates are along the world's axes, not those of the joint's frame.
+            # The coordinates of a free joint are along the axes of the world, not along the axes of the joint's frame.
             start = origins[index]
             position, velocity = [*start.position, *start.quaternion], [*start.velocity, *start.angular_velocity]
         else:

@@ -38,7 +38,8 @@ SENSORS = """
     <subtreeangmom body="body"/>
   </sensor>"""
 
-#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
+#: The models of a scene in flight, from the smallest to the largest, each with a description of what it adds to the model
+#: before.
 IN_FLIGHT = {
     "translation": "three slides",
     "rotation": "a ball joint",
@@ -56,7 +57,7 @@ ON_PLANE = {
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
 
-#: The models in flight whose XML has nothing of the initial state or of the shape of the body.
+#: The models in flight whose XML does not depend on the initial state or the shape of the body.
 WITHOUT_STATE = ("translation-and-rotation", "six-coordinates")
 
 #: The models of a scene with a plane in which the body touches the plane.
@@ -81,7 +82,7 @@ class Joints:
     origin
         The position (m, world frame) of the body when all coordinates are zero.
     turn
-        The rotation from the frame of the scene's body to that of the XML's body, as a quaternion (w x y z).
+        The rotation from the frame of the scene's body to the frame of the XML's body, as a quaternion (w x y z).
     """
 
     xml: str
@@ -93,7 +94,7 @@ class Joints:
 
 
 def available_models(scene: Scene) -> dict[str, str]:
-    """Return the models of a scene, from the smallest to the largest, with what each adds to the one before it."""
+    """Return the models of a scene, from the smallest to the largest; the values say what each adds to the one before it."""
     needs = requirements(scene)
     if needs.contact:
         return dict(ON_PLANE)
@@ -118,7 +119,7 @@ def joints(scene: Scene, model: str) -> Joints:
 
 
 def slides(scene: Scene) -> Joints:
-    """Return three slides along x, y and z. The frame of the XML's body is that of the world; the inertia is rotated in it."""
+    """Return three slides along x, y and z. The XML's body has the axes of the world, in which its inertia is rotated."""
     initial = scene.initial
 
     def rows(seen: Array) -> Array:
@@ -182,7 +183,7 @@ def principal_axes(scene: Scene, carried: Joints) -> str:
 
 
 def parts(scene: Scene, model: str, contact: Parts | None) -> Parts:
-    """Return the parts of a model besides its body; `contact` holds those of a model that touches the plane, else None."""
+    """Return the XML parts of a model except its body; `contact` are the parts of contact if the model touches the plane."""
     of_model = contact or Parts()
     if contact is None and model in ("far-geometry", *MODELS_WITH_CONTACT) and scene.body.shape is not None:
         plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR_PLANE_DEPTH_M!r}"/>'
@@ -222,10 +223,11 @@ def drag_force(drag: float, data: Any) -> Force:
 
 
 def friction_force(scene: Scene, plane: Plane, timestep: float, data: Any) -> Force:
-    """Return the friction of a flat body as a force on the velocities along x and y and on the last one, its spin.
+    """Return the friction of a flat body as a force on its velocities along x and y and on the last velocity, its spin.
 
     If friction would reverse the motion within a step, in the sense of the scalar product of the kinetic energy, it is reduced
-    to the force that stops the body in that step. If the law brakes translation and spin separately, each stops by itself.
+    to the force that stops the body in that step. If the law brakes translation and spin separately, each of them stops
+    separately.
 
     Parameters
     ----------
@@ -236,7 +238,7 @@ def friction_force(scene: Scene, plane: Plane, timestep: float, data: Any) -> Fo
     timestep
         The time step (s).
     data
-        MuJoCo's data that is stepped; its arrays are looked up only once.
+        The MuJoCo data that is stepped; its arrays are looked up only once.
     """
     law, apart = smallest_friction(scene, plane)
     mass, moment = scene.body.mass, scene.body.moments[2]
@@ -270,8 +272,9 @@ def friction_force(scene: Scene, plane: Plane, timestep: float, data: Any) -> Fo
 def compiled_model(xml: str) -> mujoco.MjModel:
     """Return MuJoCo's model of an XML text. Raises `SceneUnsupported` if MuJoCo refuses it.
 
-    The initial state is in MuJoCo's data and nothing changes a model, so runs of one scene and method share theirs: timing and
-    the comparison of runs with perturbed initial states prepare the same model many times.
+    The last models are cached. Runs of one scene and method can share a model, because the initial state is in MuJoCo's data
+    and nothing changes a model. Timing, and the comparison of runs with perturbed initial states, need the same model many
+    times.
     """
     try:
         return mujoco.MjModel.from_xml_string(xml)
@@ -286,6 +289,6 @@ def inertial(link: Link) -> str:
 
 
 def welded(links: Sequence[Link]) -> str:
-    """Return the XML elements of links that are welded to the body around them, in whose frame their frames are."""
+    """Return the XML elements of links that are welded to the enclosing body. Their poses are relative to its frame."""
     poses = ({"pos": numbers_written(*link.position), "quat": numbers_written(*link.quaternion)} for link in links)
     return "\n      ".join(f"<body {written(pose)}>{inertial(link)}</body>" for pose, link in zip(poses, links, strict=True))

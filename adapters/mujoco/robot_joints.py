@@ -1,11 +1,11 @@
-"""Joints of a compiled model of MuJoCo in the words of robot models, and states of them in MuJoCo's coordinates.
+"""The joints of a compiled model of MuJoCo in the terms of robot models, and their states in MuJoCo's coordinates.
 
-A joint of a robot model is one of MuJoCo's. A planar joint of a URDF is three, which MuJoCo names `NAME_TX`, `NAME_TY` and
-`NAME_RZ`.
+A joint of a robot model is one joint of MuJoCo. Only a planar joint of a URDF is three joints, which MuJoCo names `NAME_TX`,
+`NAME_TY` and `NAME_RZ`.
 
-MuJoCo's free joint has its position and its linear velocity along the world's axes, and an attitude relative to the world. Its
-angular velocity is along the axes of the body, as is that of a ball joint. The frame of a free joint is that which the file
-gives its body.
+MuJoCo's free joint has its position and its linear velocity along the world's axes, and an attitude relative to the world. The
+angular velocities of free joints and ball joints are along the axes of the body. The frame of a free joint is the pose that the
+file gives its body.
 """
 
 from collections.abc import Sequence
@@ -28,13 +28,25 @@ TYPES: dict[int, RobotJointType] = {
     int(mujoco.mjtJoint.mjJNT_HINGE): "revolute",
 }
 
-#: What MuJoCo appends to the name of a planar joint of a URDF, for each of the joints that it makes of it.
+#: The endings that MuJoCo appends to the name of a planar joint of a URDF for the three joints that it makes of this joint.
 PLANAR = ("_TX", "_TY", "_RZ")
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint, by the place of the first of MuJoCo's joints that it is, and the places of its first position and velocity."""
+    """A joint of a robot model in MuJoCo.
+
+    Attributes
+    ----------
+    name, type
+        The name and the type of the joint.
+    body
+        The index of the body that the joint moves.
+    first
+        The index of the first of MuJoCo's joints that make up the joint.
+    qpos, dof
+        The indices of its first position and of its first velocity.
+    """
 
     name: str
     type: RobotJointType
@@ -45,22 +57,22 @@ class Joint:
 
     @property
     def count(self) -> int:
-        """The number of its velocities."""
+        """The number of velocities of the joint."""
         return VELOCITIES[self.type]
 
 
 def body_name(model: mujoco.MjModel, body: int) -> str:
-    """Return the name of a body, and one of its place for a body without a name."""
+    """Return the name of a body; a body without a name gets one from its index."""
     return str(model.body(body).name) or f"unnamed body {body}"
 
 
 def joint_name(model: mujoco.MjModel, joint: int) -> str:
-    """Return the name of a joint, and one of its place for a joint without a name."""
+    """Return the name of a joint; a joint without a name gets one from its index."""
     return str(model.joint(joint).name) or f"unnamed joint {joint}"
 
 
 def joints_of(model: mujoco.MjModel, format: str) -> list[Joint]:
-    """Return the joints of a model that was compiled from a file of a format, in MuJoCo's order."""
+    """Return the joints of a model, in MuJoCo's order; `format` is the format of the file from which it was compiled."""
     names = [joint_name(model, joint) for joint in range(model.njnt)]
     joints, joint = [], 0
     while joint < model.njnt:
@@ -75,7 +87,7 @@ def joints_of(model: mujoco.MjModel, format: str) -> list[Joint]:
 
 
 def limits(model: mujoco.MjModel, joint: int) -> tuple[float | None, float | None]:
-    """Return the lower and the upper limit of the position of a hinge or slide (rad or m); None where there are none."""
+    """Return the lower and the upper limit of the position of a hinge or slide (rad or m); None for a limit that is not set."""
     if not model.jnt_limited[joint] or TYPES[int(model.jnt_type[joint])] not in ("revolute", "prismatic"):
         return None, None
     lower, upper = model.jnt_range[joint].tolist()
@@ -88,7 +100,7 @@ def effort_limit(model: mujoco.MjModel, joint: int) -> float | None:
 
 
 def mimics(model: mujoco.MjModel) -> dict[int, Mimic]:
-    """Return, by the places of the joints, those that an equality constraint makes follow another one in a fixed ratio."""
+    """Return the joints that an equality constraint makes follow another joint linearly, keyed by the indices of the joints."""
     mimics_by_joint = {}
     for equality in range(model.neq):
         joint, followed = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
@@ -111,7 +123,7 @@ class Coordinates:
 
 
 def coordinates(model: mujoco.MjModel, joints: Sequence[Joint], state: RobotState) -> Coordinates:
-    """Return a state in MuJoCo's coordinates; joints that it does not have stay where they are."""
+    """Return a state in MuJoCo's coordinates; joints that the state does not have keep MuJoCo's default positions."""
     in_engine = Coordinates(np.array(model.qpos0), *(np.zeros(model.nv) for _ in range(3)))
     for joint in joints:
         if (position := values_of(state.positions, joint.name, COORDINATES[joint.type])) is not None:
@@ -128,7 +140,10 @@ def coordinates(model: mujoco.MjModel, joints: Sequence[Joint], state: RobotStat
 
 
 def columns(model: mujoco.MjModel, format: str, states: Sequence[RobotState]) -> list[Array]:
-    """Return n states of a model from a file of a format: positions (n, nq), velocities, accelerations and forces (n, nv)."""
+    """Return n states of a model as arrays: positions (n, nq), and velocities, accelerations and applied forces (n, nv).
+
+    `format` is the format of the file from which the model was compiled.
+    """
     joints = joints_of(model, format)
     at = [coordinates(model, joints, state) for state in states]
     return [
@@ -146,7 +161,7 @@ def _position(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:
 
 
 def _velocity(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:
-    """Return a joint's velocities in MuJoCo's coordinates, or their derivatives, or forces whose power they give."""
+    """Return a joint's velocities, accelerations or efforts in MuJoCo's coordinates."""
     if joint.type == "floating":
         return np.concatenate([rotate(model.body_quat[joint.body], value[:3]), value[3:]])
     if joint.type == "planar":

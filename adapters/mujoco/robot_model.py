@@ -1,10 +1,12 @@
-"""A compiled model of MuJoCo as a robot model, which is what an MJCF file means.
+"""Convert a compiled model of MuJoCo to a robot model, which gives the meaning of an MJCF file.
 
-Coordinates are MuJoCo's: a joint whose `ref` is not zero has that value in the pose of the file, so that its frame, which is
-that of the coordinate zero, is turned or shifted back by it. The springs of a joint are slack at its `springref`.
+Coordinates are MuJoCo's. In the pose of the file, the coordinate of a joint is the joint's `ref`. The frame of the joint
+belongs to the coordinate zero, and is therefore rotated or shifted back by `ref`. The springs of a joint are slack at its
+`springref`.
 
-A joint whose anchor is not the origin of its body, and every joint of a body but the last, moves a link without mass named
-`BODY/JOINT` at the anchor. Such a link carries the next joint, or the body itself by a weld. Bodies without joints are welded.
+A joint moves a link without mass, named `BODY/JOINT` and placed at the anchor of the joint, if this anchor is not the origin of
+the body, or if the joint is not the last joint of the body. Such a link carries the next joint, or the body itself by a weld.
+Bodies without joints are welded.
 """
 
 from collections.abc import Mapping
@@ -25,8 +27,8 @@ NOWHERE, UNTURNED = np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)
 def model_of(model: mujoco.MjModel, gravity: Vector) -> RobotModel:
     """Return a compiled model as a robot model with a gravity (m/s^2), in MuJoCo's order of bodies and joints.
 
-    Its root is the world. What a robot model has no place for, as tendons, actuators and equality constraints other than those
-    by which a joint follows another one, is left out.
+    The root of the robot model is the world. Elements that a robot model does not have are left out: tendons, actuators, and
+    equality constraints, except those by which a joint follows another one.
     """
     links: list[RobotLink] = []
     joints: list[RobotJoint] = []
@@ -43,14 +45,14 @@ def model_of(model: mujoco.MjModel, gravity: Vector) -> RobotModel:
 
 
 def model_name(model: mujoco.MjModel) -> str:
-    """Return the name of a model, which is the first of all names."""
+    """Return the name of a model, which is the first of MuJoCo's names."""
     return bytes(model.names).split(b"\0", 1)[0].decode()
 
 
 def _link(model: mujoco.MjModel, body: int) -> RobotLink:
-    """Return a body as a link, whose inertia is turned from MuJoCo's principal axes to those of the body.
+    """Return a body as a link, with the inertia rotated from MuJoCo's principal axes to the axes of the body.
 
-    MuJoCo takes the two frames to be the same where they differ by about a nanometre.
+    MuJoCo regards the two frames as the same if they differ by about a nanometre.
     """
     name, mass, moments = body_name(model, body), float(model.body_mass[body]), wide(model.body_inertia[body])
     if model.body_sameframe[body] == int(mujoco.mjtSameFrame.mjSAMEFRAME_BODY):
@@ -62,15 +64,15 @@ def _link(model: mujoco.MjModel, body: int) -> RobotLink:
 def _chain(
     model: mujoco.MjModel, body: int, followers: Mapping[int, Mimic], parent: int, next_place: int
 ) -> list[tuple[str, RobotJoint]]:
-    """Return the names of the links between a body and its parent, that of the body last, and the joint that moves each.
+    """Return the links from a body's parent to the body, each as its name and the joint that moves it; the body is the last.
 
-    parent: the index of the parent's link. next_place: the index of the first of these links.
+    `parent` is the index of the parent's link, and `next_place` the index of the first of the returned links.
     """
     name = body_name(model, body)
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
     start, turn = wide(model.body_pos[body]), matrices(wide(model.body_quat[body])[None])[0]
     chain: list[tuple[str, RobotJoint]] = []
-    origin = NOWHERE  # of the last link, along the axes of the body and from its origin
+    origin = NOWHERE  # the position of the last link from the origin of the body, along the axes of the body
     for index in range(first, first + count):
         anchor = NOWHERE if TYPES[int(model.jnt_type[index])] == "floating" else wide(model.jnt_pos[index])
         shift, back = _reference(model, index)

@@ -12,14 +12,14 @@ from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 
-#: The flags of what is left out.
+#: The flags of MuJoCo that are disabled.
 OFF = ("CONTACT", "EQUALITY", "LIMIT", "ACTUATION")
 
 
 def terms_of(
     model: mujoco.MjModel, joints: Sequence[Joint], states: Sequence[RobotState], gravity: Vector
 ) -> tuple[Terms, ...]:
-    """Return what MuJoCo computes at states with a gravity (m/s^2, world). The model's gravity and flags are changed."""
+    """Return the terms that MuJoCo computes at states, with gravity (m/s^2, world). Changes the model's gravity and flags."""
     leave_out_what_is_not_asked(model)
     data = mujoco.MjData(model)
     return tuple(_terms(model, data, coordinates(model, joints, state), gravity) for state in states)
@@ -30,12 +30,12 @@ def leave_out_what_is_not_asked(model: mujoco.MjModel) -> None:
     for flag in OFF:
         model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
     model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
-    # Dry friction is a piecewise linear problem, which Newton's method solves exactly if it is not stopped before.
+    # Dry friction is a piecewise linear problem, which Newton's method solves exactly if it is not stopped early.
     model.opt.tolerance = 0.0
 
 
 def _terms(model: mujoco.MjModel, data: mujoco.MjData, at: Coordinates, gravity: Vector) -> Terms:
-    """Return what MuJoCo computes in one state."""
+    """Return the terms that MuJoCo computes in one state."""
     mujoco.mj_resetData(model, data)
     model.opt.gravity[:] = gravity
     data.qpos[:], data.qvel[:], data.qfrc_applied[:] = at.qpos, at.qvel, at.applied
@@ -46,7 +46,7 @@ def _terms(model: mujoco.MjModel, data: mujoco.MjData, at: Coordinates, gravity:
     matrix = mass_matrix(model, data)
     data.qacc[:] = at.qacc
     mujoco.mj_inverse(model, data)
-    # MuJoCo's inverse dynamics are the efforts that are missing after its passive forces and its constraints.
+    # MuJoCo's inverse dynamics are the efforts that are needed in addition to its passive forces and its constraints.
     inverse = data.qfrc_inverse + data.qfrc_passive + data.qfrc_constraint
     data.qvel[:] = 0.0
     mujoco.mj_fwdVelocity(model, data)
@@ -57,7 +57,10 @@ def _terms(model: mujoco.MjModel, data: mujoco.MjData, at: Coordinates, gravity:
 
 
 def frames(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return pose (7,) and Jacobian (6, nv) of the frame of each body but the world, from data whose positions are computed."""
+    """Return the poses (7,) and Jacobians (6, nv) of the frames of all bodies but the world, keyed by name.
+
+    The positions in `data` must have been computed.
+    """
     poses, jacobians = {}, {}
     for body in range(1, model.nbody):
         name = body_name(model, body)
@@ -69,9 +72,10 @@ def frames(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[dict[str, Array]
 
 
 def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """Return the mass matrix (nv, nv), from data whose positions are computed.
+    """Return the mass matrix (nv, nv). The positions in `data` must have been computed.
 
-    It is multiplied by unit vectors, because the function that returns it whole has other arguments in other releases.
+    The matrix is computed as its product with unit vectors, because the arguments of the function that returns it whole differ
+    between releases.
     """
     matrix = np.zeros((model.nv, model.nv))
     for row, unit in zip(matrix, np.eye(model.nv), strict=True):

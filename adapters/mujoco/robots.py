@@ -1,11 +1,11 @@
 """Robot models in MuJoCo, which reads URDF and MJCF by its compiler.
 
-A body of MuJoCo has the frame of its link. MuJoCo keeps inertia along principal axes about the centre of mass, which are turned
-back here. From a URDF it joins links that are welded, and drops those that are welded to the world, unless the file itself has
-an element `<mujoco><compiler fusestatic="false"/></mujoco>`.
+A body of MuJoCo has the frame of its link. MuJoCo keeps inertia along principal axes about the centre of mass; it is rotated
+back to the link's frame here. From a URDF, MuJoCo joins links that are welded, and drops links that are welded to the world,
+unless the file itself has an element `<mujoco><compiler fusestatic="false"/></mujoco>`.
 
-Terms are those of `mj_forward` and `mj_inverse`, without contacts, limits, equality constraints and actuators. Dry friction is
-a constraint in MuJoCo, which stays; the passive force contains it.
+Terms are those of `mj_forward` and `mj_inverse`, without contacts, limits, equality constraints and actuators. Dry friction, a
+constraint in MuJoCo, stays enabled, and the passive force contains it.
 """
 
 from collections import Counter
@@ -32,7 +32,7 @@ ROUNDING, EXACT_SINCE = 3e-5, (3, 14)
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MuJoCo makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    """Return how MuJoCo reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
     model = loaded(file.path)
     reading = described(model, model, file.format)
     with quiet():
@@ -47,7 +47,8 @@ def described(model: mujoco.MjModel, kept: Any, format: str) -> RobotReading:
     model
         The model, with its names.
     kept
-        What has the numbers of its bodies and joints, as arrays by MuJoCo's names: the model, or another engine's.
+        An object with the numbers of the bodies and joints, as arrays with MuJoCo's names: the model itself, or the numbers
+        that another engine has kept.
     format
         The format of the file.
     """
@@ -69,7 +70,7 @@ def release() -> tuple[int, ...]:
 
 
 def compiled(path: str) -> RobotModel:
-    """Return the compiled model of a MJCF file as a robot model, as `robot_model.model_of` does. Raises `ModelRefused`."""
+    """Return the compiled model of an MJCF file as a robot model, as `robot_model.model_of` does. Raises `ModelRefused`."""
     model = loaded(path)
     return model_of(model, default_gravity(model))
 
@@ -90,7 +91,7 @@ def default_gravity(model: mujoco.MjModel) -> Vector:
 
 
 def bodies(model: mujoco.MjModel, kept: Any) -> tuple[ReadBody, ...]:
-    """Return the bodies of a model with the numbers that an engine has kept, the world first."""
+    """Return the bodies of a model, the world first; `kept` has the numbers, as in `described`."""
     return tuple(
         ReadBody(
             name=body_name(model, body),
@@ -104,7 +105,7 @@ def bodies(model: mujoco.MjModel, kept: Any) -> tuple[ReadBody, ...]:
 
 
 def read_joints(model: mujoco.MjModel, kept: Any, joints: Sequence[Joint]) -> tuple[ReadJoint, ...]:
-    """Return the joints of a model with the numbers that an engine has kept. A planar joint has the axis of its hinge."""
+    """Return the joints of a model; `kept` has the numbers, as in `described`. A planar joint has the axis of its hinge."""
     followers = mimics(model)
     read = []
     for joint in joints:
@@ -133,7 +134,7 @@ def read_joints(model: mujoco.MjModel, kept: Any, joints: Sequence[Joint]) -> tu
 
 
 def notes(model: mujoco.MjModel, format: str) -> tuple[str, ...]:
-    """Return what MuJoCo does with a model from a file of a format, besides links and joints."""
+    """Return notes on how MuJoCo treats a model, except its links and joints; `format` is the format of the model's file."""
     said = []
     if format == "urdf":
         said.append(

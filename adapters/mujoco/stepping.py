@@ -15,11 +15,12 @@ from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides, si
 from bodycheck.adapters.mujoco.models import Force
 from bodycheck.reference.trajectory import Array
 
-#: Steps of a rollout, and steps after which MuJoCo is asked whether it has given a warning. A rollout returns every state, so
-#: this bounds the memory; a call costs as much time as about 30 steps.
+#: The number of steps of a rollout, and of steps between checks for MuJoCo's warnings. A rollout returns every state, so this
+#: number bounds the memory; a call costs as much time as about 30 steps.
 STEPS_PER_ROLLOUT = 8192
 
-#: Steps per sample from which on one call of `mj_step` a sample is cheaper than a rollout, which copies the state in each step.
+#: The number of steps per sample from which one call of `mj_step` per sample is cheaper than a rollout, which copies every
+#: state.
 STEPS_WORTH_A_CALL = 5
 
 #: The warnings of MuJoCo by name.
@@ -34,8 +35,8 @@ try:
 except ImportError:  # older than MuJoCo 3.2.7
     Rollout = None
 
-#: The functions of MuJoCo that steps call from Python. What a step in turn calls in Python, drag and friction as external
-#: forces, counts as MuJoCo's.
+#: The functions of MuJoCo that steps call from Python. The time of the Python functions that a step in turn calls, drag and
+#: friction as external forces, counts as MuJoCo's time.
 CALLS: tuple[tuple[Any, str], ...] = ((mujoco, "mj_step"), *(((Rollout, "rollout"),) if Rollout is not None else ()))
 
 
@@ -79,9 +80,9 @@ def refuse_warnings(data: mujoco.MjData, time: float) -> None:
 
 @lru_cache(maxsize=4)
 def scratch(count: int) -> Array:
-    """Return an array (count,) for the states of one rollout at a time, whose memory is there before the first step is timed.
+    """Return an array (count,) for the states of one rollout at a time, allocated before the first step is timed.
 
-    It is shared by all simulations of the process, because a thousand that step one after another would need a gigabyte.
+    All simulations of the process share it, because a thousand arrays would need a gigabyte.
     """
     return np.full(count, 0.0)
 
@@ -104,13 +105,13 @@ class Stepper:
     ) -> None:
         self.model, self.data, self.rows, self.force = model, data, rows, force
         self.pool: Any = None if Rollout is None else Rollout(nthread=0)
-        # Row 0 is the state before a rollout, the other rows are those of the rollout.
+        # Row 0 is the state before a rollout, and the other rows are the states of the rollout.
         size = 0 if Rollout is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         self.states = scratch((STEPS_PER_ROLLOUT + 1) * size).reshape(STEPS_PER_ROLLOUT + 1, size)
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
-        # A rollout sets forces to zero that it is not given for every step.
+        # A rollout sets the applied forces to zero, unless they are passed for every step.
         pushed = bool(self.data.qfrc_applied.any())
         dense = self.pool is not None and not pushed and int(strides.sum()) < STEPS_WORTH_A_CALL * len(strides)
         with external_force(self.force):
@@ -172,7 +173,7 @@ class Stepper:
         return rows
 
     def _stride(self, strides: Strides, rows: Array) -> None:
-        """Advance by n strides, and fill rows (n, nq + nv) with the coordinates and velocities after each."""
+        """Advance by n strides, and fill `rows` (n, nq + nv) with the coordinates and velocities after each stride."""
         step, model, data, nq = mujoco.mj_step, self.model, self.data, self.model.nq
         qpos, qvel = data.qpos, data.qvel  # a look-up costs as much time as the copy
         for row, stride in zip(rows, strides.tolist(), strict=True):
@@ -186,13 +187,13 @@ class Stepper:
         return data.time, data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), data.qfrc_applied.copy()
 
     def _restore(self, state: tuple[float, Array, Array, Array, Array]) -> None:
-        """Return to a state with its applied forces, which a reset of MuJoCo has cleared, and forget all warnings."""
+        """Restore a state with its applied forces, which a reset by MuJoCo clears, and clear all warnings."""
         data = self.data
         mujoco.mj_resetData(self.model, data)
         data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:], data.qfrc_applied[:] = state
 
     def _find_warning(self, strides: Strides, rows: Array, first: int) -> None:
-        """Repeat the strides from the first on, in which MuJoCo gave a warning, and raise `EngineDiverged` at that step."""
+        """Repeat strides, from the index `first` on, in which MuJoCo gave a warning, to raise `EngineDiverged` at its step."""
         for index in range(first, len(strides)):
             before = self._state()
             self._stride(strides[index : index + 1], rows[index : index + 1])

@@ -1,16 +1,17 @@
 """Step free bodies that touch a plane and each other in MuJoCo, by MuJoCo's own contacts.
 
-Each body has a free joint at its centre of mass and one geom of its shape. The plane is an infinite geom that is turned about
-y. All geoms have the friction of the scene's plane: MuJoCo takes the larger coefficient of two geoms, and so has this one for
-every pair. The pairs that touch otherwise are elements `pair`, which take the place of the contacts that MuJoCo finds itself.
-A pair without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
+Each body has a free joint at its centre of mass and one geom of its shape. The plane is an infinite geom that is rotated about
+y. All geoms have the friction of the scene's plane: MuJoCo uses the larger coefficient of two geoms, which is this coefficient
+for every pair. Pairs with other coefficients are elements `pair`, which replace the contacts that MuJoCo finds itself. A pair
+without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
 
-MuJoCo has no coefficient of restitution. What a body gives back of its velocity follows from the stiffness and the damping of
-the contact, which do not depend on the scene by default. The option `restitution=solref` chooses both for each pair that has a
-coefficient, such that a point that hits a fixed plane without gravity gives back this part: see `bounce`.
+MuJoCo has no coefficient of restitution. The fraction of its velocity with which a body rebounds follows from the stiffness and
+the damping of the contact, which by default do not depend on the scene. The option `restitution=solref` chooses both for each
+pair that has a coefficient, such that a point that hits a fixed plane without gravity rebounds with this fraction: see
+`bounce`.
 
-A push is an applied force. One beside the centre of mass turns with the body, and is evaluated together with MuJoCo's own
-passive forces, so that every integrator keeps its order.
+A push is an applied force. The torque of a push beside the centre of mass turns with the body. It is evaluated together with
+MuJoCo's own passive forces, so that every integrator keeps its order.
 """
 
 import itertools
@@ -35,11 +36,12 @@ from bodycheck.reference.trajectory import Array
 #: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
 MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
 
-#: Number of steps that a bounce lasts with `restitution=solref`: fewer are not resolved, more are a softer contact.
+#: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
 
 
-#: Least coefficient with `restitution=solref`. The damping takes a contact's velocity away within a step for this one.
+#: The smallest coefficient with `restitution=solref`. For this coefficient, the damping removes a contact's velocity in one
+#: step.
 LEAST_RESTITUTION = 0.02
 
 
@@ -51,7 +53,7 @@ class Touching:
     stepper
         MuJoCo's model in its initial state.
     pushes
-        The pushes that act from some steps on, as `switches` returns them.
+        The pushes that act from certain steps on, as `switches` returns them.
     """
 
     def __init__(self, stepper: Stepper, pushes: Mapping[int, tuple[Push, ...]]) -> None:
@@ -87,7 +89,7 @@ class Touching:
                     time = data.time
                     mujoco.mj_step(model, data)
                     refuse_warnings(data, time)
-                    # `contact.geom`, which has both, is not in the first releases of MuJoCo 3.
+                    # `contact.geom`, which has both geoms, is not in the first releases of MuJoCo 3.
                     for number, geoms in enumerate(zip(data.contact.geom1, data.contact.geom2, strict=True)):
                         mujoco.mj_contactForce(model, data, number, force)
                         # The world is MuJoCo's body 0, and the bodies follow in their order.
@@ -97,12 +99,12 @@ class Touching:
         return by_pair
 
     def _stretches(self, steps: int) -> list[tuple[int, int]]:
-        """Return the first steps, and those after the last, of the parts of a number of steps with the same pushes each."""
+        """Divide a number of steps into stretches with constant pushes. Return the first step of each and the step after it."""
         edges = [*(step for step in self.pushes if step < steps), steps]
         return list(itertools.pairwise(edges))
 
     def _switch(self) -> None:
-        """Apply the pushes that act from now on."""
+        """Apply the pushes that act from the current step on."""
         data, acting = self.stepper.data, self.pushes[max(step for step in self.pushes if step <= self.done)]
         data.qfrc_applied[:] = 0
         for push in acting:
@@ -125,7 +127,7 @@ def prepare(scene: AnyScene, method: Method) -> Touching:
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
     """Return the normal forces between pairs that touch in each of n steps, as `InterfaceLoads.interface_loads` does.
 
-    MuJoCo reports them at the beginning of a step; for RK4 they are those of the last stage.
+    MuJoCo reports them at the beginning of a step; for RK4 they belong to the last stage.
     """
     return prepare(scene, method).loads(steps)
 
@@ -144,7 +146,7 @@ def states_of(seen: Array, bodies: int) -> Array:
 
 
 def torques(data: mujoco.MjData, pushes: Sequence[Push]) -> Force:
-    """Return the torques about the centres of mass of pushes, along the axes of the bodies, as a passive force on data."""
+    """Return a passive force on `data`: the torques of pushes about the centres of mass, along the axes of the bodies."""
     indices = [push.body for push in pushes]
     points, forces = np.array([push.point for push in pushes]), np.array([push.force for push in pushes])
     attitudes = [data.qpos[7 * index + 3 : 7 * index + 7] for index in indices]
@@ -227,7 +229,7 @@ def check_options(scene: AnyScene, method: Method) -> None:
 
 
 def law_written(friction: float, restitution: float, method: Method) -> dict[str, str]:
-    """Return the attributes of a geom or a pair that has these coefficients, besides those of friction."""
+    """Return the attributes of a geom or a pair with these coefficients, except the attributes of friction."""
     chosen = dict(method.options)
     attributes = {"condim": contact.dimensions(friction, chosen)}
     attributes |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
@@ -238,19 +240,19 @@ def law_written(friction: float, restitution: float, method: Method) -> dict[str
 
 
 def bounce(restitution: float, timestep: float) -> tuple[float, float]:
-    """Return the stiffness (1/s^2) and the damping (1/s) of a contact that gives back a part of the velocity, 0 to 1.
+    """Return the stiffness (1/s^2) and the damping (1/s) of a contact with a coefficient of restitution, above 0 to 1.
 
-    A contact pushes only. A point that enters a spring with a damper, x'' = -2 zeta w x' - w^2 x, leaves it where x'' = 0, with
-    the part exp(-2 c / tan c) of its velocity, zeta = cos c (Schwager and Poeschel, Granular Matter 9, 465, 2007), or
-    exp(-2 b / tanh b), zeta = cosh b. w is such that a spring without a damper throws it back after `STEPS_OF_A_BOUNCE`.
+    A contact only pushes. A point that enters a spring with a damper, x'' = -2 zeta w x' - w^2 x, leaves it when x'' = 0, with
+    the fraction exp(-2 c / tan c) of its velocity, zeta = cos c (Schwager and Poeschel, Granular Matter 9, 465, 2007), or
+    exp(-2 b / tanh b), zeta = cosh b. The frequency w is such that without a damper the bounce lasts `STEPS_OF_A_BOUNCE` steps.
     """
     stiffness = (math.pi / (STEPS_OF_A_BOUNCE * timestep)) ** 2
     return stiffness, 2 * damping_ratio(restitution) * math.sqrt(stiffness)
 
 
 def damping_ratio(restitution: float) -> float:
-    """Return the damping ratio of a spring that only pushes and gives back a part of the velocity, above 0 to 1."""
-    from scipy.optimize import brentq  # takes longer to import than all else of this adapter besides MuJoCo
+    """Return the damping ratio of a spring that only pushes and has a coefficient of restitution, above 0 to 1."""
+    from scipy.optimize import brentq  # takes longer to import than the rest of this adapter without MuJoCo
 
     wanted = -math.log(restitution)
     if wanted < 2:

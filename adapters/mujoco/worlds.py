@@ -1,9 +1,9 @@
 """Step several scenes in MuJoCo by rollouts from all of their states, each as if it were alone.
 
-A rollout of a scene goes on from its state, but not from what MuJoCo's solver of constraints found in the last step, unless the
-solver is told. MuJoCo tells it only of the scene that was rolled out last. Models in which something can touch are therefore
-rolled out one after another, and so are those with an external force, which is a function in Python; all others together, in
-as many threads as `threads` returns.
+A rollout continues from the state of a scene. To continue exactly, MuJoCo's constraint solver also needs its last solution as a
+warm start, which after a rollout is available only for the scene that was rolled out last. Models in which something can touch
+are therefore rolled out one after another, and so are models with an external force, which is a Python function. All other
+models are rolled out together, in as many threads as `threads` returns.
 """
 
 import math
@@ -20,13 +20,13 @@ from bodycheck.adapters.mujoco.models import Force, Joints
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, scratch, warnings
 from bodycheck.reference.trajectory import Array
 
-#: The spelling of a state in MuJoCo: the clock first, then the coordinates and the velocities.
+#: The layout of a state in MuJoCo: the clock first, then the coordinates and the velocities.
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 #: The number of scenes from which rollouts of several scenes pay off; releases before 3.2.7 have none.
 BATCH = 2 if stepping.Rollout is not None else 1
 
-#: Most states of all scenes in one rollout, which returns every state: 4 MiB for a free body.
+#: The largest number of states of all scenes in one rollout, which returns every state: 4 MiB for a free body.
 MOST_STATES = 1 << 15
 
 
@@ -42,12 +42,12 @@ class Worlds:
     joints
         The joints of each body, with its initial state.
     forces
-        The external force on each body; all are None if there are none.
+        The external force on each body; either all are None or none is.
 
     Attributes
     ----------
     signals
-        What MuJoCo signalled so far, by the places of the scenes that it gave up.
+        MuJoCo's signals so far, keyed by the indices of the scenes that it gave up.
     """
 
     def __init__(self, models: Models, data: mujoco.MjData, joints: Sequence[Joints], forces: Sequence[Force | None]) -> None:
@@ -58,7 +58,7 @@ class Worlds:
         count = min(threads(), len(joints)) if self.together else 1
         self.data = [data, *(mujoco.MjData(first) for _ in range(count - 1))]
         self.pool = stepping.Rollout(nthread=count if count > 1 else 0)  # none: rollouts in the calling thread
-        # A reset sets the clock to 0 before its step. It begins one step later, so that a reset is seen in any step.
+        # A reset sets the clock to 0 before its step. The clock begins at one time step, so that a reset is seen in any step.
         self.states = np.zeros((len(joints), mujoco.mj_stateSize(first, FULL)))
         self.states[:, 0] = first.opt.timestep
         self.moving = slice(1, 1 + first.nq + first.nv)
@@ -82,7 +82,7 @@ class Worlds:
         return states
 
     def _parts(self, steps: int) -> Iterator[list[int]]:
-        """Yield the places of the scenes that are rolled out together, without those that MuJoCo gave up."""
+        """Yield groups of indices of scenes that are rolled out together, without the scenes that MuJoCo gave up."""
         left = [index for index in range(len(self.joints)) if index not in self.signals]
         size = min(self.models.most, max(len(self.data), MOST_STATES // max(1, steps))) if self.together else 1
         for first in range(0, len(left), size):
@@ -115,7 +115,7 @@ class Worlds:
         return seen, sound
 
     def _rollout(self, models: list[mujoco.MjModel], start: Array, warmstarts: Array, count: int) -> Array:
-        """Return the states (scenes, count, ...) after each of a number of steps, which are valid until the next call."""
+        """Return the states (scenes, count, ...) after each of `count` steps. The array is valid until the next call."""
         shape = len(models), count, start.shape[1]
         states = self.scratch[: math.prod(shape)].reshape(shape)
         self.pool.rollout(models, self.data, start, nstep=count, initial_warmstart=warmstarts, state=states, skip_checks=True)
@@ -139,8 +139,8 @@ class Worlds:
 def threads() -> int:
     """Return the number of processors that this process may use, or fewer if the variable OMP_NUM_THREADS says so.
 
-    The variable is the one by which schedulers and parents of several workers share out processors. Its value may be a list of
-    numbers for nested levels, of which the first counts; a value that is no positive integer counts as none.
+    Schedulers, and processes that start several workers, use this variable to divide the processors. Its value may be a list of
+    numbers for nested levels, of which only the first is used; a value that is not a positive integer is ignored.
     """
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     wanted = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()

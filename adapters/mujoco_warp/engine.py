@@ -1,4 +1,4 @@
-"""The adapter of MuJoCo Warp; the package says how its scenes, methods and frames are those of the adapter of MuJoCo."""
+"""The adapter of MuJoCo Warp; the docstring of the package describes its scenes, methods and frames."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -27,7 +27,7 @@ OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "pad
 
 
 def integrators() -> tuple[Integrator, ...]:
-    """Return MuJoCo's integrators, with the orders that it claims; those that MuJoCo Warp lacks are offered for no scene."""
+    """Return MuJoCo's integrators with the orders that it claims; those that MuJoCo Warp lacks are offered for no scene."""
     here = {member.name for member in mjw.IntegratorType}
     return tuple(
         Integrator(
@@ -42,7 +42,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return what MuJoCo Warp does with a model that has no element `option`."""
+    """Return MuJoCo Warp's defaults, which apply to a model without an element `option`."""
     option = mjw.put_model(MjModel.from_xml_string("<mujoco/>")).opt
     return {
         "integrator": mujoco.available()[int(option.integrator)],
@@ -72,7 +72,7 @@ read_robot, contact_law = robots.read_robot, mujoco.contact_law
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
     """Add drag, with the coefficient `drag` (kg/m), to forces on coordinates whose first velocities are the body's (world).
 
-    Warp compiles this function as a kernel. The first axis of both arrays is that of worlds.
+    Warp compiles this function as a kernel. The first axis of both arrays is the axis of worlds.
     """
     world = wp.tid()
     velocity = wp.vec3(velocities[world, 0], velocities[world, 1], velocities[world, 2])
@@ -87,7 +87,7 @@ drag_kernel = wp.kernel(add_drag)
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
-    Bodies that do not rotate have models of their own for each attitude, which are stepped one after another.
+    Bodies that do not rotate have a separate model for each attitude. These models are stepped one after another.
     """
     if isinstance(scenes[0], Mechanism):
         return jointed(scenes[0], method)
@@ -112,7 +112,7 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[A
 
 
 def stepped(model: Any, data: Any, rows: Any) -> Loop[Any]:
-    """Return the simulation of MuJoCo Warp's model, data and conversion of coordinates to rows."""
+    """Return the simulation of a model and data of MuJoCo Warp; `rows` converts coordinates to rows of states."""
     qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
     graph = graphs.record(lambda: mjw.step(model, data))
     if data.nworld == 1:
@@ -142,7 +142,7 @@ def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any,
     Raises
     ------
     SceneUnsupported
-        MuJoCo or MuJoCo Warp refuses the model.
+        If MuJoCo or MuJoCo Warp refuses the model.
     """
     model, data, rows = handed_over(xml, joints)
     if scene.drag:
@@ -153,7 +153,7 @@ def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any,
 
 
 def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
-    """Return what `started` does, without drag."""
+    """Return the same objects as `started`, without drag."""
     first = mujoco.started(xml, joints[0])
     try:
         model = mjw.put_model(first.model)
@@ -167,7 +167,7 @@ def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, in each of n steps; for RK4 it is that of the last stage."""
+    """Return the normal force (n,), in N, in each of n steps; for RK4 it is the force of the last stage."""
     xml, joints = described_by_mujoco(scene, method)
     model, data, _ = started(xml, [joints], scene)
     contacts = wp.array(np.arange(data.naconmax, dtype=np.int32))
@@ -187,7 +187,7 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
     compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
     start = MjData(compiled)
     begin(compiled, start, mechanism)
-    mj_forward(compiled, start)  # so that the data have room for its constraints
+    mj_forward(compiled, start)  # so that the data of MuJoCo Warp have room for the constraints
     try:
         model = mjw.put_model(compiled)
     except NotImplementedError as error:

@@ -3,8 +3,8 @@
 The numbers of bodies and joints are those that MuJoCo Warp keeps. All states are worlds that are computed together. Contacts,
 limits, equality constraints and actuators are left out, as in the adapter of MuJoCo.
 
-MuJoCo computes moments of inertia about the centre of mass of a whole tree. In single precision this leaves more than rounding
-of the mass matrix of a light link far from there, such as a finger of a humanoid.
+MuJoCo computes moments of inertia about the centre of mass of a whole tree. In single precision the error of the mass matrix is
+therefore larger than rounding for a light link far from this centre, such as a finger of a humanoid.
 """
 
 from collections.abc import Sequence
@@ -33,12 +33,12 @@ KEPT = (
     *("dof_armature", "dof_damping", "dof_frictionloss"),
 )
 
-#: The number of roundings of a moment of inertia that a mass matrix may have.
+#: The number of rounding errors of a moment of inertia that the error of a mass matrix may contain.
 ROUNDINGS = 8
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what MuJoCo Warp makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    """Return how MuJoCo Warp reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
     compiled = loaded(file.path)
     reading = described(compiled, compiled, file.format)
     leave_out_what_is_not_asked(compiled)
@@ -47,7 +47,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     except NotImplementedError as error:
         raise ModelRefused(f"MuJoCo Warp refuses the model: {error}") from error
     worlds = mjw.put_data(compiled, mujoco.MjData(compiled), nworld=max(1, len(states)))
-    # The first axis of these arrays is that of worlds, which share them.
+    # The first axis of these arrays is the axis of worlds, which all have the same numbers.
     kept_by_warp = described(compiled, SimpleNamespace(**{name: getattr(model, name).numpy()[0] for name in KEPT}), file.format)
     reading = replace(reading, bodies=kept_by_warp.bodies, joints=kept_by_warp.joints)
     if not states or not compiled.nv:
@@ -58,9 +58,10 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
-    """Return the relative rounding of the mass matrices at positions (n, k) in single precision.
+    """Return the relative rounding error of the mass matrices at positions (n, k) in single precision.
 
-    It is that of the moments of inertia about the centre of mass of the tree, relative to the diagonal of the mass matrix.
+    It is the rounding error of the moments of inertia about the centre of mass of the tree, divided by the diagonal of the mass
+    matrix.
     """
     data, largest = mujoco.MjData(compiled), 0.0
     for row in qpos:
@@ -74,9 +75,9 @@ def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
 def terms_of(
     compiled: mujoco.MjModel, model: Any, worlds: Any, columns_of_states: Sequence[Array], gravity: Vector
 ) -> tuple[Terms, ...]:
-    """Return what MuJoCo Warp computes at states.
+    """Return the terms that MuJoCo Warp computes at n states, with gravity (m/s^2).
 
-    columns_of_states: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
+    `columns_of_states` are positions, velocities, accelerations and applied forces (n, k) of the n worlds.
     """
     qpos, qvel, qacc, applied = columns_of_states
     model.opt.gravity.assign(np.array([gravity]))
@@ -119,14 +120,14 @@ def doubles(array: Any) -> Array:
 
 
 def matrix_of(compiled: mujoco.MjModel, entries: Array) -> Array:
-    """Return the mass matrix (nv, nv) whose entries in MuJoCo's sparse form MuJoCo Warp has computed."""
+    """Return the mass matrix (nv, nv) from its entries in MuJoCo's sparse form, which MuJoCo Warp has computed."""
     data = mujoco.MjData(compiled)
     data.M[:] = entries
     return mass_matrix(compiled, data)
 
 
 def poses_and_jacobians(compiled: mujoco.MjModel, model: Any, worlds: Any, body: int) -> tuple[Array, Array]:
-    """Return pose (n, 7) and Jacobian (n, 6, nv) of the frame of a body in n worlds."""
+    """Return the poses (n, 7) and the Jacobians (n, 6, nv) of the frame of a body in n worlds."""
     places, turns = doubles(worlds.xpos)[:, body], doubles(worlds.xquat)[:, body]
     linear, angular = (wp.zeros((len(places), 3, compiled.nv), dtype=float) for _ in range(2))
     points, bodies = wp.array(places, dtype=wp.vec3), wp.array(np.full(len(places), body), dtype=int)

@@ -5,50 +5,50 @@ kernels, which Warp replays in C++ (`bodycheck.adapters.mujoco_warp.graphs`).
 
 The methods have the names of the solvers without the word `Solver`:
 
-- `SemiImplicit`, `XPBD`, `VBD`: one body with six coordinates of its own. Euler's semi-implicit method; XPBD and VBD add to it
-  their iterations for contacts, 2 and 10 by default.
+- `SemiImplicit`, `XPBD`, `VBD`: each body has six coordinates. Euler's semi-implicit method; XPBD and VBD add to it their
+  iterations for contacts, 2 and 10 by default.
 - `Featherstone`, `Steel`: a tree of joints, here one free joint. Euler's semi-implicit method.
 - `Kamino-euler`, `Kamino-moreau`: the solver Kamino with one of its schemes. The option `dynamics_solver` selects how it solves
   for contacts, by default `padmm`. Moreau's scheme needs Kamino's own collision detection, which cannot be built without a pair
-  of shapes: it is offered on a plane alone.
-- `MuJoCo-euler`, `-rk4`, `-implicit`, `-implicitfast`, `-discrete`: the model is handed over to MuJoCo Warp, in the version
-  that Newton asks for. Newton 1.8 asks for 3.17, in which `rk4` is of second order, as it was in MuJoCo before 4.0.
+  of shapes: it is offered only on a plane.
+- `MuJoCo-euler`, `-rk4`, `-implicit`, `-implicitfast`, `-discrete`: the model is passed to MuJoCo Warp, in the version that
+  Newton requires. Newton 1.8 requires 3.17, in which `rk4` is of second order, as it was in MuJoCo before 4.0.
 
-Style3D and ImplicitMPM move particles, not rigid bodies, and the coupled solvers are made of those above.
+Style3D and ImplicitMPM move particles, not rigid bodies, and the coupled solvers consist of the solvers above.
 
-Several scenes are worlds of one model, and each is to the last bit as if it were alone, with every solver but `lox`, which
-changes a scene if others are stepped with it; it steps one scene after another.
+Several scenes are worlds of one model. With every solver except `lox`, the states of each scene are to the last bit the same as
+if it were alone. With `lox`, scenes affect each other, so that they are stepped one after another.
 
-Switched off is the damping of rotation that `SemiImplicit` and `Steel` have by default, 0.05 / s; `settings=engine` keeps it.
-`Featherstone` takes the same argument but ignores it, and the others have none. Nothing else is on: speeds are not limited, no
-body sleeps, and there are no substeps. The stiffness, the damping and the regularised friction of contacts are Newton's own.
+The damping of rotation that `SemiImplicit` and `Steel` have by default, 0.05 / s, is switched off; `settings=engine` keeps it.
+`Featherstone` accepts the same argument but ignores it, and the other solvers do not have it. Nothing else has to be switched
+off: speeds are not limited, no body sleeps, and there are no substeps. The stiffness, the damping and the regularised friction
+of contacts are Newton's own.
 
-Two solvers have limits that are seen in the cases. VBD computes velocities from differences of poses: a rotation w loses the
+Two solvers have limits that are visible in the cases. VBD computes velocities from differences of poses: a rotation w loses the
 fraction (w h)^2 / 12 in each step h, and far from the origin, where single precision has few digits for a difference of
 positions, errors grow when the time step gets smaller. After a fall of 8 s they are 3 m with h = 2 ms, and 12 m with 1 ms.
 Featherstone computes with inertia about the origin of the world: at a distance of some hundred metres, no digits are left of
 the moments of a small body, and the brick of the case `free-brick`, which falls, ends as NaN after 7.5 s.
 
-Links are joined by fixed joints. A user may merge them before (`ModelBuilder.collapse_fixed_joints`), which the adapter
-does not do. `SemiImplicit` holds a fixed joint by springs and dampers: light links need time steps below a millisecond,
-with which two of them move as one body to some milliradians, however small the time step. `XPBD` does not conserve the
-angular momentum of two welded links: it scales the impulse of a joint by 0.7 and the torque of that impulse by 0.4
-(`joint_linear_relaxation`, `joint_angular_relaxation`), whatever the time step. `VBD` and `Kamino` hold the joint by
-iterations, with an error that vanishes with the time step. `Featherstone` and `Steel` remove the joint's degrees of freedom
-and step the velocity of the first link's centre of mass, and the solver of MuJoCo that of the origin of its frame: where
-that is not the centre of mass of the whole, steps have an error of the scheme's order, even without forces. With
-`settings=engine`, `Steel` damps the rotation of two links about the centre of mass of the first, which changes their
-momentum.
+Links are joined by fixed joints. Users may merge links before (`ModelBuilder.collapse_fixed_joints`); the adapter does not.
+`SemiImplicit` holds a fixed joint by springs and dampers: light links need time steps below a millisecond, and then move as one
+body only to some milliradians, however small the time step. `XPBD` does not conserve the angular momentum of two welded links:
+it scales the impulse of a joint by 0.7 and the torque of this impulse by 0.4 (`joint_linear_relaxation`,
+`joint_angular_relaxation`), whatever the time step. `VBD` and `Kamino` hold the joint by iterations, with an error that
+vanishes with the time step. `Featherstone` and `Steel` remove the joint's degrees of freedom and step the velocity of the first
+link's centre of mass; the solver of MuJoCo steps the velocity of the origin of the first link's frame. If this point is not the
+centre of mass of the whole body, steps have an error of the scheme's order, even without forces. With `settings=engine`,
+`Steel` damps the rotation of two links about the centre of mass of the first link, which changes their momentum.
 
-Mechanisms are for the solvers in the coordinates of joints, `Featherstone`, `Steel` and those of MuJoCo, all of first order but
-`MuJoCo-rk4`. With `Featherstone` of 1.8 a ball joint on a body that moves has wrong accelerations, so that its error does not
-vanish with the time step; one on the world is right. It has no dry friction of joints, and `Steel` neither that nor springs.
-Both take damping at the start of a step. Others are not offered: with `XPBD` a body on a joint to the world fell as if it were
-free, `SemiImplicit` holds joints by springs and diverged with steps of 4 ms, and `VBD` and `Kamino` hold them by iterations.
-Loops are not modelled.
+Mechanisms are for the solvers in the coordinates of joints, `Featherstone`, `Steel` and the MuJoCo solvers, all of first order
+except `MuJoCo-rk4`. With `Featherstone` of 1.8 a ball joint on a moving body has wrong accelerations, so that its error does
+not vanish with the time step; a ball joint on the world is right. `Featherstone` has no dry friction of joints, and `Steel` has
+neither dry friction nor springs. Both evaluate damping at the start of a step. The other solvers are not offered: with `XPBD` a
+body on a joint to the world fell as if it were free, `SemiImplicit` holds joints by springs and diverged with steps of 4 ms,
+and `VBD` and `Kamino` hold joints by iterations. Loops are not modelled.
 
 Drag is a force on the centre of mass that is computed from the state at the beginning of a step, so that `MuJoCo-rk4` is of
-first order there. On a plane, Newton's collision detection runs before each step, except for MuJoCo and Moreau's scheme.
+first order with drag. On a plane, Newton's collision detection runs before each step, except for MuJoCo and Moreau's scheme.
 
 A pose of Newton is position and quaternion x y z w; a twist is the velocity of the centre of mass and then the angular
 velocity, both in the world frame. Kamino's quaternion drifts from norm 1 by some 1e-8 in a step, and is normalised here; all
@@ -57,7 +57,7 @@ other solvers normalise it themselves.
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from. Compiling the kernels of all solvers takes minutes, so they are kept.
+#: The packages that install the engine. Compiling the kernels of all solvers takes minutes, so they are kept.
 INSTALLATION = Installation(
     "newton", extras=("sim",), variables={"WARP_CACHE_PATH": "{environment}/warp-cache"}, modules=("newton", "warp")
 )

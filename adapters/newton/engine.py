@@ -1,4 +1,4 @@
-"""The adapter of Newton; the package says which solvers its methods are, and what is switched off."""
+"""The adapter of Newton; the docstring of the package describes the solvers and the settings that are switched off."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -44,12 +44,12 @@ contact_law = corners_of_brick
 
 calls = graphs.CALLS
 
-#: Kamino's solvers of contacts that find another motion for a scene if others are stepped with it: of five bricks that slide,
-#: each in its own world, one is off by 0.07 (m, m/s or rad/s) within 60 steps of 1 ms. They step one scene after another.
+#: Kamino's contact solvers whose motion of a scene changes if other scenes are stepped with it: of five sliding bricks, each in
+#: its own world, one is off by 0.07 (m, m/s or rad/s) within 60 steps of 1 ms. These solvers step one scene after another.
 NOT_TOGETHER = ("lox",)
 
-#: The number of contacts for which there is room; a body and a plane have at most 8. Kamino computes with matrices of this size
-#: in every step, and Newton's own estimate is a thousand.
+#: The number of contacts for which memory is reserved; a body and a plane have at most 8. Kamino computes with matrices of this
+#: size in every step, and Newton's own estimate is a thousand.
 MOST_CONTACTS = 16
 
 
@@ -83,9 +83,9 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 
 def started(links: Sequence[Link], scenes: Sequence[Scene], method: Method) -> Normalised:
-    """Return the simulation of a body of links, of which the first is in the initial states of one or more scenes.
+    """Return the simulation of a body of links, whose first link is in the initial states of one or more scenes.
 
-    Several scenes have a body of one link.
+    If there are several scenes, the body must be a single link.
     """
     model = built(links, scenes[0], method) if len(scenes) == 1 else replicated(links[0], scenes, method)
     state, following = model.state(), model.state()
@@ -102,7 +102,7 @@ def started(links: Sequence[Link], scenes: Sequence[Scene], method: Method) -> N
 def stepper(
     scene: Scene, method: Method, solver_of_method: Solver, model: Any, state: Any, following: Any
 ) -> Callable[[], None]:
-    """Return a function that takes a step of a state, for which another state is needed."""
+    """Return a function that takes a step of `state` in place; `following` is a second state, used as workspace."""
     solver, control = solver_of_method.make(model, method), model.control()
     pipeline = newton.CollisionPipeline(model) if scene.plane is not None and solver_of_method.collides else None
     contacts = pipeline.contacts() if pipeline is not None else None
@@ -120,10 +120,10 @@ def stepper(
 
 
 def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
-    """Return Newton's model of a body of links, whose default state is the initial one of a scene.
+    """Return Newton's model of a body of links, whose default state is the initial state of a scene.
 
-    The first link has a free joint, and a fixed joint to each of the others, which every solver treats in its own way. Raises
-    `SceneUnsupported`.
+    The first link has a free joint. A fixed joint, which every solver treats differently, connects it to each of the other
+    links. Raises `SceneUnsupported`.
     """
     builder = empty(scene)
     if scene.plane is not None:
@@ -133,7 +133,7 @@ def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
 
 
 def replicated(link: Link, scenes: Sequence[Scene], method: Method) -> Any:
-    """Return Newton's model of scenes with a body of one link, each in a world of its own. Raises `SceneUnsupported`."""
+    """Return Newton's model of scenes with a body of one link, each in its own world. Raises `SceneUnsupported`."""
     single, builder = empty(scenes[0]), empty(scenes[0])
     add_body(single, [link], scenes[0], method)
     if scenes[0].plane is not None:
@@ -158,7 +158,7 @@ def empty(scene: Scene) -> Any:
 
 
 def finished(builder: Any, worlds: int) -> Any:
-    """Return the model of a builder with a number of worlds."""
+    """Return the model of a builder with the given number of worlds."""
     builder.color()
     # The check of inertia would replace moments of which one is nearly the sum of the others.
     model = builder.finalize(skip_validation_inertia=True)
@@ -179,7 +179,7 @@ def add_body(builder: Any, links: Sequence[Link], scene: Scene, method: Method) 
 
 
 def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
-    """Add a link without a joint, as it is where the first link is in the initial state, and return its number."""
+    """Add a link without a joint, at its place if the first link is in the initial state, and return its number."""
     state = state_in((link.position, link.quaternion), initial)
     body: int = builder.add_link(
         xform=transform(state.position, state.quaternion),
@@ -211,8 +211,8 @@ def add_shape(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
 def rows(link: Link, seen: Array) -> Array:
     """Return rows (n, 13) of states of a link's frame from its poses and twists (n, 13).
 
-    A pose is position and quaternion x y z w of the frame, a twist the velocity of the link's centre of mass and the angular
-    velocity (world).
+    A pose is the position and the quaternion x y z w of the frame. A twist is the velocity of the link's centre of mass and the
+    angular velocity, both in the world frame.
     """
     quaternion = seen[:, [6, 3, 4, 5]]
     spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])

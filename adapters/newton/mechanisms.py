@@ -1,8 +1,8 @@
 """Mechanisms in Newton: the bodies, joints and articulations of a model.
 
-Joints are Newton's revolute, prismatic, ball and fixed ones, and its joint of six degrees of freedom for universal and planar
-ones. Damping, springs, armature and dry friction are properties of a joint, which not every solver has; a constant effort is a
-force of the control.
+Joints are Newton's revolute, prismatic, ball and fixed joints, and Newton's joint of six degrees of freedom for universal and
+planar joints. Damping, springs, armature and dry friction are properties of a joint, which not every solver models; a constant
+effort is a force of the control.
 """
 
 from typing import Any
@@ -24,7 +24,7 @@ from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 
-#: What at least one of Newton's solvers models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that at least one of Newton's solvers models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -76,12 +76,12 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
 
 
 def in_order(mechanism: Mechanism) -> list[Joint | None]:
-    """Return the joints in the order in which Newton gets them: tree by tree, each after its parent; None for a free body."""
+    """Return the joints in the order in which Newton needs them: tree by tree, each after its parent; None for a free body."""
     return [mechanism.joint_of[index] for index in depth_first(mechanism)]
 
 
 def built(mechanism: Mechanism, method: Method) -> Any:
-    """Return Newton's model of a mechanism, whose default state is the initial one."""
+    """Return Newton's model of a mechanism, whose default state is the initial state."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -mechanism.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
     first = frames(mechanism)
@@ -168,7 +168,7 @@ def rows(mechanism: Mechanism, seen: Array) -> Array:
 
 
 def twist(link: Link, state: State) -> tuple[float, ...]:
-    """Return Newton's twist of a link whose frame is in a state: the velocity of its centre of mass and its spin (world)."""
+    """Return Newton's twist of a link in a state: the velocity of its centre of mass and its angular velocity (world frame)."""
     spin = rotate(np.array(state.quaternion), np.array(state.angular_velocity))
     return (*velocity_of(link.center_of_mass, state), *spin.tolist())
 

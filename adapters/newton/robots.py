@@ -1,17 +1,18 @@
 """Robot models as Newton's importers read them, and the terms that Newton computes with them, in single precision.
 
-The importers weld the root of a URDF to the world, and honour the free joints of an MJCF. All links are bodies, also those on
-fixed joints. A link without inertia has that of its shapes of collision, as dense as water. When a model is finalised, Newton
-checks masses and tensors: it replaces those that it does not accept, and raises moments of less than 1e-6 kg m^2 or so. It says
-of how many bodies; its warnings are notes of the reading.
+The importers weld the root of a URDF to the world, and keep the free joints of an MJCF. All links are bodies, including links
+on fixed joints. A link without inertia has the inertia of its shapes of collision with the density of water. When a model is
+finalised, Newton checks masses and tensors: it replaces values that it does not accept, and raises moments of less than about
+1e-6 kg m^2. It warns of the number of changed bodies; its warnings are notes of the reading.
 
 Newton has armature, damping, dry friction, stiffness, effort limits and mimic joints. It computes mass matrix, gravity and
-Coriolis forces, inverse dynamics and Jacobians; it offers no passive forces and no forward dynamics but those within the steps
-of its solvers. A row of its Jacobian is for the centre of mass of a body, and is moved to the origin of the body's frame here.
+Coriolis forces, inverse dynamics and Jacobians; outside the steps of its solvers it offers no passive forces and no forward
+dynamics. A row of its Jacobian is for the centre of mass of a body, and is converted to the origin of the body's frame here.
 
-The velocities of a floating joint are that of the child's centre of mass and then the angular one, both along the axes of the
-joint's frame in the parent; those of a ball joint are along these axes too. Newton's forces of a floating joint are along the
-axes of the world, and are turned to those of its velocities here. A planar joint of a URDF does not turn in Newton.
+The velocities of a floating joint are the velocity of the child's centre of mass and then the angular velocity, both along the
+axes of the joint's frame in the parent; the velocities of a ball joint are along these axes too. Newton's forces of a floating
+joint are along the axes of the world, and are rotated to the axes of its velocities here. A planar joint of a URDF does not
+turn in Newton.
 """
 
 import warnings
@@ -34,7 +35,7 @@ from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 
-#: Newton's joint of any axes, which is a planar joint of a URDF without its turn; the state of such a joint is left out.
+#: Newton's type of joint with any axes, which a planar joint of a URDF becomes, without its rotation. Its state is left out.
 OTHER = "d6"
 
 #: Newton's types of joints in the words of `bodycheck.reference.robots.model`.
@@ -47,7 +48,7 @@ TYPES = {
     newton.JointType.D6: OTHER,
 }
 
-#: Newton's numbers for no limit of a position and no limit of an effort.
+#: The numbers by which Newton says that a position or an effort has no limit.
 NO_POSITION, NO_EFFORT = float(newton.MAXVAL), 1e6
 
 
@@ -55,7 +56,7 @@ NO_POSITION, NO_EFFORT = float(newton.MAXVAL), 1e6
 class Joint:
     """A joint of Newton's model: its index, name, type, body and parent, and the slices of its coordinates and velocities.
 
-    The frames `at` and `on`, of position and quaternion x, y, z, w, are those of the joint in the parent and in the child.
+    `at` and `on` are the frames of the joint in the parent and in the child, as position and quaternion x, y, z, w.
     """
 
     index: int
@@ -71,7 +72,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """A model of Newton, a state of it, the names of its bodies and its joints."""
+    """A model of Newton with a state, the names of its bodies, and its joints."""
 
     model: Any
     state: Any
@@ -85,7 +86,7 @@ class Imported:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Newton makes of a file, as `RobotModels.read_robot` does."""
+    """Return how Newton reads a file, as `RobotModels.read_robot` does."""
     with overheard(), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         robot = imported(file)
@@ -112,7 +113,7 @@ def imported(file: RobotFile) -> Imported:
         else:
             builder.add_mjcf(file.path)
         model = builder.finalize()
-    except Exception as error:  # the importers raise errors of many types, and bare ones
+    except Exception as error:  # the importers raise exceptions of many types, also `Exception` itself
         raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
     names = tuple(named(file, model, label) for label in model.body_label)
     arrays = (model.joint_type, model.joint_child, model.joint_parent, model.joint_q_start, model.joint_qd_start)
@@ -136,9 +137,9 @@ def imported(file: RobotFile) -> Imported:
 
 
 def named(file: RobotFile, model: Any, label: str) -> str:
-    """Return the name that a label of Newton has in the file.
+    """Return the name in the file of the element with a label of Newton.
 
-    Labels begin with the robot's name, and those of an MJCF with the names of all bodies around.
+    Labels begin with the robot's name. Labels of an MJCF also contain the names of all enclosing bodies.
     """
     if file.format == "mjcf":
         return label.rsplit("/", 1)[-1]
@@ -160,7 +161,7 @@ def read_bodies(robot: Imported) -> tuple[ReadBody, ...]:
 
 
 def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
-    """Return a joint that moves. Those of several velocities have the properties of the first one, as importers give them."""
+    """Return a joint that moves. For a joint with several velocities, the properties are those of the first velocity."""
     model, first = robot.model, joint.moved.start
     single = joint.moved.stop - first == 1
 
@@ -190,7 +191,7 @@ def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
 
 
 def terms(robot: Imported, state: RobotState) -> Terms:
-    """Return what Newton computes at a state."""
+    """Return the terms that Newton computes at a state."""
     model, engine_state, number = robot.model, robot.state, robot.model.joint_dof_count
     engine_state.joint_q.assign(positions(robot, state).astype(np.float32))
     engine_state.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))
@@ -219,7 +220,7 @@ def terms(robot: Imported, state: RobotState) -> Terms:
 
 
 def trees(robot: Imported) -> Iterator[tuple[slice, slice]]:
-    """Give the places of the joints and of the velocities of each articulation, which a file may have several of."""
+    """Yield the slices of the joints and of the velocities of each articulation. A file may have several articulations."""
     starts = robot.model.articulation_start.numpy()
     ends = robot.model.joint_qd_start.numpy()
     for first, after in pairwise(starts.tolist()):
@@ -227,7 +228,10 @@ def trees(robot: Imported) -> Iterator[tuple[slice, slice]]:
 
 
 def whole(robot: Imported, blocks: Array) -> Array:
-    """Return the mass matrix (n, n) from those of the articulations (articulations, k, k), each in its first rows."""
+    """Return the mass matrix (n, n) of the robot, from the matrices (articulations, k, k) of its articulations.
+
+    An articulation with fewer than k velocities uses the first rows and columns of its matrix.
+    """
     mass_matrix = np.zeros((robot.model.joint_dof_count, robot.model.joint_dof_count))
     for block, (_, moved) in zip(blocks, trees(robot), strict=True):
         count = moved.stop - moved.start
@@ -236,9 +240,9 @@ def whole(robot: Imported, blocks: Array) -> Array:
 
 
 def along_joints(robot: Imported, forces: Array) -> Array:
-    """Return forces (n,) along the axes of the joints' frames, in which Newton has velocities, also those of floating joints.
+    """Return forces (n,) along the axes of the joints' frames, which are the axes of Newton's velocities.
 
-    Newton has the forces of these along the axes of the world.
+    Newton's forces of floating joints, which are along the axes of the world, are rotated.
     """
     turned, poses = forces.copy(), robot.state.body_q.numpy().astype(float)
     for joint in robot.moving:
@@ -264,7 +268,10 @@ def positions(robot: Imported, state: RobotState) -> Array:
 
 
 def rates(robot: Imported, state: RobotState, values: Values) -> Array:
-    """Return Newton's velocities of all joints from those of a state, or accelerations but for terms of the velocities."""
+    """Return Newton's velocities of all joints from the velocities of a state.
+
+    For the accelerations of a state, return Newton's accelerations without the terms that depend on velocities.
+    """
     velocities = np.zeros(robot.model.joint_dof_count)
     for joint in robot.moving:
         if joint.name not in values or joint.type == OTHER:
@@ -280,7 +287,7 @@ def rates(robot: Imported, state: RobotState, values: Values) -> Array:
 
 
 def accelerations(robot: Imported, state: RobotState) -> Array:
-    """Return Newton's accelerations of all joints; that of a centre of mass has the centripetal one too."""
+    """Return Newton's accelerations of all joints, including the centripetal acceleration of centres of mass."""
     rates_of_joints = rates(robot, state, state.accelerations)
     for joint in robot.moving:
         if joint.type == "floating" and joint.name in state.accelerations:
@@ -291,7 +298,7 @@ def accelerations(robot: Imported, state: RobotState) -> Array:
 
 
 def arm(robot: Imported, joint: Joint, position: Array) -> Array:
-    """Return the centre of mass of a floating joint's child from the origin of its frame, along the axes of the joint."""
+    """Return the vector (3,) from the origin of a floating joint's child to its centre of mass, along the axes of the joint."""
     return rotate(position[3:], robot.model.body_com.numpy()[joint.body].astype(float))
 
 

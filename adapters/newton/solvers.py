@@ -8,12 +8,12 @@ from newton import solvers
 
 from bodycheck.adapters.contract import KINDS, Kind, Method, Option, choice
 
-#: The time-stepping schemes of the solver that hands a model over to MuJoCo Warp, as Newton spells them.
+#: The time-stepping schemes of the solver that passes a model to MuJoCo Warp, as Newton spells them.
 OF_MUJOCO = ("euler", "rk4", "implicit", "implicitfast", "discrete")
 
 ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 
-#: The kinds of scene of the solvers that are not offered for mechanisms; the package says why.
+#: The kinds of scene of the solvers that are not offered for mechanisms, for the reasons in the docstring of the package.
 ONE_BODY: frozenset[Kind] = KINDS - {"mechanism"}
 
 #: The name of the attribute of a body that sets its damping for `SolverSteel`.
@@ -27,15 +27,15 @@ class Solver:
     Parameters
     ----------
     make
-        Function that returns the solver of a model for a method.
+        Returns the solver of a model for a method.
     order, evaluations
         As for `Integrator`.
     kinds
-        The kinds of scene for which it is offered.
+        The kinds of scene for which the solver is offered.
     options
-        The options of a method.
+        The options of its methods.
     collides
-        Whether Newton's collision detection runs before each step; otherwise the solver has its own.
+        Whether Newton's collision detection runs before each step; if not, the solver has its own collision detection.
     lacks
         The features of mechanisms that the solver does not model, or ignores; see `Engine.models`.
     """
@@ -50,12 +50,12 @@ class Solver:
 
 
 def keeps_damping(method: Method) -> bool:
-    """Return whether a method has Newton's own damping."""
+    """Return whether a method keeps Newton's own damping."""
     return method.option("settings") == "engine"
 
 
 def mujoco(scheme: str) -> Solver:
-    """Return the solver that hands a model over to MuJoCo Warp, with one of its integrators."""
+    """Return the solver that passes a model to MuJoCo Warp, with one of MuJoCo Warp's integrators."""
     stages = 4 if scheme == "rk4" else 1
     return Solver(lambda model, method: solvers.SolverMuJoCo(model, integrator=scheme), stages, stages, collides=False)
 
@@ -94,7 +94,8 @@ SOLVERS: dict[str, Solver] = {
     **{f"MuJoCo-{scheme}": mujoco(scheme) for scheme in OF_MUJOCO},
 }
 
-#: Spellings of methods with options that are run besides, by kind of scene.
+#: Spellings of methods with options that are run in addition to the integrators: the methods with Newton's damping (DAMPED),
+#: and all methods by kind of scene (VARIANTS).
 DAMPED = ("SemiImplicit:settings=engine", "Steel:settings=engine")
 VARIANTS: dict[Kind, tuple[str, ...]] = {
     "flight": DAMPED,

@@ -2,13 +2,13 @@
 
 The velocities and impulses at the end of a step solve the nonlinear complementarity problem. The normal velocity of a corner is
 limited such that the corner ends on the plane or above it. In units of the weight's impulse m g h and of the velocity g h, the
-solver's work and accuracy are the same for every mass and time step. A contact's frame is that of the world and its point is
+solver's work and accuracy are the same for every mass and time step. A contact's frame is the world frame and its point is
 fixed in the body, so only the data of the contact models change.
 
 The load of a rigid body on four corners is statically indeterminate: load can be moved from two opposite corners to the other
-two without any effect except on the friction of corners that slide in different directions. ADMM converges to a solution near
-its initial guess. The guess is the impulses of the previous step, rotated with the body, without their alternating part. The
-alternating part of the solution then vanishes with the time step, and the load becomes linear.
+two corners without any effect except on the friction of corners that slide in different directions. ADMM converges to a
+solution near its initial guess. The guess is the impulses of the previous step, rotated with the body, without their
+alternating part. The alternating part of the solution then vanishes with the time step, and the load becomes linear.
 """
 
 import math

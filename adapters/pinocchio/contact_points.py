@@ -1,9 +1,10 @@
-"""The points at which bodies touch a plane and each other, found anew in every step.
+"""Find the points at which bodies touch a plane and each other, in every step.
 
 - On the plane: the corners of a brick; the lowest point of a sphere or an ellipsoid; of a cylinder, at each end, the lowest
   point of the rim and three others, a quarter of the rim apart, so that it may roll on its side or stand.
-- A sphere and a brick, or two spheres: the two points that are closest.
-- Two bricks: the corners of the part of one face that is over a face of the other. Two edges that cross are not found.
+- A sphere and a brick, or two spheres: the closest points of the two bodies.
+- Two bricks: the corners of the part of one brick's face that is over a face of the other brick. Contacts of crossing edges are
+  not found.
 """
 
 import math
@@ -30,15 +31,15 @@ class Point:
     Attributes
     ----------
     bodies
-        The places of the two bodies, the lower first; the first may be `WORLD`.
+        The indices of the two bodies, the lower first; the first may be `WORLD`.
     number
-        Its number among the points of these two.
+        The number of the point among the points of the two bodies.
     position
-        (3,) where it is, world frame (m).
+        The position (3,) of the point, world frame (m).
     axes
-        (3, 3) two tangents and the normal, which points from the first body to the second, as columns.
+        Two tangents and the normal as columns (3, 3), world frame. The normal points from the first body to the second.
     gap
-        The distance between the two bodies there (m); below zero where they overlap.
+        The distance between the two bodies at the point (m); negative if they overlap.
     """
 
     bodies: tuple[int, int]
@@ -50,7 +51,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A shape, with the position (3,) of its centre (m) and the rotation matrix (3, 3) from its axes to those of the world."""
+    """A shape, with the position (3,) of its centre (m) and the rotation matrix (3, 3) from its axes to the world's axes."""
 
     shape: Shape
     centre: Array
@@ -58,7 +59,7 @@ class Placed:
 
 
 def radius(shape: Shape) -> float:
-    """Return the radius (m) of the sphere around the centre that holds a shape."""
+    """Return the radius (m) of the smallest sphere around the centre of a shape that contains the shape."""
     match shape:
         case Brick(semi_axes):
             return math.hypot(*semi_axes)
@@ -71,7 +72,10 @@ def radius(shape: Shape) -> float:
 
 
 def on_plane(index: int, body: Placed, axes: Array, margin: float) -> Iterator[Point]:
-    """Yield the points of a body that are no further than a margin (m) from the plane through the origin with such axes."""
+    """Yield the points of a body that are at most a margin (m) above the plane through the origin with the given axes (3, 3).
+
+    The columns of `axes` are two tangents of the plane and its normal.
+    """
     normal = axes[:, 2]
     if normal @ body.centre - radius(body.shape) > margin:
         return
@@ -83,7 +87,7 @@ def on_plane(index: int, body: Placed, axes: Array, margin: float) -> Iterator[P
 
 
 def lowest(shape: Shape, down: Array) -> Array:
-    """Return the points (n, 3) of a body that may be the lowest ones, in its frame; `down` is a unit vector (3,) there."""
+    """Return the points (n, 3) of a shape that may be its lowest points; `down` (3,) is a unit vector. All are in its frame."""
     match shape:
         case Brick(semi_axes):
             return np.asarray(CORNERS * semi_axes)
@@ -100,7 +104,7 @@ def lowest(shape: Shape, down: Array) -> Array:
 
 
 def between(places: tuple[int, int], one: Placed, other: Placed, margin: float) -> Iterator[Point]:
-    """Yield the points of two bodies that are no further than a margin (m) from each other."""
+    """Yield the points at which the gap between two bodies is at most a margin (m)."""
     match one.shape, other.shape:
         case Sphere(first), Sphere(second):
             apart = other.centre - one.centre
@@ -119,7 +123,10 @@ def between(places: tuple[int, int], one: Placed, other: Placed, margin: float) 
 def _on_brick(
     places: tuple[int, int], brick: Placed, half: Array, centre: Array, radius_of_ball: float, sign: float, margin: float
 ) -> Iterator[Point]:
-    """Yield the point of a sphere on a brick; sign: 1 where the normal points from the brick to the sphere."""
+    """Yield the contact point of a sphere and a brick if their gap is at most a margin (m).
+
+    `sign` is 1 if the normal points from the brick to the sphere, and -1 if it points from the sphere to the brick.
+    """
     local = (centre - brick.centre) @ brick.turn
     closest = np.clip(local, -half, half)
     apart = local - closest
@@ -140,7 +147,7 @@ def _on_brick(
 def _face_to_face(
     places: tuple[int, int], one: tuple[Placed, Array], other: tuple[Placed, Array], margin: float
 ) -> Iterator[Point]:
-    """Yield the corners of the part of a face of one brick that is over a face of the other."""
+    """Yield the corners of the part of a face of one brick that is over a face of the other brick."""
     apart = other[0].centre - one[0].centre
     distances = [_separations(one, other, apart), _separations(other, one, -apart)]
     which = int(distances[1].max() > distances[0].max() + ON_EDGE * one[1].max())
@@ -172,13 +179,16 @@ def _face_to_face(
 
 
 def _separations(one: tuple[Placed, Array], other: tuple[Placed, Array], apart: Array) -> Array:
-    """Return how far (3,) another brick is beyond the faces of one, along its axes (m)."""
+    """Return the gaps (3,) between two bricks along the axes of the first one (m); negative where their projections overlap.
+
+    `apart` is the vector (3,) from the centre of the first brick to the centre of the second.
+    """
     (base, half), (above, size) = one, other
     return np.asarray(np.abs(apart @ base.turn) - half - np.abs(base.turn.T @ above.turn) @ size)
 
 
 def _cut(polygon: Array, beyond: Array) -> Array:
-    """Return the part of a polygon (n, 3) that is not beyond a plane; beyond: (n,) how far each corner is (m)."""
+    """Return the part of a polygon (n, 3) that is not beyond a plane; `beyond` (n,) are the distances of its corners (m)."""
     if (beyond <= 0).all():
         return polygon
     kept = []
@@ -192,7 +202,7 @@ def _cut(polygon: Array, beyond: Array) -> Array:
 
 
 def with_tangents(normal: Array) -> Array:
-    """Return two tangents and a unit normal (3,) as columns (3, 3), right-handed."""
+    """Return two tangents and the given unit normal (3,) as the columns of a right-handed matrix (3, 3)."""
     first = np.zeros(3)
     first[int(np.argmin(np.abs(normal)))] = 1.0
     first -= (first @ normal) * normal

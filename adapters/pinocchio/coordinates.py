@@ -1,7 +1,7 @@
 """The joints of bodies in flight in Pinocchio, and the states of many bodies in their coordinates q and v.
 
-Pinocchio's quaternions are x, y, z, w. The linear velocity of a translation joint is that in the world frame, and the one of a
-free-flyer joint, whose v is the spatial twist, is in the body frame.
+Pinocchio's quaternions are x, y, z, w. The linear velocity of a translation joint is in the world frame. The linear velocity of
+a free-flyer joint, whose v is the spatial twist, is in the body frame.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ class Coordinates:
     rows
         Converts the initial states (m, 13), q (m, n, nq) and v (m, n, nv) of m bodies at n instants to states (m, n, 13).
     turned
-        Whether the frame of the last joint is that of the world, in which the body has its attitude.
+        Whether the frame of the last joint has the axes of the world, so that the body has its attitude in this frame.
     """
 
     kinds: tuple[Callable[[], pin.JointModel], ...]
@@ -45,7 +45,7 @@ def initial_states(scenes: Sequence[Scene]) -> Array:
 
 
 def _rows(shape: tuple[int, ...], position: ArrayLike, quaternion: ArrayLike, velocity: ArrayLike, rates: ArrayLike) -> Array:
-    """Return states (m, n, 13) from their parts, each of which may be the same at all instants."""
+    """Return states (m, n, 13) from their parts; a part may have a single value for all instants."""
     rows = np.empty((*shape[:2], 13))
     rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:] = position, quaternion, velocity, rates
     return rows

@@ -96,7 +96,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the tolerance of Pinocchio's contact solver. It has neither an integrator nor a time step of its own."""
+    """Return the tolerance of Pinocchio's contact solver. It has no default integrator and no default time step."""
     if not contact.HAS_POINT_CONTACTS:
         return {}
     return {"tolerance": f"{pin.ADMMSolverSettings().absolute_feasibility_tol:g} of the contact solver"}
@@ -141,7 +141,7 @@ def check_supported(scene: Scene, method: Method) -> None:
 
 
 def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
-    """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
+    """Return the feature of a scene with a plane that this adapter does not model, as a noun phrase; None if it models all."""
     if not scene.drag and not scene.gravity:
         return "contact without a weight"
     if (reason := not_flat(scene)) is not None:
@@ -201,7 +201,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 
 def unjointed(scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return the simulation of one or more single bodies in flight, or lying flat; `admm` accepts only bodies with corners.
+    """Return the simulation of one or more single bodies in flight, or lying flat on a plane; `admm` needs bodies with corners.
 
     Raises `SceneUnsupported`.
     """
@@ -298,7 +298,7 @@ def friction_step(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
 
     The plane bears the weight, so the model contains neither. If friction would reverse the motion within a step, in the sense
     of the scalar product of the kinetic energy, static friction holds the body at rest from then on. If the law brakes
-    translation and spin separately, each stops by itself.
+    translation and spin separately, each of them stops separately.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Write what a run of one body does, in flight or with rigid contacts, as a script for Pinocchio alone."""
+"""Write a run of one body, in flight or with rigid contacts, as a script that needs Pinocchio alone."""
 
 from bodycheck.adapters import scripts
 from bodycheck.adapters.contract import Method, SceneUnsupported
@@ -27,7 +27,7 @@ def acceleration(q, v):
 
 {loop}"""
 
-#: The body on its joints, and its initial state.
+#: The lines of a script that build the body on its joints and define its initial state.
 BODY = """\
 model = pin.Model()
 model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
@@ -41,10 +41,11 @@ v = np.array({v})"""
 
 JOINT = "joint = model.addJoint(joint, pin.{kind}(), pin.SE3.Identity(), {name!r})"
 
-#: Drag at the centre of mass, which acts on the linear velocity alone.
+#: The lines of a script that compute drag at the centre of mass, which acts on the linear velocity alone.
 DRAG = "    x, y, z = v[:3]\n    force[:3] = {drag!r} * np.sqrt(x * x + y * y + z * z) * v[:3]\n"
 
-#: The state of a body from q and v, by the name of the model. Pinocchio's quaternions are x y z w.
+#: The expression of a script for the state of a body from q and v, by the name of the model. Pinocchio's quaternions are x y z
+#: w.
 STATES = {
     "translation": "[*q, *{attitude}, *v, 0.0, 0.0, 0.0]",
     "rotation": "[*{position}, q[3], *q[:3], 0.0, 0.0, 0.0, *v]",
@@ -85,7 +86,7 @@ def script(scene: Scene, method: Method, joints: Joints, model: str, duration: f
     Raises
     ------
     SceneUnsupported
-        For a model with more than the joints of the body.
+        If the model contains more than the joints of the body.
     """
     if model not in STATES:
         raise SceneUnsupported(f"a script of the model {model!r}; scripts have the smaller ones: {', '.join(STATES)}")
@@ -166,13 +167,13 @@ def contact_script(
     Raises
     ------
     SceneUnsupported
-        For a model with more than the contacts, and for all that the contacts do not model.
+        If the model contains more than the contacts, or if the contacts cannot model the scene.
     """
     if model != "contact":
         raise SceneUnsupported(f"a script of the model {model!r}; there is one of the model 'contact'")
-    contact.rigid_contact(scene, plane, joints, timestep)  # what cannot be modelled is no script
+    contact.rigid_contact(scene, plane, joints, timestep)  # raises an error if the scene cannot be modelled
     shape, initial = scene.body.shape, scene.initial
-    assert isinstance(shape, Brick)  # else there would be no contacts
+    assert isinstance(shape, Brick)  # `rigid_contact` accepts only bricks
     functions = (contact.point_contacts, contact.residual_of, contact.set_tolerance)
     sources = (Brick, *functions, contact.Solver, contact.solver_settings, contact.rigid_contact)
     return CONTACT_SCRIPT.format(

@@ -1,8 +1,9 @@
-"""Step bodies in flight together: some of them in one model of Pinocchio, each on joints of its own.
+"""Step bodies in flight together, several of them in one model of Pinocchio, each on its own joints.
 
-Pinocchio's functions go from joint to joint of a model. Bodies whose joints hang on the world alone do not affect one another,
-and each is computed as in a model of its own, so that a call from Python serves several. Their masses and moments may differ,
-which those of the worlds of `abaInParallel` cannot, because a `ModelPool` has one model. Gravity is a property of the model.
+Pinocchio's functions go from joint to joint of a model. Bodies whose joints are connected only to the world do not affect one
+another, and each is computed as if it were alone in its model, so that one call from Python serves several bodies. Their masses
+and moments may differ, in contrast to the worlds of `abaInParallel`, because a `ModelPool` has one model. Gravity is a property
+of the model.
 """
 
 from collections.abc import Sequence
@@ -22,13 +23,14 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: Most bodies in one model. The data of Pinocchio grow with the third power of their number, to 31 MiB for 16 free bodies.
+#: The largest number of bodies in one model. Pinocchio's data grow with the third power of this number, to 31 MiB for 16
+#: bodies.
 BODIES = 16
 
 
 @dataclass
 class Part:
-    """Some bodies in one model, with the time step (bodies nv,), and their configurations q (bodies nq,) and velocities v."""
+    """Several bodies in one model, with the time step (bodies nv,), configurations (bodies nq,) and velocities (bodies nv,)."""
 
     model: pin.Model
     scheme: Scheme
@@ -57,7 +59,7 @@ class Flights:
     Parameters
     ----------
     parts
-        The bodies in order, some in each part.
+        The parts, which contain the bodies in order.
     coordinates
         The joints of each body.
     first
@@ -75,7 +77,7 @@ class Flights:
         return self.coordinates.rows(self.first, q, v)[:, :, None]
 
     def _by_bodies(self, seen: Array) -> Array:
-        """Return the numbers (n, scenes k) of all bodies as (scenes, n, k)."""
+        """Return the array (n, scenes k) of all bodies in the shape (scenes, n, k)."""
         count = len(self.first)
         return seen.reshape(len(seen), count, seen.shape[1] // count).swapaxes(0, 1)
 
@@ -99,7 +101,7 @@ def flights(scenes: Sequence[Scene], method: Method, coordinates: Coordinates) -
 
 
 def model_of(scenes: Sequence[Scene], coordinates: Coordinates) -> pin.Model:
-    """Return the model of the bodies of scenes, each on joints of its own."""
+    """Return the model of the bodies of scenes, each on its own joints."""
     model = world(scenes[0].gravity)
     for scene in scenes:
         attitude = to_pinocchio(scene.initial.quaternion).matrix() if coordinates.turned else None
@@ -109,7 +111,7 @@ def model_of(scenes: Sequence[Scene], coordinates: Coordinates) -> pin.Model:
 
 @lru_cache(maxsize=8)
 def workspace(coordinates: Coordinates, count: int) -> pin.Data:
-    """Return Pinocchio's data for models of some bodies on equal joints, which hold nothing from one call to the next."""
+    """Return Pinocchio's data for models of `count` bodies on equal joints. Parts share the data: no call uses old contents."""
     model = world(0.0)
     for _ in range(count):
         add_body(model, (), [kind() for kind in coordinates.kinds])
@@ -117,7 +119,7 @@ def workspace(coordinates: Coordinates, count: int) -> pin.Data:
 
 
 def acceleration_of(scene: Scene, model: pin.Model, data: pin.Data, count: int) -> Acceleration:
-    """Return the accelerations of some bodies under gravity and the drag of a scene, as a function of q and v."""
+    """Return the accelerations of `count` bodies, under gravity and the drag of a scene, as a function of q and v."""
     nothing = np.zeros(model.nv)
 
     def free(q: Array, v: Array) -> object:

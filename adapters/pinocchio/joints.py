@@ -2,8 +2,8 @@
 
 With separate joints for translation and rotation, q is a vector and a rotation, and v is (linear velocity in the world frame,
 angular velocity in the body frame). With a free-flyer joint, q is one element of SE(3), and v is the spatial twist in the body
-frame. A plane has both kinds too: two prismatic joints and a revolute joint, with the linear velocity in the world frame, and
-Pinocchio's planar joint, with the twist in the body frame. Pinocchio's quaternions are x, y, z, w.
+frame. A body on a plane has joints of both kinds too: two prismatic joints and a revolute joint, with the linear velocity in
+the world frame, or Pinocchio's planar joint, with the twist in the body frame. Pinocchio's quaternions are x, y, z, w.
 """
 
 import math
@@ -30,7 +30,7 @@ from bodycheck.reference.trajectory import Array
 #: A function that returns q and v one time step after given q and v.
 Step = Callable[[Array, Array], tuple[Array, Array]]
 
-#: Index of the joint that does not move; its frame is that of the world.
+#: The index of the joint that does not move; its frame is the world frame.
 UNIVERSE = 0
 
 
@@ -61,7 +61,7 @@ class Joints:
 
 
 def in_flight(coordinates: Coordinates, scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
-    """Return a body on the joints of given coordinates; with links, it is made of them. `gravity` is in m/s^2, as below."""
+    """Return a body on the joints of `coordinates`, which consists of `links` if given. `gravity` is in m/s^2, as below."""
     first = initial_states([scene])
     attitude = to_pinocchio(scene.initial.quaternion).matrix() if coordinates.turned else None
     model, joint = body_on_joints(links_of(scene, links), gravity, [kind() for kind in coordinates.kinds], attitude)
@@ -80,13 +80,13 @@ def rotation(scene: Scene, gravity: float) -> Joints:
 
 
 def translation_and_rotation(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
-    """Return a translation joint and a spherical joint; with links, the body is made of them."""
+    """Return a translation joint and a spherical joint. The body consists of `links` if they are given."""
     joints = in_flight(TRANSLATION_AND_ROTATION, scene, gravity, links)
     return replace(joints, heading=lambda q: (float(q[6] ** 2 - q[5] ** 2), float(2 * q[6] * q[5])))
 
 
 def free_flyer(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
-    """Return one free-flyer joint; with links, the body is made of them."""
+    """Return one free-flyer joint. The body consists of `links` if they are given."""
     return in_flight(FREE_FLYER, scene, gravity, links)
 
 
@@ -139,7 +139,7 @@ def world(gravity: float) -> pin.Model:
 
 
 def add_body(model: pin.Model, links: Sequence[Link], joints: Sequence[pin.JointModel], attitude: Array | None = None) -> int:
-    """Add a body on a chain of joints of its own to a model, and return the index of the last joint.
+    """Add a body on its own chain of joints to a model, and return the index of the last joint.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def add_body(model: pin.Model, links: Sequence[Link], joints: Sequence[pin.Joint
 
 
 def to_pinocchio(quaternion: Quaternion) -> pin.Quaternion:
-    """Return a quaternion (w, x, y, z) as Pinocchio's."""
+    """Return Pinocchio's quaternion of a quaternion (w, x, y, z)."""
     w, x, y, z = quaternion
     return pin.Quaternion(w, x, y, z)
 
@@ -176,7 +176,7 @@ def flat_states(height: float, position: Array, yaw: Array, velocity: Array, spi
     ----------
     height
         The height (m) of the centre of mass.
-    place
+    position
         The horizontal positions (n, 2), in m.
     yaw
         The yaw angles (n,), in rad.

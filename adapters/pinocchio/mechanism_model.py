@@ -1,18 +1,18 @@
 """Build the model of a mechanism in Pinocchio, with its initial state.
 
-A body hangs on one joint of Pinocchio, or on several one after another, of which the first has its place in the parent and the
-others none. The joints are those that a scheme needs, by whether it integrates the body twist or velocities in the axes of the
-joint's frame, as those of a body in flight:
+A body is on one joint of Pinocchio, or on a chain of several joints, of which only the first is displaced in its parent. As for
+a body in flight, the joints depend on whether a scheme integrates the body twist or velocities along the axes of the joint's
+frame:
 
 - revolute, prismatic: the joint along x, y or z, or the unaligned one.
 - spherical: `JointModelSpherical`, whose velocity is the angular velocity in the child's frame.
 - free, and a body that is the child of no joint: `JointModelFreeFlyer`, or a translation joint and a spherical one.
 - planar: `JointModelPlanar`, or two prismatic joints and a revolute one.
 - universal: `JointModelUniversal`, or two revolute joints in a release without it.
-- fixed: none. The inertia is added to that of the joint of the parent, as Pinocchio's readers of files do.
+- fixed: none. The inertia is added to the inertia of the parent's joint, as Pinocchio's readers of files do.
 
-Joints are added depth first. `aba` accepts any order, but `constraintDynamics` returns wrong accelerations without a word if
-the joints that hang on one another do not follow one another. Pinocchio's quaternions are x, y, z, w.
+Joints are added depth first. `aba` accepts any order, but `constraintDynamics` silently returns wrong accelerations if the
+joints of a branch do not follow one another. Pinocchio's quaternions are x, y, z, w.
 """
 
 import math
@@ -32,22 +32,22 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, 
 from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 
-#: A joint of Pinocchio: the name of its class after `JointModel`, and the numbers that it is made from.
+#: A joint of Pinocchio: the name of its class after `JointModel`, and the arguments of its constructor.
 Kind = tuple[str, tuple[float, ...]]
 
-#: A ball as three hinges.
+#: The three hinges that replace a ball.
 THREE_HINGES: list[Kind] = [("RX", ()), ("RY", ()), ("RZ", ())]
 
 #: Whether the installed release has a universal joint.
 HAS_UNIVERSAL = hasattr(pin, "JointModelUniversal")
 
-#: The joints along the axes of a frame, by the axis.
+#: The joints along the axes of a frame, keyed by the axis.
 ALIGNED = {
     "revolute": {(1.0, 0.0, 0.0): "RX", (0.0, 1.0, 0.0): "RY", (0.0, 0.0, 1.0): "RZ"},
     "prismatic": {(1.0, 0.0, 0.0): "PX", (0.0, 1.0, 0.0): "PY", (0.0, 0.0, 1.0): "PZ"},
 }
 
-#: The joints of other types, by whether the scheme integrates the body twist.
+#: The joints of other types, keyed by whether the scheme integrates the body twist.
 KINDS = {
     ("spherical", False): ("Spherical",),
     ("spherical", True): ("Spherical",),
@@ -69,7 +69,7 @@ class Built:
     q, v
         The initial configuration (nq,) and velocity (nv,).
     places
-        For each body, the index of the joint that it hangs on, and its frame in that of the joint.
+        For each body, the index of the joint that moves it, and the frame of the body in the frame of this joint.
     first
         For each joint of the mechanism, its first index in q and its first index in v.
     kinds
@@ -87,7 +87,7 @@ class Built:
 def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built:
     """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it.
 
-    hinges: whether a ball joint is modelled by three hinges.
+    `body_twist` is whether the scheme integrates the body twist, and `hinges` whether three hinges model a ball joint.
     """
     model = world(mechanism.gravity)
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
@@ -123,7 +123,7 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
 def add_armature(model: pin.Model, armatures: Sequence[tuple[int, float]]) -> None:
     """Set the armature of a model.
 
-    armatures: pairs of an index of v and the inertia for this velocity, in kg m^2 or, for a slide, in kg. Raises
+    `armatures` are pairs of an index of v and the inertia for this velocity, in kg m^2 or, for a slide, in kg. Raises
     `SceneUnsupported` if the release of Pinocchio has no armature.
     """
     if not armatures:
@@ -142,7 +142,7 @@ def is_ball(joint: Joint | None) -> bool:
 
 
 def joints_of(joint: Joint | None, body_twist: bool) -> list[Kind]:
-    """Return the kinds of Pinocchio's joints that make up a joint; None stands for the joint of a free body."""
+    """Return the kinds of Pinocchio's joints that make up a joint. If `joint` is None, the body is free."""
     if joint is not None and joint.type in ALIGNED:
         axis = exact.nearest_axis(joint)
         if (aligned := ALIGNED[joint.type].get(axis)) is not None:
@@ -161,7 +161,7 @@ def placement(position: Vector, quaternion: Quaternion) -> pin.SE3:
 
 
 def inertia_of(body: JointedBody) -> pin.Inertia:
-    """Return the inertia of a body in its frame."""
+    """Return Pinocchio's inertia of a body in the frame of the body."""
     mass_properties = exact.nearest_inertia(body)
     xx, yy, zz, xy, xz, yz = mass_properties.tensor
     return pin.Inertia(

@@ -1,4 +1,4 @@
-"""Write what a run of a mechanism does as a script for Pinocchio alone."""
+"""Write a run of a mechanism as a script that needs Pinocchio alone."""
 
 import pinocchio as pin
 
@@ -84,7 +84,7 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
 
 
 def joint_lines(built_mechanism: Built) -> str:
-    """Return the lines that add the joints of a model, with the inertia of what hangs on each."""
+    """Return the lines that add the joints of a model, each with the inertia that it moves."""
     model, lines = built_mechanism.model, []
     for number, (kind, numbers) in enumerate(built_mechanism.kinds, start=1):
         inertia = model.inertias[number]
@@ -105,7 +105,7 @@ def joint_lines(built_mechanism: Built) -> str:
 
 
 def armature_line(mechanism: Mechanism, built_mechanism: Built) -> str:
-    """Return the line that sets the armature, empty without one."""
+    """Return the line that sets the armature; empty if no joint has armature."""
     if not any(joint.armature for joint in mechanism.joints):
         return ""
     return f"model.armature = np.array({scripts.written(built_mechanism.model.armature)})"
@@ -124,10 +124,10 @@ def acceleration_line(mechanism: Mechanism, built_mechanism: Built, method: Meth
 
 
 def placed(frame: pin.SE3) -> str:
-    """Return a place as an expression."""
+    """Return a placement as a Python expression."""
     return f"place({scripts.written(frame.rotation.ravel())}, {scripts.written(frame.translation)})"
 
 
 def array(numbers: Array | mechanisms.Indices) -> str:
-    """Return an array as an expression."""
+    """Return an array as a Python expression."""
     return f"np.array({numbers.tolist()})"

@@ -1,13 +1,13 @@
 """Step mechanisms by Pinocchio's algorithms. The module `mechanism_model` builds them.
 
 The accelerations are those of the articulated-body algorithm (`aba`), and with loops those of its dynamics with constraints
-(`constraintDynamics`), which keep the points of a loop together in their accelerations. The option `baumgarte` adds a
-correction of what has come apart since.
+(`constraintDynamics`), which give the two points of a loop the same acceleration. The option `baumgarte` adds a correction of
+the gap and of its rate.
 
-Pinocchio takes armature from the model. What else acts on joints is forces that its users add to `tau`, and so they are added
-here, evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the
-velocity. At rest such a friction is zero and changes its sign in each step, so that a joint that mechanics holds at rest
-trembles, and creeps where another force loads it.
+Pinocchio takes armature from the model. All other effects in joints are forces that users of Pinocchio add to `tau`. They are
+evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the velocity.
+This friction is zero at rest, and near rest it changes its sign in each step, so that a joint that should stay at rest
+trembles, and creeps if another force loads it.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,15 +46,17 @@ OPTIONS = {
     )
 }
 
-#: Accuracy, regularisation and most iterations of `constraintDynamics`. The regularisation allows for constraints that say
-#: the same twice, and the iterations remove its effect. Much smaller, it leaves the rounding of redundant constraints, divided
-#: by it, in the accelerations; much larger, the iterations do not remove its effect near singular positions.
+#: The accuracy, the regularisation and the largest number of iterations of `constraintDynamics`. The regularisation allows for
+#: redundant constraints, and the iterations remove its effect. With a much smaller regularisation, the rounding of redundant
+#: constraints, divided by it, remains in the accelerations. With a much larger one, the iterations do not remove its effect
+#: near singular positions.
 ACCURACY = (1e-14, 1e-6, 20)
 
-#: Pinocchio's data have some eight arrays of numbers with the third power of the number of velocities. Most bytes for them.
+#: Pinocchio's data contain about eight arrays whose sizes are the third power of the number of velocities, and the largest
+#: number of bytes that they may have.
 TENSORS, MOST_MEMORY = 8, 2 * 2**30
 
-#: Places of numbers in an array.
+#: Indices in an array.
 Indices = NDArray[np.int64]
 
 #: The ends of a loop: a joint and the point (3,) in its frame (m), twice.
@@ -83,7 +85,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
 
 
 def check_memory(model: pin.Model) -> None:
-    """Raise `SceneUnsupported` for a model whose data take more than `MOST_MEMORY`, for which a process might be ended."""
+    """Raise `SceneUnsupported` for a model whose data need more than `MOST_MEMORY` bytes, which might end the process."""
     if (needed := TENSORS * 8 * model.nv**3) > MOST_MEMORY:
         size = f"{needed / 2**30:.1f} GiB"
         raise SceneUnsupported(
@@ -92,10 +94,10 @@ def check_memory(model: pin.Model) -> None:
 
 
 def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
-    """Return a mechanism as the model of a method has it.
+    """Return the mechanism that the model of a method simulates.
 
-    Raises `SceneUnsupported` for a model that is not there, for gains without loops, and for loops in a release without
-    constraints between two bodies.
+    Raises `SceneUnsupported` for a model that the mechanism does not have, for the option `baumgarte` without loops, and for
+    loops in a release without constraints between two bodies.
     """
     mechanism_models.check(mechanism, method.option("model"))
     if method.option("model") == "free-bodies":
@@ -108,7 +110,7 @@ def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
 
 
 def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
-    """Return efforts, dampings, stiffnesses, rests and frictions (nv,) of joints, and the places in q of their coordinates."""
+    """Return efforts, dampings, stiffnesses, rests and frictions (nv,) of joints, and the indices in q of their coordinates."""
     effort, damping, stiffness, rest, friction = (np.zeros(built_mechanism.model.nv) for _ in range(5))
     position = np.zeros(built_mechanism.model.nv, dtype=np.int64)
     for joint, (in_q, in_v) in zip(mechanism.joints, built_mechanism.first, strict=True):
@@ -150,7 +152,7 @@ def ends_of(mechanism: Mechanism, built_mechanism: Built) -> tuple[Ends, ...]:
 
 
 def gains_of(method: Method) -> tuple[float, float] | None:
-    """Return the gains of the correction of loops, 1/s^2 and 1/s; None without one."""
+    """Return the gains of the correction of loops, 1/s^2 and 1/s; None if the method has no correction."""
     if (gains := method.option("baumgarte")) is None:
         return None
     stiffness, damping = map(float, gains.split())

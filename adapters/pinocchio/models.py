@@ -17,7 +17,8 @@ from bodycheck.reference.trajectory import Array
 #: Depth below the origin (m) of a half-space that no body ever touches.
 FAR_PLANE_DEPTH_M = 1e6
 
-#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
+#: The models of a scene in flight, from the smallest to the largest, each with a description of what it adds to the model
+#: before.
 IN_FLIGHT = {
     "translation": "a translation joint",
     "rotation": "a spherical joint",
@@ -47,7 +48,7 @@ JOINTS = {
     "everything": scene_joints.free_flyer,
 }
 
-#: The coordinates of each model in flight that has nothing but the joints of the body.
+#: The coordinates of each model in flight that contains only the joints of the body.
 COORDINATES = {
     "translation": coordinates.TRANSLATION,
     "rotation": coordinates.ROTATION,
@@ -55,7 +56,7 @@ COORDINATES = {
     "six-coordinates": coordinates.FREE_FLYER,
 }
 
-#: The functions that build the joints of each model of a body of links, of which the first has its origin anywhere.
+#: The functions that build the joints of each model of a body of links. The origin of the first link may be anywhere.
 OF_LINKS = {
     "translation-and-rotation": scene_joints.translation_and_rotation,
     "six-coordinates": scene_joints.free_flyer,
@@ -71,7 +72,7 @@ JOINTS_ON_PLANE = JOINTS | {
 
 
 def in_flight(scene: Scene, integrator: str) -> tuple[str, ...]:
-    """Return the models of a scene in flight on which an integrator is the same scheme, the smallest first."""
+    """Return the models of a scene in flight for which an integrator is the same scheme, the smallest first."""
     needs, (_, body_twist) = requirements(scene), SCHEMES[integrator]
     others = {"translation-and-rotation"} if body_twist else set()
     others |= {"rotation"} if needs.rotation == "none" else {"translation"}

@@ -1,12 +1,12 @@
-"""Joints of Pinocchio's model in the words of robot models, and states of them in Pinocchio's coordinates.
+"""The joints of Pinocchio's model in the terms of robot models, and their states in Pinocchio's coordinates.
 
-The position of a joint that URDF calls continuous is the cosine and the sine of its angle, as is that of a planar joint.
-Quaternions are x, y, z, w. The linear velocity of free-flyer and planar joints is along the axes of the child, which turn: its
-derivative has a term of the angular velocity.
+The coordinates of a joint that URDF calls continuous are the cosine and the sine of its angle; a planar joint has the same
+coordinates of its angle. Quaternions are x, y, z, w. The linear velocity of free-flyer and planar joints is along the rotating
+axes of the child, so that its derivative has a term with the angular velocity.
 
-The free joint of a body in MJCF has its position in the world, and the place of the body in the file is only in Pinocchio's
-reference configuration `qpos0`. Several joints of one body in MJCF are one composite joint, whose parts have no names. They are
-taken from the file.
+The position of the free joint of a body in MJCF is in the world frame, and only Pinocchio's reference configuration `qpos0`
+contains the pose of the body in the file. Several joints of one body in MJCF are one composite joint, whose parts have no names
+in Pinocchio. Their names are read from the file.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.robots.state import COORDINATES, RobotState
 from bodycheck.reference.trajectory import Array
 
-#: The words of robot models for the beginnings of the names of Pinocchio's joints.
+#: The types of robot models, keyed by the beginnings of the names of Pinocchio's joints.
 TYPES = {
     "JointModelR": "revolute",
     "JointModelP": "prismatic",
@@ -39,15 +39,15 @@ class Joint:
     Attributes
     ----------
     name, type
-        Its name, and its type in the words of robot models or, if they have none, Pinocchio's.
+        The name, and the type: a type of robot models, or Pinocchio's name of a type that robot models do not have.
     index
-        The index in the model of the joint, or of the composite joint that has it as a part.
+        The index in the model of the joint, or of the composite joint that it is a part of.
     position, coordinates
-        The place of its first coordinate, and how many it has.
+        The index of its first coordinate, and the number of its coordinates.
     first, count
-        The place of its first velocity, and how many it has.
+        The index of its first velocity, and the number of its velocities.
     frame
-        Its frame as origin and quaternion w, x, y, z, if Pinocchio's coordinates are those in the world instead.
+        The joint's frame as origin and quaternion w, x, y, z, if Pinocchio's coordinates are in the world frame; else empty.
     """
 
     name: str
@@ -74,7 +74,7 @@ def joints_of(model: pin.Model, file: RobotFile) -> list[Joint]:
 
 
 def frame_of(model: pin.Model, file: RobotFile, index: int) -> tuple[float, ...]:
-    """Return the frame that a file gives a free joint, if Pinocchio has none of it."""
+    """Return the frame of a free joint in an MJCF, whose coordinates in Pinocchio are in the world frame; else empty."""
     joint, configurations = model.joints[index], model.referenceConfigurations
     if file.format == "urdf" or joint.nq != COORDINATES["floating"] or "qpos0" not in configurations:
         return ()
@@ -87,13 +87,16 @@ def _joint(joint: pin.JointModel, name: str, index: int) -> Joint:
 
 
 def word(kind: str) -> str:
-    """Return the type of a joint in the words of robot models, or Pinocchio's name if they have none."""
+    """Return the type of robot models for a type of Pinocchio, or Pinocchio's name if robot models do not have the type."""
     starts = [start for start in TYPES if kind.startswith(start)]
     return TYPES[max(starts, key=len)] if starts else kind
 
 
 def names_of_parts(file: RobotFile, composite: str) -> list[str]:
-    """Return the names of the parts of a composite joint from its name: `Composite_` and the name of the first part."""
+    """Return the names of the parts of a composite joint in a file.
+
+    The name of the composite joint, `composite`, consists of `Composite_` and the name of the first part.
+    """
     first = composite.removeprefix("Composite_")
     for body in ElementTree.parse(file.path).getroot().iter("body"):
         names = [joint.get("name", "") for joint in body.findall("joint")]
@@ -113,11 +116,11 @@ class Coordinates:
 
 
 def coordinates(model: pin.Model, joints: Sequence[Joint], state: RobotState) -> Coordinates:
-    """Return a state in Pinocchio's coordinates; joints that it does not have stay in the neutral configuration."""
+    """Return a state in Pinocchio's coordinates; joints that the state does not have stay in the neutral configuration."""
     in_engine = Coordinates(np.array(pin.neutral(model)), *(np.zeros(model.nv) for _ in range(3)))
     parts = state.velocities, state.accelerations, state.efforts
     for joint in joints:
-        if joint.count == joint.coordinates == 1:  # as most are, and there are many
+        if joint.count == joint.coordinates == 1:  # a short path for most joints, because there are many
             places = joint.position, joint.first, joint.first, joint.first
             for part, index, values in zip(
                 (in_engine.q, in_engine.v, in_engine.a, in_engine.tau), places, (state.positions, *parts), strict=True
@@ -165,7 +168,7 @@ def in_child(type: str, position: Array, velocity: Array, acceleration: Array, e
     turned = [
         rotate(back, np.append(part[linear], [0.0] * (3 - len(part[linear])))) for part in (velocity, acceleration, effort)
     ]
-    # The derivative of a vector's components along axes that turn.
+    # The derivative of a vector's components along rotating axes has this additional term.
     turned[1] = turned[1] - np.cross(spin, turned[0])
     size = linear.stop
     pairs = zip(turned, (velocity, acceleration, effort), strict=True)

@@ -1,10 +1,11 @@
 """Robot models in Pinocchio, which reads URDF and MJCF.
 
-A body is a joint and all links that are welded to what it moves. Its inertia is that of Pinocchio's joint, in the frame of the
-link that the joint moves. Pinocchio keeps the frames of all other links, which have poses and Jacobians too.
+A body consists of the link that a joint moves and all links that are welded to this link. Its inertia is the inertia of
+Pinocchio's joint, in the frame of the link that the joint moves. Pinocchio keeps the frames of all other links, which have
+poses and Jacobians too.
 
-Pinocchio's dynamics have neither damping nor dry friction nor springs: it keeps what a file says of damping and friction, and
-leaves them to its user. Joints that mimic others move by themselves, unless its user asks for something else.
+Pinocchio's dynamics have neither damping nor dry friction nor springs: Pinocchio keeps the damping and the friction of a file,
+and leaves their forces to its users. By default, mimic joints move independently.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,7 +25,7 @@ from bodycheck.reference.trajectory import Array
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Pinocchio makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
+    """Return how Pinocchio reads a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
     model = loaded(file)
     joints, standard, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
     carrier = carried(model, frames)
@@ -40,7 +41,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def loaded(file: RobotFile) -> pin.Model:
-    """Return Pinocchio's model of a file. Raises `ModelRefused`, and `FormatUnknown` where a release has no reader of MJCF."""
+    """Return Pinocchio's model of a file. Raises `ModelRefused`, and `FormatUnknown` if the release has no reader of MJCF."""
     if file.format == "mjcf" and not hasattr(pin, "buildModelFromMJCF"):
         raise FormatUnknown(f"pinocchio {pin.__version__} has no reader of MJCF")
     read = pin.buildModelFromUrdf if file.format == "urdf" else pin.buildModelFromMJCF
@@ -53,12 +54,15 @@ def loaded(file: RobotFile) -> pin.Model:
 
 
 def links(model: pin.Model) -> dict[int, pin.Frame]:
-    """Return the frames of links by their places, in Pinocchio's order."""
+    """Return the frames of links, keyed by their indices, in Pinocchio's order."""
     return {index: frame for index, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
 
 
 def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody, ...]:
-    """Return the bodies that joints move, after what does not move, from the frames of the links that joints move."""
+    """Return the bodies: first the body that does not move, then the bodies that joints move.
+
+    `carrier` has the frames of the links that joints move, as `carried` returns them.
+    """
     read = []
     for joint in range(model.njoints):
         frame, inertia = carrier.get(joint), model.inertias[joint]
@@ -78,7 +82,7 @@ def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody
 
 
 def carried(model: pin.Model, frames: Mapping[int, pin.Frame]) -> dict[int, pin.Frame]:
-    """Return the frames of the links that joints move, by the places of the joints, and that of the root for the world's."""
+    """Return the frames of the links that joints move, keyed by the indices of the joints; the root's frame has the index 0."""
     joint_frames = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
     carriers: dict[int, pin.Frame] = {}
     for frame in frames.values():
@@ -89,19 +93,19 @@ def carried(model: pin.Model, frames: Mapping[int, pin.Frame]) -> dict[int, pin.
 
 
 def parent_joint(frame: pin.Frame) -> int:
-    """Return the place of the joint with which a frame moves."""
+    """Return the index of the joint with which a frame moves."""
     return int(frame.parentJoint if hasattr(frame, "parentJoint") else frame.parent)  # until Pinocchio 2.6
 
 
 def parent_frame(frame: pin.Frame) -> int:
-    """Return the place of the frame to which a frame is fixed."""
+    """Return the index of the frame to which a frame is fixed."""
     return int(frame.parentFrame if hasattr(frame, "parentFrame") else frame.previousFrame)  # until Pinocchio 2.6
 
 
 def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequence[Joint]) -> tuple[ReadJoint, ...]:
-    """Return the joints. The axis is found from the joint's velocity in Pinocchio's neutral configuration."""
+    """Return the joints. Their axes are computed from their Jacobians in Pinocchio's neutral configuration."""
     data = model.createData()
-    # A matrix with a single column comes as a vector.
+    # Pinocchio returns a matrix with a single column as a vector.
     velocities = np.reshape(pin.computeJointJacobians(model, data, pin.neutral(model)), (6, model.nv))
     read = []
     for joint in joints:
@@ -130,18 +134,18 @@ def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequ
 
 
 def value(model: pin.Model, velocity: int, *names: str) -> float | None:
-    """Return a property of a velocity, by the first of its names that the release knows; None if it knows none of them."""
+    """Return a property of a velocity under the first of the given names that the release has; None if it has none of them."""
     attribute = next((name for name in names if hasattr(model, name)), None)
     return None if attribute is None else float(getattr(model, attribute)[velocity])
 
 
 def limit(stated: float | None) -> float | None:
-    """Return a limit; None where there is none, which is infinite or the largest double."""
+    """Return a limit; None for no limit, which Pinocchio stores as infinity or as the largest double."""
     return None if stated is None else finite(stated, np.finfo(float).max)
 
 
 def notes(file: RobotFile, joints: Sequence[Joint]) -> tuple[str, ...]:
-    """Return what a user should know of Pinocchio's reading of a file."""
+    """Return notes for users on how Pinocchio reads a file."""
     said = ["Pinocchio's dynamics contain no damping, no dry friction and no springs: its user adds them to the efforts"]
     if file.format == "urdf" and "<mimic" in Path(file.path).read_text("utf-8", "replace"):
         said.append("joints with <mimic> move by themselves, unless buildModelFromUrdf is given mimic=True")
@@ -150,23 +154,23 @@ def notes(file: RobotFile, joints: Sequence[Joint]) -> tuple[str, ...]:
     return tuple(said)
 
 
-#: Where the components of a pose are in Pinocchio's, whose quaternion is x, y, z, w.
+#: The indices of the components of a pose in Pinocchio's pose, whose quaternion is x, y, z, w.
 POSE = [0, 1, 2, 6, 3, 4, 5]
 
 
 def terms_of(
     model: pin.Model, links: Mapping[int, str], joints: Sequence[Joint], states: Sequence[RobotState], gravity: Vector
 ) -> tuple[Terms, ...]:
-    """Return what Pinocchio computes at states with a gravity (m/s^2, world), which the model keeps.
+    """Return the terms that Pinocchio computes at states, with gravity (m/s^2, world). Sets the gravity of the model.
 
-    links: the names of links by the places of their frames in the model.
+    `links` are the names of links, keyed by the indices of their frames in the model.
     """
     data = model.createData()
     return tuple(_terms(model, data, links, coordinates(model, joints, state), gravity) for state in states)
 
 
 def _terms(model: pin.Model, data: pin.Data, links: Mapping[int, str], at: Coordinates, gravity: Vector) -> Terms:
-    """Return what Pinocchio computes in one state, with poses and Jacobians of frames by their places."""
+    """Return the terms that Pinocchio computes in one state; `links` are as in `terms_of`."""
     rest = np.zeros(model.nv)
     model.gravity = pin.Motion.Zero()
     coriolis = np.array(pin.rnea(model, data, at.q, at.v, rest))
@@ -190,7 +194,7 @@ def mass_matrix(model: pin.Model, data: pin.Data, q: Array) -> Array:
 
 
 def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
-    """Return the Jacobian (6, nv) of a frame along the world's axes, from data whose Jacobians and frames are computed."""
+    """Return the Jacobian (6, nv) of a frame along the world's axes. The Jacobians and frames in `data` must be computed."""
     if not model.nv:  # Pinocchio crashes
         return np.zeros((6, 0))
     jacobian = np.array(pin.getFrameJacobian(model, data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
@@ -200,7 +204,10 @@ def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
 def poses_and_jacobians(
     model: pin.Model, data: pin.Data, q: Array, links: Iterable[tuple[int, str]]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return pose (7,) and Jacobian (6, nv) along the world's axes of frames, by the names beside their places."""
+    """Return the poses (7,) of frames and their Jacobians (6, nv) along the world's axes, keyed by the names of links.
+
+    `links` are pairs of the index of a frame and the name of its link.
+    """
     pin.computeJointJacobians(model, data, q)
     pin.updateFramePlacements(model, data)
     poses, jacobians = {}, {}

@@ -1,8 +1,8 @@
 """Integration schemes as users of Pinocchio write them, for any joints.
 
 Each scheme takes a model, a function for the acceleration, the configuration q (nq,), the velocity v (nv,) and the time step h
-(s), and returns q and v one step later. The step may be a number or an array (nv,) that holds it everywhere: NumPy multiplies
-two arrays of that size in half of the time that it needs for a number and an array.
+(s), and returns q and v one step later. The step may be a number, or an array (nv,) with this number in every element: NumPy
+multiplies two arrays of this size in half of the time that it needs for a number and an array.
 """
 
 from collections.abc import Callable
@@ -76,15 +76,15 @@ SCHEMES: dict[str, tuple[Scheme, bool]] = {
 
 
 def of_bodies(integrator: str, count: int) -> Scheme:
-    """Return the scheme of an integrator for a model of some bodies on equal joints, none of which affects another."""
+    """Return the scheme of an integrator for a model of `count` bodies on equal joints that do not affect one another."""
     scheme, _ = SCHEMES[integrator]
     return partial(rk4, transport=_transport_each(count)) if scheme is rk4 and count > 1 else scheme
 
 
 def _transport_each(count: int) -> Transport:
-    """Return `transport` for the velocities of some bodies, whose derivative has a block for each of them.
+    """Return `transport` for the velocities of `count` bodies, for which the derivative has a block for each body.
 
-    Only the blocks are multiplied, because a zero times the velocity of a body that overflowed is not a number.
+    Only the blocks are multiplied, because zero times the velocity of a body that overflowed would be NaN.
     """
 
     def transport(model: pin.Model, q: Array, there: Array, velocity: Array) -> Array:

@@ -1,14 +1,14 @@
 """Step free bodies that touch a plane and each other by Pinocchio's rigid contacts, solved by ADMM in every step.
 
-Each body has a translation joint and a spherical joint at its centre of mass, so that its velocities are those of the contract.
-Pinocchio computes the accelerations without contact and solves the contact; the points at which bodies touch are those of the
-module `contact_points`, and the step is semi-implicit Euler as in the module `contact`: the velocities and impulses at the end
-of a step solve the nonlinear complementarity problem, with the normal velocity of each point limited such that bodies end the
-step without overlap.
+Each body has a translation joint and a spherical joint at its centre of mass, so that its velocities are the velocities of the
+contract. Pinocchio computes the accelerations without contact and solves the contact; the points at which bodies touch are
+those of the module `contact_points`, and the step is semi-implicit Euler as in the module `contact`: the velocities and
+impulses at the end of a step solve the nonlinear complementarity problem, with the normal velocity of each point limited such
+that bodies end the step without overlap.
 
-Where a point would go through another body within the step, and its pair has a coefficient of restitution e, its normal
-velocity after the step is at least -e times the one before the step instead. There are no bounces that are slower than g h, by
-which gravity changes a velocity in a step, so that bodies come to rest.
+If a point would penetrate another body within the step, and the pair has a coefficient of restitution e, its normal velocity
+after the step is at least -e times its normal velocity before the step instead. Bounces slower than g h, the change of a
+velocity by gravity in a step, are left out, so that bodies come to rest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,21 +29,22 @@ from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Push, Sphere
 from bodycheck.reference.trajectory import Array
 
-#: The requirements of touching bodies that Pinocchio models with the points that are found here.
+#: The requirements of touching bodies that Pinocchio models with the points of `contact_points`.
 MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
 
 #: Why there is no script of bodies that touch.
 NO_SCRIPT = "a script of bodies that touch: where they do is found by bodycheck, not by Pinocchio"
 
-#: Tolerance of the impulses and velocities at contacts, in the units of `Contacts`: for stacks, less is lost in rounding.
+#: The tolerance of the impulses and velocities at contacts, in the units of `Contacts`. For stacks, a smaller tolerance would
+#: be below rounding.
 TOLERANCE = 1e-12
 
-#: Factor by which ADMM adapts its penalty. With this one it needs fewer decompositions than with its default of 2.
+#: The factor by which ADMM adapts its penalty. With this factor it needs fewer decompositions than with its default of 2.
 PENALTY_FACTOR = 5.0
 
-#: Rules by which ADMM adapts its penalty, each with the most iterations of a step. The first is faster. Where rounding keeps it
-#: from the tolerance, as in stacks at small steps, more iterations are in vain. With the second, ADMM also solves contacts at
-#: many points that are nearly on a line.
+#: The rules by which ADMM adapts its penalty, each with the largest number of iterations in a step. The first rule is faster.
+#: If rounding keeps it above the tolerance, as in stacks at small steps, more iterations do not help. With the second rule,
+#: ADMM also solves contacts at many points that are nearly on a line.
 RULES = {"LINEAR": 200, "SPECTRAL": 1000}
 
 #: Coordinates q, then velocities v, of all bodies.
@@ -65,7 +66,7 @@ class Contacts:
     Attributes
     ----------
     pressed
-        The normal impulses (N s) of the last step, by the places of the two bodies.
+        The normal impulses (N s) of the last step, keyed by the indices of the two bodies.
     """
 
     def __init__(self, scene: AnyScene, bodies: Sequence[TouchingBody], timestep: float) -> None:
@@ -135,13 +136,13 @@ class Contacts:
         centres = np.array([body.centre for body in placed])
         apart = np.linalg.norm(centres[:, None] - centres, axis=2)
         sizes = self.radii + margins
-        near = np.argwhere(np.triu(apart <= sizes[:, None] + sizes, 1))  # a few of many pairs
+        near = np.argwhere(np.triu(apart <= sizes[:, None] + sizes, 1))  # usually a few of many pairs
         for one, other in near.tolist():
             points.extend(between((one, other), placed[one], placed[other], float(margins[one] + margins[other])))
         return points
 
     def _change(self, points: Sequence[Point], placed: Sequence[Placed], before: Array, v: Array) -> Array:
-        """Return the change of the velocities by contacts; v: (6 bodies,) those of the step without contact."""
+        """Return the change of the velocities by contacts; `v` (6 bodies,) are the velocities of the step without contacts."""
         laws = [self.others.get(point.bodies, self.usual) for point in points]
         jacobian = Jacobian(points, placed)
         drift = jacobian.velocities(v)
@@ -159,9 +160,9 @@ class Contacts:
         return jacobian.change(self.inverse, self.unit * impulses)
 
     def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
-        """Return the impulses (3n,) at n contacts, in units of the largest mass and `unit`, as the other arguments are."""
+        """Return the impulses (3n,) at n contacts. Impulses and arguments are in units of the largest mass and `unit`."""
         if frictions not in self.models:
-            # The solver uses the cones of friction alone, wherever the points are.
+            # The solver uses only the friction cones, so the positions of the points do not matter.
             nowhere = np.zeros((len(frictions), 3))
             models = contact.point_contacts(self.model, self.joints[0], nowhere, frictions)
             self.models[frictions] = models, pin.ADMMConstraintSolver(3 * len(frictions))
@@ -180,9 +181,10 @@ class Contacts:
 
 
 class Jacobian:
-    """The linear map from the velocities of bodies to those of the second body against the first at n points, along the axes.
+    """The linear map from the velocities of bodies to the velocities of the second body relative to the first at n points.
 
-    It is kept by bodies, few of which are at any point: the products are small, so that NumPy makes them in one thread.
+    The velocities at a point are along its axes. The map is stored by bodies, because each point involves only one or two
+    bodies. The products are then so small that NumPy computes them in one thread.
     """
 
     def __init__(self, points: Sequence[Point], placed: Sequence[Placed]) -> None:
@@ -204,21 +206,21 @@ class Jacobian:
         }
 
     def velocities(self, v: Array) -> Array:
-        """Return the velocities (3n,) at the points of velocities (6 bodies,)."""
+        """Return the relative velocities (3n,) at the points for the velocities (6 bodies,) of the bodies."""
         at_points = np.zeros(self.size)
         for index, (rows, block) in self.blocks.items():
             at_points[rows] += block @ v[6 * index : 6 * index + 6]
         return at_points
 
     def delassus(self, inverse: Sequence[Array]) -> Array:
-        """Return the map (3n, 3n) from impulses to velocities at the points; inverse: (6, 6), of the masses of each body."""
+        """Return the matrix (3n, 3n) from impulses to velocities at the points; `inverse` are inverse mass matrices (6, 6)."""
         matrix = np.zeros((self.size, self.size))
         for index, (rows, block) in self.blocks.items():
             matrix[np.ix_(rows, rows)] += block @ inverse[index] @ block.T
         return matrix
 
     def change(self, inverse: Sequence[Array], impulses: Array) -> Array:
-        """Return the velocities (6 bodies,) that impulses (3n,) give."""
+        """Return the changes of the velocities of bodies (6 bodies,) by impulses (3n,) at the points."""
         of_bodies = np.zeros(6 * self.bodies)
         for index, (rows, block) in self.blocks.items():
             of_bodies[6 * index : 6 * index + 6] = inverse[index] @ (block.T @ impulses[rows])
@@ -226,7 +228,7 @@ class Jacobian:
 
 
 def settings() -> "pin.ADMMSolverSettings":
-    """Return ADMM's settings, without the tolerances and the penalty that each step has."""
+    """Return ADMM's settings, except the tolerance and the penalty, which are set in each step."""
     chosen = pin.ADMMSolverSettings()
     chosen.solve_ncp = True
     chosen.linear_update_rule_factor = PENALTY_FACTOR

@@ -1,6 +1,6 @@
 """The adapter of PyBullet, the Python interface of the Bullet physics engine, in its build in double precision.
 
-Bullet has two kinds of bodies, each with a solver of its own; they are the integrators of this adapter:
+Bullet has two kinds of bodies, each with its own solver; they are the integrators of this adapter:
 
 - `maximal`: a rigid body in maximal coordinates (`useMaximalCoordinates`, `btRigidBody`). The angular velocity is advanced by
   one Newton step of an implicit equation with the gyroscopic torque in the body frame, which is a linearly implicit Euler step.
@@ -10,10 +10,10 @@ Bullet has two kinds of bodies, each with a solver of its own; they are the inte
 Both then advance the pose with the new velocities, and both are of first order. Bullet's Runge-Kutta integration of trees
 cannot be switched on from Python. `maximal` reproduces Bullet's row of OSRF's box benchmark of 2015.
 
-Switched off for `multibody` are the damping, which is the deceleration 0.04 (1 + |u|) u of the velocity and of the angular
-velocity u (SI units), and the limits of 100 m/s and 100 rad/s on their components. With `settings=engine` both are as PyBullet
-sets them. For `maximal` PyBullet sets neither damping nor such limits, and for both bodies no sleeping, no substeps and no
-continuous collision detection; so `maximal` has no second method.
+For `multibody`, two settings are switched off: the damping, which is the deceleration 0.04 (1 + |u|) u for u the velocity and
+for u the angular velocity (SI units), and the limits of 100 m/s and 100 rad/s on their components. With `settings=engine` both
+are as PyBullet sets them. For `maximal` PyBullet sets neither damping nor such limits, and for both kinds of bodies it sets no
+sleeping, no substeps and no continuous collision detection; so `maximal` has no second method.
 
 Frames, as found by experiment: PyBullet returns the position of the centre of mass, the attitude of the principal axes as
 x, y, z, w, and both velocities in the world frame. A body in maximal coordinates takes the moments of inertia from
@@ -28,28 +28,30 @@ gets its contacts one by one: at time steps of 2 ms or more a disk that slides i
 
 Links are read from a URDF file, because no other function of PyBullet takes an inertia tensor.
 
-- PyBullet uses the inertia of the file only with the flag `URDF_USE_INERTIA_FROM_FILE`. With `settings=engine` there is none,
-  and PyBullet computes the inertia from the shapes; of links without shapes it makes a cube of 2 mm.
-- Bullet diagonalises a tensor by rotations, of which the last one is made when less than a millionth of the trace is off the
-  diagonal, so that some 1e-10 of it may remain there.
-- The links of `multibody` are one body with fixed joints. Those of `maximal` are bodies of their own in a fixed constraint, in
-  which PyBullet ignores how its two frames are turned: links whose principal axes are not parallel are turned until they are.
+- PyBullet uses the inertia of the file only with the flag `URDF_USE_INERTIA_FROM_FILE`. `settings=engine` does not set this
+  flag: PyBullet then computes the inertia from the shapes, and gives links without shapes the inertia of a cube of 2 mm.
+- Bullet diagonalises a tensor by successive rotations. It makes the last rotation when less than a millionth of the trace is
+  off the diagonal, so that some 1e-10 of the trace may remain there.
+- The links of `multibody` are one body with fixed joints. The links of `maximal` are separate bodies in fixed constraints.
+  PyBullet ignores the attitudes of the two frames of such a constraint: links whose principal axes are not parallel are turned
+  until they are parallel.
 
-Mechanisms are trees in reduced coordinates, so that `multibody` alone has them; the module `mechanisms` says how. Revolute,
-prismatic, spherical and fixed joints are of first order. Bullet takes damping at the start of a step, v' = (1 - h d) v for one
-unit of inertia, so that it is not stable where h d is above 2. Dry friction stops a joint within a step and holds it. The
-coordinates of a spherical joint are along the principal axes of its child. There is neither armature nor a universal joint; a
-planar joint ignores where the child's centre of mass is, and a floating one becomes a fixed one, so that neither is offered.
-PyBullet's motors, which brake every joint until they are told not to, are switched off with `settings=engine` too.
+Mechanisms are trees in reduced coordinates, so that only `multibody` has them; the module `mechanisms` describes how they are
+built. Revolute, prismatic, spherical and fixed joints are of first order. Bullet evaluates damping at the start of a step,
+v' = (1 - h d) v for one unit of inertia, so that it is not stable if h d is above 2. Dry friction stops a joint within a step
+and holds it. The coordinates of a spherical joint are along the principal axes of its child. There is neither armature nor a
+universal joint; a planar joint ignores where the child's centre of mass is, and a floating joint becomes a fixed joint, so that
+planar and floating joints are not offered. PyBullet's motors, which brake every joint by default, are switched off with
+`settings=engine` too.
 
-A body that is to turn by more than pi/4 in a step turns by another angle, since Bullet then cuts the angle in the sine of the
-turn and not the vector that is divided by it: x rad become 2 atan(tan(pi/8) x / (pi/4)), such as 2.53 of 6 (source:
-`btTransformUtil::integrateTransform`).
+A body that should rotate by more than pi/4 in a step rotates by another angle, because Bullet then limits the angle in the sine
+of the rotation, but not in the vector that is divided by it: x rad become 2 atan(tan(pi/8) x / (pi/4)), such as 2.53 rad for 6
+rad (source: `btTransformUtil::integrateTransform`).
 
 The module `engine` is the adapter.
 """
 
 from bodycheck.adapters.installation import Installation
 
-#: What the engine is installed from.
+#: The packages that install the engine.
 INSTALLATION = Installation("pybullet")

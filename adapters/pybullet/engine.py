@@ -1,6 +1,6 @@
-"""The adapter of PyBullet: each simulation has a physics server of its own in this process, stepped in a Python loop.
+"""The adapter of PyBullet: each simulation has its own physics server in this process, stepped in a Python loop.
 
-The docstring of the package says what the integrators are, which settings are switched off, and which frames PyBullet uses.
+The docstring of the package describes the integrators, the settings that are switched off, and the frames that PyBullet uses.
 """
 
 import math
@@ -25,7 +25,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Scene, State
 from bodycheck.reference.trajectory import Array
 
-# PyBullet writes when it was built to standard error, in C, whenever it is imported.
+# When PyBullet is imported, its C code writes the time of its build to standard error.
 with no_stderr():
     import pybullet
 
@@ -34,7 +34,7 @@ with no_stderr():
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
 
-#: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
+#: Half the length of the ground (m), which is much longer than any slide, and half its height (m).
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
 
 #: The method with PyBullet's own damping and limits.
@@ -141,7 +141,7 @@ def seen(world: World) -> Array:
 
 
 def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states of Bullet's frame of a body from what is seen (n, 13)."""
+    """Return the rows (n, 13) of states of Bullet's frame of a body, from rows (n, 13) of `seen`."""
     quaternion = seen[:, [6, 3, 4, 5]]
     return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(quaternion), seen[:, 10:]))
 
@@ -153,7 +153,10 @@ def step(world: World) -> World:
 
 
 def resisted_step(drag: float) -> Callable[[World], World]:
-    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+    """Return a function that takes a time step with the drag -c |v| v at the centre of mass.
+
+    `drag` is c (kg/m), and v is the velocity at the start of the step.
+    """
 
     def resisted(world: World) -> World:
         position, _ = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
@@ -212,7 +215,7 @@ def add_ground(client: int, maximal: bool) -> None:
 
 
 def set_properties(world: World, scene: Scene, method: Method) -> None:
-    """Set the inertia and the friction of the body, and switch off what the scene does not have unless the method keeps it."""
+    """Set the inertia and the friction of the body, and switch off damping and limits unless the method keeps them."""
     properties = switched_off(method)
     if scene.plane is not None:
         properties["lateralFriction"] = scene.plane.friction
@@ -227,7 +230,7 @@ def set_properties(world: World, scene: Scene, method: Method) -> None:
 
 
 def set_state(world: World, initial: State) -> None:
-    """Set the pose and the velocities of Bullet's frame of a body; the pose comes first, because setting it ends all motion."""
+    """Set the pose and the velocities of Bullet's frame of a body. The pose is set first, because this stops all motion."""
     w, x, y, z = initial.quaternion
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
     pybullet.resetBasePositionAndOrientation(world.body, initial.position, (x, y, z, w), physicsClientId=world.client)

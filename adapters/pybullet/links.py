@@ -1,4 +1,4 @@
-"""Load links into PyBullet, which takes an inertia tensor from a URDF file only."""
+"""Load links into PyBullet, which accepts inertia tensors only from URDF files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,8 +24,8 @@ class Loaded:
     body
         The number of the body.
     position, quaternion
-        The pose of Bullet's frame of its base, which is at the centre of mass and along the principal axes that Bullet found,
-        in the frame of the link (m; w x y z).
+        The pose of Bullet's frame of the base in the frame of the base's link (m; w x y z). Bullet's frame is at the centre of
+        mass and along the principal axes that Bullet has computed.
     """
 
     body: int
@@ -34,13 +34,13 @@ class Loaded:
 
 
 def load(client: int, links: Sequence[Link], maximal: bool, flags: int) -> list[Loaded]:
-    """Load links as PyBullet's bodies at the origin of the world: as one body, or as one each in maximal coordinates."""
+    """Load links as PyBullet's bodies at the origin of the world: in maximal coordinates as one body each, else as one body."""
     alone = [[link] for link in links]
     return [_loaded(client, urdf(part), maximal, flags) for part in (alone if maximal else [links])]
 
 
 def weld(client: int, bodies: Sequence[Loaded], links: Sequence[Link]) -> None:
-    """Weld bodies in maximal coordinates to the first one, where the links say."""
+    """Weld bodies in maximal coordinates to the first body, at the poses of their links."""
     first = bodies[0]
     for body, link in zip(bodies[1:], links[1:], strict=True):
         on_first, on_second = _seen_from(first, link.position, link.quaternion), _seen_from(body, (0, 0, 0), (1, 0, 0, 0))
@@ -62,7 +62,7 @@ def weld(client: int, bodies: Sequence[Loaded], links: Sequence[Link]) -> None:
 def _loaded(client: int, text: str, maximal: bool, flags: int) -> Loaded:
     with file_of(text) as file:
         body = pybullet.loadURDF(file, useMaximalCoordinates=maximal, flags=flags, physicsClientId=client)
-    # The link's frame is that of the world here. The function that tells of frames knows none in maximal coordinates.
+    # The link's frame is the world frame here. PyBullet's function for frames does not support maximal coordinates.
     position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Loaded(body, position, (w, x, y, z))
 

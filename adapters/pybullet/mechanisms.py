@@ -1,7 +1,7 @@
-"""Mechanisms in PyBullet: trees in reduced coordinates, and what acts in their joints.
+"""Mechanisms in PyBullet: trees in reduced coordinates, and the forces in their joints.
 
-Each tree is a body of PyBullet, read from a URDF file: what hangs on the world has a fixed base, and every free body is the
-base of a tree of its own. Joints are Bullet's revolute, prismatic, spherical and fixed ones. Damping is that of the file.
+Each tree is a body of PyBullet, read from a URDF file: the tree on the world has a fixed base, and every free body is the base
+of another tree. Joints are Bullet's revolute, prismatic, spherical and fixed joints. Damping is given in the URDF file.
 PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
 applied together with the constant effort, as users do. Dry friction is PyBullet's velocity motor with the target zero and a
 limited force. Loops are constraints between points.
@@ -24,7 +24,7 @@ from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_inertia, 
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What PyBullet models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that PyBullet models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -49,9 +49,9 @@ class Part:
     Parameters
     ----------
     tree, link
-        The number of PyBullet's body that the tree is, and the number of the link in it.
+        The number of PyBullet's body for the tree, and the number of the link in it.
     axes
-        The quaternion w x y z (4,) from Bullet's frame of the link, which is along its principal axes, to that of the body.
+        The quaternion w x y z (4,) from Bullet's frame of the link, which is along its principal axes, to the body's frame.
     """
 
     tree: int
@@ -81,9 +81,9 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
 
 
 def loaded(client: int, text: str, fixed: bool) -> int:
-    """Return the number of the body of PyBullet that a URDF file is, with a base that is fixed or free."""
+    """Load the text of a URDF file, with a base that is fixed or free, and return the number of PyBullet's body."""
     with file_of(text) as file:
-        flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # else of the shapes
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # without it, PyBullet computes inertia from the shapes
         return int(pybullet.loadURDF(file, useFixedBase=fixed, flags=flags, physicsClientId=client))
 
 
@@ -116,7 +116,7 @@ def start(client: int, mechanism: Mechanism, parts: Sequence[Part]) -> None:
 
 
 def start_ball(client: int, part: Part, position: Array, velocity: Array) -> None:
-    """Set the state of a spherical joint, whose coordinates are along the principal axes of its child, and end its motor."""
+    """Set the state of a spherical joint, whose coordinates are along its child's principal axes, and switch off its motor."""
     back = conjugate(part.axes)
     w, x, y, z = multiply(multiply(back, position), part.axes).tolist()
     spin = rotate(back, velocity).tolist()
@@ -165,12 +165,12 @@ def in_principal_frame(mechanism: Mechanism, parts: Sequence[Part], index: int, 
 
 
 def pushed(mechanism: Mechanism) -> list[Joint]:
-    """Return the joints in which a force is to be applied in each step: springs and efforts."""
+    """Return the joints in which a force must be applied in each step: joints with springs or efforts."""
     return [joint for joint in mechanism.joints if joint.stiffness or joint.effort]
 
 
 def push(client: int, parts: Sequence[Part], joints: Sequence[Joint]) -> None:
-    """Apply the springs, of the coordinates at present, and the constant efforts in the next step."""
+    """Apply the forces of springs at the current coordinates, and the constant efforts, for the next step."""
     for joint in joints:
         part, force = parts[joint.child], joint.effort
         if joint.stiffness:
@@ -180,7 +180,7 @@ def push(client: int, parts: Sequence[Part], joints: Sequence[Joint]) -> None:
 
 
 def seen(client: int, parts: Sequence[Part]) -> Array:
-    """Return the states (13 k,) of k bodies in the columns of the contract, but all along the axes of the world."""
+    """Return the states (13 k,) of k bodies in the columns of the contract, but with vectors along the axes of the world."""
     rows = []
     for part in parts:
         if part.link == BASE:
@@ -195,13 +195,13 @@ def seen(client: int, parts: Sequence[Part]) -> Array:
 
 
 def switched_off(method: Method) -> dict[str, float]:
-    """Return the arguments of `changeDynamics` that end damping and limits, unless a method keeps them."""
+    """Return the arguments of `changeDynamics` that switch off damping and limits, unless a method keeps them."""
     if method.option("settings") == "engine":
         return {}
     return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
 
 
-#: PyBullet's names of the types of joints. Limits of which the lower one is above the upper one are none.
+#: PyBullet's names of the types of joints. A lower limit above the upper limit means that a joint has no limits.
 TYPES = {"revolute": "continuous", "prismatic": "prismatic", "spherical": "spherical", "fixed": "fixed"}
 
 #: The base of a tree that is fixed to the world.
@@ -211,7 +211,7 @@ FIXED_BASE = (
 
 
 def document(mechanism: Mechanism, tree: Sequence[int]) -> str:
-    """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k by the place k of the body."""
+    """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k, where k is the index of the body."""
     root, *others = tree
     parts = [FIXED_BASE if root == WORLD else link_element(f"body_{root}", link_of(mechanism.bodies[root]))]
     for index in others:

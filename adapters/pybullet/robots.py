@@ -2,18 +2,19 @@
 
 A URDF is loaded with a fixed base and with the flag `URDF_USE_INERTIA_FROM_FILE`, without which PyBullet computes the inertia
 from the shapes of collision. Everything else is PyBullet's default. Bullet keeps each link along its principal axes. It stops
-to look for them when less than a millionth of the trace is off the diagonal, and drops what remains: 2e-7 of the trace of one
-of thousands of random tensors, and some 1e-9 of most. The frames of links that `getLinkState` returns are rounded to single
-precision; poses are those of the centres of mass here, from which the frames are computed. A link without inertia has 1 kg and
-moments of 1 kg m^2.
+their computation when less than a millionth of the trace is off the diagonal, and drops the remaining entries: 2e-7 of the
+trace for one in thousands of random tensors, and some 1e-9 for most. The frames of links that `getLinkState` returns are
+rounded to single precision; therefore the frames are computed here from the poses of the centres of mass. A link without
+inertia has 1 kg and moments of 1 kg m^2.
 
-Of an MJCF of one tree on the world PyBullet keeps masses, and centres of mass in single precision, but no inertia of an
-`inertial`. A joint moves a link without mass, whose name PyBullet makes, and the body is fixed to that.
+From an MJCF of one tree on the world PyBullet keeps masses, and centres of mass in single precision, but not the inertia of an
+`inertial`. A joint moves a link without mass, which PyBullet names, and the body is fixed to this link.
 
-PyBullet has damping and friction of a joint, but no armature, and follows no mimic joint. A joint of the type "floating"
-becomes a fixed one. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller gives, so that the
-damping of links and the motors, which PyBullet has in every step, do not enter. It offers no forward dynamics, and no Jacobians
-of a robot with a spherical or planar joint; such a robot has no terms but the poses, and none with a planar joint.
+PyBullet has damping and friction of a joint, but no armature and no mimic joints. A joint of the type "floating" becomes a
+fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller passes, so that they do not
+contain the damping of links and the motors, which PyBullet applies in every step. PyBullet offers no forward dynamics, and no
+Jacobians of a robot with a spherical or planar joint. A robot with a spherical joint has no terms except poses, and a robot
+with a planar joint has no terms.
 """
 
 import re
@@ -44,10 +45,11 @@ TYPES = {
     pybullet.JOINT_FIXED: ("fixed", 0),
 }
 
-#: A millionth of the trace of a tensor may be off Bullet's principal axes: up to three times that of its largest component.
+#: A millionth of the trace of a tensor may be off Bullet's principal axes. The trace is at most three times the largest
+#: component.
 ROUNDING = 3e-6
 
-#: What PyBullet writes before a message.
+#: The text that PyBullet writes before a message.
 PLACES = re.compile(r"b3(?:Warning|Error|Printf)\[[^]]*\]:")
 
 NOTES = (
@@ -58,7 +60,21 @@ NOTES = (
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of PyBullet: its index, which its link shares, its name, type and first velocity, and the name of its link."""
+    """A joint of PyBullet.
+
+    Attributes
+    ----------
+    index
+        The index of the joint, which is also the index of its link.
+    name, type
+        The name and the type.
+    first, count
+        The index of its first velocity, and the number of its velocities.
+    link, parent
+        The name of its link, and the index of the parent link.
+    info
+        The entries of PyBullet's `getJointInfo`.
+    """
 
     index: int
     name: str
@@ -72,7 +88,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Loaded:
-    """A robot in a physics server: the connection, the body, the name of its base, and its joints, also the fixed ones."""
+    """A robot in a physics server: the connection, the body, the name of its base, and its joints, including fixed joints."""
 
     client: int
     body: int
@@ -116,7 +132,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 @contextmanager
 def server() -> Iterator[int]:
-    """Give the connection to a new physics server, which ends with this context."""
+    """Yield the connection to a new physics server, which ends with this context."""
     with overheard():
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
@@ -134,7 +150,7 @@ def default_gravity(client: int) -> Vector:
 
 
 def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
-    """Load a file, and return the robot and what PyBullet says of it.
+    """Load a file, and return the robot and PyBullet's messages about it.
 
     Raises `ModelRefused`, and `FormatUnknown` for an MJCF that is not a single tree on the world.
     """
@@ -163,7 +179,7 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
 
 
 def warnings_in(said: Sequence[str]) -> list[str]:
-    """Return the messages that PyBullet has written, each once, without the places in its source that print them."""
+    """Return the messages in PyBullet's output, each once, without the places in PyBullet's source that print them."""
     messages = [message.strip() for message in PLACES.split(" ".join(said))]
     return [message for message in dict.fromkeys(messages) if message]
 
@@ -174,7 +190,7 @@ def text(name: bytes) -> str:
 
 
 def read_bodies(robot: Loaded) -> tuple[ReadBody, ...]:
-    """Return the base and the links, also those on fixed joints."""
+    """Return the base and the links, including links on fixed joints."""
     names = {joint.index: joint.link for joint in robot.joints} | {BASE: robot.base}
     parents = {joint.index: names[joint.parent] for joint in robot.joints}
     return tuple(read_body(robot, index, names[index], parents.get(index)) for index in (BASE, *parents))
@@ -187,7 +203,7 @@ def read_body(robot: Loaded, index: int, name: str, parent: str | None) -> ReadB
 
 
 def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
-    """Return a joint that moves. Bullet ignores limits of which the lower one is above the upper one."""
+    """Return a joint that moves. Bullet ignores limits if the lower limit is above the upper limit."""
     _, _, _, _, _, _, damping, friction, lower, upper, effort, _, _, axis, *_ = joint.info
     limited, turned = lower <= upper, matrix(scalar_first(robot.dynamics(joint.index)[4]))
     return ReadJoint(
@@ -209,7 +225,7 @@ def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
 def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
     """Return the terms that Bullet computes at a state.
 
-    With a spherical joint they are the poses alone, and with a planar joint there are none.
+    A robot with a spherical joint has only poses, and a robot with a planar joint has no terms.
     """
     place(robot, state)
     if any(joint.type == "planar" for joint in robot.joints):
@@ -263,10 +279,10 @@ def place(robot: Loaded, state: RobotState) -> None:
 
 
 def poses(robot: Loaded) -> Mapping[str, Array]:
-    """Return the poses (7,) of the frames of all links, by the names of the links.
+    """Return the poses (7,) of the frames of all links, keyed by the names of the links.
 
     They are computed from PyBullet's poses, which are at the centres of mass and along the principal axes. The result is empty
-    for a robot with more than 128 joints, fixed ones included, because PyBullet has no room for them.
+    for a robot with more than 128 joints, including fixed joints, because PyBullet cannot store them.
     """
     try:
         return dict(posed(robot))
@@ -287,9 +303,9 @@ def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
 
 
 def jacobians(robot: Loaded, positions: list[float], at_rest: list[float]) -> Mapping[str, Array]:
-    """Return the Jacobians (6, n) of the origins of the links' frames, the linear rows first, by the names of the links."""
+    """Return the Jacobians (6, n) of the origins of the links' frames, linear rows first, keyed by the names of the links."""
     origin = (0.0, 0.0, 0.0)
-    by_link = {robot.base: np.zeros((6, robot.velocities))}  # a base that is fixed does not move
+    by_link = {robot.base: np.zeros((6, robot.velocities))}  # the base is fixed
     for joint in robot.joints if robot.velocities else ():
         parts = pybullet.calculateJacobian(
             robot.body, joint.index, origin, positions, at_rest, at_rest, physicsClientId=robot.client

@@ -1,6 +1,6 @@
 """The adapter of Rapier: each simulation is a world with one body, stepped in a Python loop.
 
-The docstring of the package says what the integrator is, which settings are switched off, and which frames Rapier uses.
+The docstring of the package describes the integrator, the settings that are switched off, and the frames that Rapier uses.
 """
 
 import math
@@ -27,10 +27,10 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 
-#: The largest number in single precision, with which Rapier spells that there is no limit.
+#: The largest number in single precision, by which Rapier says that there is no limit.
 NO_LIMIT = float(np.finfo(np.float32).max)
 
-#: The option with which Rapier's settings are kept, and the one with a friction cone at each contact.
+#: The option that keeps Rapier's settings, and the option that selects a friction cone at each contact.
 OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
 ENGINE_SETTINGS, COULOMB = "symplectic-euler:settings=engine", "symplectic-euler:friction=coulomb"
 
@@ -55,7 +55,7 @@ calls = (
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A world of Rapier, and the view of the body in it."""
+    """A world of Rapier, and Rapier's view of the body in this world."""
 
     world: "rapier3d.PhysicsWorld"
     body: "rapier3d.RigidBody"
@@ -88,7 +88,7 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
     blueprint = loader.UrdfLoaderOptions(rigid_body_blueprint=unlimited(rapier3d.RigidBody.dynamic(), method))
     robot, _ = loader.UrdfRobot.from_str(urdf(links), blueprint)
     robot.append_transform(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
-    # Rapier sets no velocity of a body in reduced coordinates.
+    # Rapier cannot set the velocity of a body in reduced coordinates.
     handles = robot.insert_using_impulse_joints(world.rigid_bodies, world.colliders, world.impulse_joints)
     bodies = [world.rigid_bodies[link.body] for link in handles.links]
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
@@ -102,7 +102,7 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 
 def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states, with quaternions of any norm, from what is seen (n, 13)."""
+    """Return the rows (n, 13) of states from rows (n, 13) of `seen`. Quaternions may have any norm, which they keep."""
     quaternion = seen[:, [6, 3, 4, 5]]
     return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(normalise(quaternion)), seen[:, 10:]))
 
@@ -124,7 +124,10 @@ def step(world: World) -> World:
 
 
 def resisted_step(drag: float) -> Callable[[World], World]:
-    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+    """Return a function that takes a time step with the drag -c |v| v at the centre of mass.
+
+    `drag` is c (kg/m), and v is the velocity at the start of the step.
+    """
 
     def resisted(world: World) -> World:
         velocity = world.body.linvel.to_tuple()
@@ -168,12 +171,12 @@ def new_world(gravity: float, method: Method) -> "rapier3d.PhysicsWorld":
 
 
 def unlimited(body: "rapier3d.RigidBodyBuilder", method: Method) -> "rapier3d.RigidBodyBuilder":
-    """Return a body that neither sleeps nor is limited in its rotation, unless a method keeps Rapier's settings."""
+    """Return the builder of a body without sleeping and rotation limit, unless a method keeps Rapier's settings."""
     return body if method.option("settings") == "engine" else body.can_sleep(False).allow_fast_rotation(True)
 
 
 def switch_off(parameters: "rapier3d.IntegrationParameters") -> None:
-    """Switch off substeps, the limit of speed and continuous collision detection; see the docstring of the package."""
+    """Switch off substeps, the speed limit and continuous collision detection; see the docstring of the package."""
     parameters.num_internal_pgs_iterations *= parameters.num_solver_iterations
     parameters.num_internal_stabilization_iterations *= parameters.num_solver_iterations
     parameters.num_solver_iterations = 1
@@ -184,7 +187,7 @@ def switch_off(parameters: "rapier3d.IntegrationParameters") -> None:
 def collider(scene: Scene) -> "rapier3d.ColliderBuilder":
     """Return the massless shape of a body that lies on the plane, in its principal axes. Raises `SceneUnsupported`.
 
-    Rapier combines the coefficients of friction of two bodies by their mean, so both have that of the plane.
+    Rapier uses the mean of the coefficients of friction of two bodies, so both have the coefficient of the plane.
     """
     shape = lying_shape(scene)
     assert scene.plane is not None

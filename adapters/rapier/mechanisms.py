@@ -1,8 +1,8 @@
 """Mechanisms in Rapier: bodies that impulse joints hold together.
 
-Rapier has bodies in reduced coordinates too, but sets no velocities of them. Joints turn about, or slide along, x of the
-joint's frame, so that frames are turned there. Damping and springs are motors of Rapier's model of forces. A loop is a
-spherical joint. Rapier has no armature, no constant force and no dry friction in a joint.
+Rapier has bodies in reduced coordinates too, but cannot set their velocities. Joints turn about, or slide along, the x axis of
+the joint's frame, so that frames are rotated to have the joint's axis along x. Damping and springs are motors with Rapier's
+force-based model. A loop is a spherical joint. Rapier has no armature, no constant force and no dry friction in a joint.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What Rapier models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that Rapier models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -34,14 +34,14 @@ MODELS = frozenset(
     }
 )
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> list[Any]:
-    """Add a mechanism in its initial state to a world, and return the views of its bodies in their order.
+    """Add a mechanism in its initial state to a world, and return Rapier's views of its bodies in their order.
 
-    unlimited: returns the builder of a body without what a method switches off. Raises `SceneUnsupported`.
+    `unlimited` removes from the builder of a body the limits that a method switches off. Raises `SceneUnsupported`.
     """
     first = kinematics.initial(mechanism)
     handles = {WORLD: world.add_body(rapier3d.RigidBody.fixed())}
@@ -65,7 +65,7 @@ def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> 
 
 
 def properties(link: Link) -> Any:
-    """Return the mass, the centre of mass and the principal moments and axes of a link."""
+    """Return Rapier's mass properties of a link: the mass, the centre of mass, and the principal moments and axes."""
     moments, axes = np.linalg.eigh(tensor(link))
     if np.linalg.det(axes) < 0:
         axes[:, 2] *= -1
@@ -105,7 +105,10 @@ def check(bodies: Sequence[Any]) -> None:
 
 
 def seen(bodies: Sequence[Any]) -> Array:
-    """Return positions of frames, quaternions w x y z, velocities of centres of mass and spins (13 k,), all in the world."""
+    """Return the states (13 k,) of k bodies, all in the world frame.
+
+    Each has the position of the frame, the quaternion w x y z, the velocity of the centre of mass, and the angular velocity.
+    """
     parts = []
     for body in bodies:
         x, y, z, w = body.rotation.quaternion

@@ -2,17 +2,17 @@
 
 The root is fixed, and links without mass and shape on fixed joints, which Rapier would leave out, are kept: both are options of
 the loader. The robot is a body in reduced coordinates (`insert_using_multibody_joints`). Rapier drops damping, friction, effort
-limits and mimic joints of the file. It has a damping of its own, 0.1 for each velocity whatever the file says, which is told in
-a note. The turn of an inertia's frame (`rpy` in `inertial`) is ignored. A file with a joint to a link that is not there makes
-Rapier panic.
+limits and mimic joints of the file. It has its own damping, 0.1 for each velocity whatever the file says, which a note reports.
+The rotation of an inertia's frame (`rpy` in `inertial`) is ignored. Rapier panics if a joint in the file refers to a missing
+link.
 
-Rapier keeps an inertia along principal axes, which it finds in single precision, and which are wrong where the two smaller
-moments are equal and the third is along x, and where moments are apart by less than some 1e-5 kg m^2. Its answer to an impulse
-of torque has the same wrong axes. The moments themselves have some half of the digits of single precision, and those below
-zero become zero.
+Rapier keeps an inertia along principal axes, which it computes in single precision. These axes are wrong if the two smaller
+moments are equal and the third is along x, and if moments differ by less than some 1e-5 kg m^2. Rapier's response to an impulse
+of torque has the same wrong axes. The moments themselves have about half of the digits of single precision, and negative
+moments become zero.
 
 Rapier computes the poses. It has no function for the mass matrix, or for the other terms of the equations of motion, apart from
-a time step, and its reader of MJCF does not take part.
+a time step. Its reader of MJCF is not used.
 """
 
 from collections.abc import Sequence
@@ -30,19 +30,19 @@ from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 
-#: The relative rounding of principal moments, which is the root of that of single precision.
+#: The relative rounding of principal moments, which is the square root of the rounding of single precision.
 ROUNDING = float(np.finfo(np.float32).eps) ** 0.5
 
 #: Rapier's names of types of joints in the words of `bodycheck.reference.robots.model`.
 TYPES = {"continuous": "revolute"}
 
-#: The velocities of a root in Rapier, which are there even if it is fixed.
+#: The number of velocities of a root in Rapier, which exist even if the root is fixed.
 ROOT = 6
 
-#: The axis of a joint that moves, by its type: Rapier turns about, or slides along, x.
+#: The axis of a joint that moves, by its type: Rapier's joints turn about, or slide along, x.
 AXES = {"revolute": rapier3d.JointAxis.ANG_X, "prismatic": rapier3d.JointAxis.LIN_X}
 
-#: The name of the type of a panic of Rust in Python.
+#: The name of the Python exception for a panic in Rust.
 PANIC = "PanicException"
 
 NOTES = ("Rapier drops the damping of joints, and has a damping of 0.1 for each velocity of its own",)
@@ -50,7 +50,7 @@ NOTES = ("Rapier drops the damping of joints, and has a damping of 0.1 for each 
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint of a robot that moves: its name, type and child, its properties, its first velocity and how many it has."""
+    """A moving joint of a robot: name, type, child, properties, index of the first velocity, and number of velocities."""
 
     name: str
     type: str
@@ -62,7 +62,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A robot in Rapier's sets of bodies, and what the file says of it as Rapier's loader tells."""
+    """A robot that Rapier's loader has read: the set of bodies, and the handles, parents and joints of the links."""
 
     bodies: Any
     handles: dict[str, Any]
@@ -72,10 +72,10 @@ class Loaded:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what Rapier makes of a file, as `RobotModels.read_robot` does."""
+    """Return how Rapier reads a file, as `RobotModels.read_robot` does."""
     if file.format != "urdf":
         raise FormatUnknown(f"the adapter of Rapier reads no {file.format} files")
-    robots = [loaded(file) for _ in states]  # a robot is put into its positions once
+    robots = [loaded(file) for _ in states]  # the positions of a robot can be set only once
     robot = loaded(file)
     bodies = tuple(read_body(robot, name) for name in robot.handles)
     return RobotReading(
@@ -98,7 +98,7 @@ def loaded(file: RobotFile) -> Loaded:
         with overheard():
             robot, description = loader.UrdfRobot.from_file(file.path, options)
             handles = robot.insert_using_multibody_joints(bodies, colliders, joints)
-    except BaseException as error:  # a panic of Rust is no Exception
+    except BaseException as error:  # a panic of Rust is a BaseException but no Exception
         if not isinstance(error, Exception) and type(error).__name__ != PANIC:
             raise
         raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
@@ -148,7 +148,7 @@ def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
 
 
 def terms(robot: Loaded, state: RobotState) -> Terms:
-    """Return the poses of the links at a state; none with a joint of several velocities, in which the state is not put."""
+    """Return the poses of the links at a state; no terms if a joint has several velocities, because its state cannot be set."""
     if any(joint.count > 1 for joint in robot.joints):
         return Terms()
     if robot.tree is not None:

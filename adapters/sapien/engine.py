@@ -1,6 +1,6 @@
 """The adapter of PhysX by SAPIEN: each simulation is a scene with one body, stepped in a Python loop.
 
-The docstring of the package says what the integrators are, which settings are switched off, and which frames PhysX uses.
+The docstring of the package describes the integrators, the settings that are switched off, and the frames that PhysX uses.
 """
 
 import math
@@ -26,7 +26,7 @@ from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 
 with warnings.catch_warnings():
-    # SAPIEN warns where it finds no Vulkan, which only its renderer needs.
+    # SAPIEN warns if it finds no Vulkan, which only its renderer needs.
     warnings.simplefilter("ignore")
     import sapien
     from sapien import physx
@@ -90,7 +90,7 @@ def jointed(mechanism: Mechanism, method: Method) -> Normalised:
 
     def step(whole: "sapien.Scene") -> "sapien.Scene":
         system.step()
-        return whole  # which keeps the links
+        return whole  # the state keeps the scene, and with it the links, alive
 
     return Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: at_centres(mechanism, seen)))
 
@@ -111,7 +111,7 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 
 def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states, with quaternions of any norm, from rows (n, 13) of `seen`."""
+    """Return the rows (n, 13) of states from rows (n, 13) of `seen`. Quaternions may have any norm, which they keep."""
     spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
     return states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin)
 
@@ -168,7 +168,7 @@ def built(scene: Scene, method: Method) -> World:
 
 
 def new_system(gravity: float, method: Method) -> Any:
-    """Return a PhysX scene with gravity (m/s^2). Its settings are global in SAPIEN while it is made, and are put back."""
+    """Return a PhysX scene with gravity (m/s^2). SAPIEN's settings of new scenes are global, and are restored afterwards."""
     former = physx.get_scene_config()
     config = physx.PhysxSceneConfig()
     config.gravity = np.array([0, 0, -gravity])
@@ -207,7 +207,10 @@ def collision_shape(scene: Scene) -> Any:
 
 
 def material(friction: float) -> Any:
-    """Return a material with a coefficient of friction. PhysX takes the mean of two bodies, so both have the plane's."""
+    """Return a material with a coefficient of friction.
+
+    PhysX uses the mean of the coefficients of two bodies, so the body and the plane both get the plane's coefficient.
+    """
     return physx.PhysxMaterial(friction, friction, 0.0)
 
 

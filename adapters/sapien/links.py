@@ -1,7 +1,7 @@
-"""Load links into SAPIEN from a URDF file, which is how it takes an inertia tensor, and move them.
+"""Load links into SAPIEN from a URDF file, from which SAPIEN reads inertia tensors, and set their state.
 
-One link is an entity with a rigid body, as in other scenes. Several are an articulation of PhysX, in reduced coordinates, with
-fixed joints. The tensor is diagonalised by SAPIEN.
+A single link is an entity with a rigid body, as in other scenes. Several links are an articulation of PhysX, in reduced
+coordinates, with fixed joints. SAPIEN diagonalises the tensors.
 """
 
 from collections.abc import Sequence
@@ -12,12 +12,12 @@ from sapien import Pose, Scene, physx
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.urdf import file_of, urdf
 
-#: A speed that is no limit: PhysX's own for the velocity, whose square it forms in single precision.
+#: The limit of speed that means no limit: PhysX's default for the velocity, whose square PhysX computes in single precision.
 NO_LIMIT = 1e16
 
 
 def load(scene: "Scene", links: Sequence[Link]) -> Any:
-    """Load links into a scene of SAPIEN, and return the entity of one, or the articulation of several."""
+    """Load links into a scene of SAPIEN, and return the entity of a single link, or the articulation of several links."""
     loader = scene.create_urdf_loader()
     loader.fix_root_link = False
     with file_of(urdf(links)) as file:
@@ -49,7 +49,7 @@ def switch_off(loaded: Any) -> None:
 
 
 def place(loaded: Any, pose: "Pose", velocity: Any, spin: Any) -> None:
-    """Set the pose of the first link's frame, and the velocity of its centre of mass and its spin along the world's axes."""
+    """Set the pose of the first link's frame, and the velocity of its centre of mass and its angular velocity (world frame)."""
     if isinstance(loaded, physx.PhysxArticulation):
         loaded.set_root_pose(pose)
         loaded.set_root_linear_velocity(velocity)

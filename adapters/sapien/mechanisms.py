@@ -1,10 +1,10 @@
 """Mechanisms in SAPIEN: articulations of PhysX, in the coordinates of their joints.
 
-Each tree is an articulation: what hangs on the world has a fixed root, and every free body is the root of an articulation of
-its own. Joints turn about, or slide along, x of the joint's frame, so that frames are turned there. Damping and springs are
-those of PhysX's drive with the target `rest`, armature is that of the joint, and a constant effort is set as the force of the
-coordinate. PhysX's joint friction is a coefficient of the force in the joint, not a constant force, so that dry friction is not
-modelled.
+Each tree is an articulation: the tree on the world has a fixed root, and every free body is the root of another articulation.
+Joints turn about, or slide along, the x axis of the joint's frame, so that frames are rotated to have the joint's axis along x.
+Damping and springs are PhysX's drive with the target `rest`, armature is a property of the joint, and a constant effort is set
+as the force of the coordinate. PhysX's joint friction is a coefficient of the force in the joint, not a constant force, so that
+dry friction is not modelled.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What SAPIEN models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that SAPIEN models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -36,7 +36,7 @@ MODELS = frozenset(
     }
 )
 
-#: SAPIEN's types of joints. One that is wrapped keeps its angle within a turn.
+#: SAPIEN's types of joints. A wrapped joint would keep its angle within a full turn.
 TYPES = {"revolute": "revolute_unwrapped", "prismatic": "prismatic", "fixed": "fixed"}
 
 
@@ -59,7 +59,7 @@ def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
 
 
 def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[Any, dict[int, Any]]:
-    """Return an articulation of a tree, and the links of its bodies by their places."""
+    """Return the articulation of a tree, and its links keyed by the indices of their bodies."""
     builder = whole.create_articulation_builder()
     root, *others = tree
     builders = {root: builder.create_link_builder()}
@@ -102,7 +102,7 @@ def add_joint(builder: Any, joint: Joint) -> None:
 
 
 def set_joints(articulation: Any, links: dict[int, Any], mechanism: Mechanism, method: Method) -> None:
-    """Set the initial coordinates and velocities of an articulation, and what acts in its joints."""
+    """Set the initial coordinates and velocities of an articulation, and the forces in its joints."""
     of_link = {active.name: number for number, active in links.items()}
     values = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
     positions, velocities, efforts = [], [], []
@@ -126,7 +126,7 @@ def set_joints(articulation: Any, links: dict[int, Any], mechanism: Mechanism, m
 
 
 def seen(links: Sequence[Any]) -> Array:
-    """Return poses of frames, velocities of centres of mass and spins (13 k,) of k links, along the axes of the world."""
+    """Return poses of frames, velocities of centres of mass and angular velocities (13 k,) of k links, in the world frame."""
     parts = []
     for link in links:
         parts += [link.entity_pose.p, link.entity_pose.q, link.linear_velocity, link.angular_velocity]

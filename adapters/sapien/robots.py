@@ -1,17 +1,17 @@
 """Robot models as SAPIEN's `URDFLoader` reads them, and the terms that SAPIEN computes with them.
 
-The root is fixed, which is the loader's default. A floating joint must be on the root and move a single link, which is a body
-by itself; with further links the loader fails (`KeyError`). A root without other joints is a body by itself too, and falls.
-Cameras of the file are left out, because they need a renderer. SAPIEN drops an inertia whose mass or tensor is zero, and then
-PhysX computes one from the shapes of collision, or has 1e-6 kg and 1e-6 kg m^2. Joints have damping, as PhysX's drive. Friction
-and effort limits of the file are dropped; PhysX's joints have a friction of their own, by a coefficient of 0.05. A mimic joint
-is a tendon of PhysX, and only where one of the two joints is on the other's child or both are on one link.
+The root is fixed, which is the loader's default. A floating joint must be on the root and move a single link, which is then a
+separate body; with further links the loader fails (`KeyError`). A root without other joints is a separate body too, and falls.
+Cameras in the file are left out, because they need a renderer. SAPIEN drops an inertia whose mass or tensor is zero; PhysX then
+computes the inertia from the shapes of collision, or uses 1e-6 kg and 1e-6 kg m^2. Joints have damping, as PhysX's drive.
+Friction and effort limits in the file are dropped; PhysX's joints have their own friction, with a coefficient of 0.05. A mimic
+joint becomes a tendon of PhysX, but only if one of the two joints is on the other's child, or if both are on the same link.
 
 Masses, frames and properties of joints are those of PhysX, in single precision, and so are poses and the forces of gravity and
 of Coriolis (`compute_passive_force`). The other terms are those of SAPIEN's `create_pinocchio_model`: SAPIEN writes the
-articulation as a URDF and gives it to its copy of Pinocchio, in double precision but with numbers in single precision. The copy
-is taken here even where Pinocchio is installed, which SAPIEN would prefer. There are no terms of bodies by themselves, and no
-forward dynamics of a robot with damping, which that copy does not have.
+articulation as a URDF and passes it to its copy of Pinocchio, which computes in double precision with numbers in single
+precision. This copy is used here even if Pinocchio is installed, which SAPIEN would prefer. Separate bodies have no terms, and
+robots with damping have no forward dynamics, because the copy has no damping.
 """
 
 import warnings
@@ -48,9 +48,10 @@ NO_LIMIT = float(np.finfo(np.float32).max)
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A robot in a scene, which has to last: its articulation, if it has one, and its single bodies.
+    """A robot in a scene: its articulation, if it has one, and its separate bodies. The scene must exist as long as the robot.
 
-    The names of floating joints are by the links that these joints move, and what joints with a tendon follow by their names.
+    `floating` has the names of floating joints, keyed by the links that these joints move. `mimics` has the mimic elements of
+    joints with a tendon, keyed by the names of these joints.
     """
 
     scene: Any
@@ -61,7 +62,7 @@ class Loaded:
 
     @property
     def free(self) -> tuple[Any, ...]:
-        """The bodies on floating joints, whose velocities are before all others."""
+        """The bodies on floating joints, whose velocities come before all other velocities."""
         return tuple(body for body in self.bodies if body.name in self.floating)
 
     @property
@@ -76,7 +77,7 @@ class Loaded:
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-    """Return what SAPIEN makes of a file, as `RobotModels.read_robot` does."""
+    """Return how SAPIEN reads a file, as `RobotModels.read_robot` does."""
     if file.format != "urdf":
         raise FormatUnknown(f"SAPIEN has no reader of {file.format} files")
     standard = vector(physx.get_scene_config().gravity)
@@ -99,7 +100,10 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def pinocchio_model(robot: Loaded, gravity: Vector) -> tuple[Any, list[str]]:
-    """Return SAPIEN's model of an articulation for Pinocchio, None where there is none, and why Pinocchio refuses it."""
+    """Return SAPIEN's Pinocchio model of an articulation, and notes.
+
+    The model is None if the robot has no joint that moves, or if SAPIEN fails to build it; the notes then contain its message.
+    """
     if not robot.dof:
         return None, []
     try:
@@ -113,7 +117,7 @@ def pinocchio_model(robot: Loaded, gravity: Vector) -> tuple[Any, list[str]]:
 
 @contextmanager
 def pulled(gravity: Vector) -> Iterator[None]:
-    """Have PhysX's scenes begin with a gravity (m/s^2) while this context lasts; the configuration is one of the process."""
+    """Set the gravity (m/s^2) of new PhysX scenes while this context lasts. The setting is global in the process."""
     kept = physx.get_scene_config()
     before = np.array(kept.gravity)
     kept.gravity = gravity
@@ -132,7 +136,7 @@ def loaded(file: RobotFile) -> Loaded:
     try:
         articulations, bodies, _ = loader.parse(file.path)
         built, entities = [builder.build() for builder in articulations], [builder.build() for builder in bodies]
-    except Exception as error:  # the loader raises errors of many types, and bare ones
+    except Exception as error:  # the loader raises exceptions of many types, also `Exception` itself
         raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
     single = tuple(entity.find_component_by_type(physx.PhysxRigidDynamicComponent) for entity in entities)
     for body, entity in zip(single, entities, strict=True):
@@ -146,7 +150,7 @@ def loaded(file: RobotFile) -> Loaded:
 
 
 def tendons(builder: Any, articulation: Any) -> Iterator[tuple[str, Mimic]]:
-    """Give the names of the mimic joints for which SAPIEN has made tendons, and what these joints follow."""
+    """Yield the names and the mimic elements of the mimic joints for which SAPIEN has made tendons."""
     for record in builder.mimic_joint_records:
         joint, leader = articulation.find_joint_by_name(record.joint), articulation.find_joint_by_name(record.mimic)
         below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None
@@ -181,7 +185,7 @@ def read_joints(robot: Loaded) -> tuple[ReadJoint, ...]:
 
 
 def read_joint(robot: Loaded, joint: Any, index: int) -> ReadJoint:
-    """Return a joint that moves. It turns about, or slides along, x of its frame in the child."""
+    """Return a joint that moves. It turns about, or slides along, the x axis of its frame in the child."""
     lower, upper = joint.limits[0]
     return ReadJoint(
         name=joint.name,
@@ -201,7 +205,7 @@ def read_joint(robot: Loaded, joint: Any, index: int) -> ReadJoint:
 
 
 def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
-    """Return what SAPIEN computes at a state; `model` is its model for Pinocchio, or None."""
+    """Return the terms that SAPIEN computes at a state; `model` is its model for Pinocchio, or None."""
     put(robot, state)
     poses = {link.name: pose(link.entity_pose.p, link.entity_pose.q) for link in (*robot.links, *robot.bodies)}
     if not robot.dof or robot.free:
@@ -228,7 +232,7 @@ def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
 
 def put(robot: Loaded, state: RobotState) -> None:
     """Put a robot into the positions and velocities of a state."""
-    if robot.articulation is not None:  # poses are those of the last positions, also where no joint moves
+    if robot.articulation is not None:  # without this, poses would be those of the last positions, even if no joint moves
         robot.articulation.set_qpos(rates(robot.articulation, state.positions))
         robot.articulation.set_qvel(rates(robot.articulation, state.velocities))
     for body in robot.free:
@@ -245,8 +249,9 @@ def rates(robot: Any, values: Values) -> Array:
 def jacobians(robot: Any, model: Any, positions: Array) -> Mapping[str, Array]:
     """Return the Jacobians (6, n) of the origins of the links' frames, linear rows first.
 
-    SAPIEN has them along the axes of the link, or of the velocity at the origin of the world; those of the link are turned.
-    Those of a robot of one velocity are missing: there SAPIEN's function fails with an `IndexError`.
+    SAPIEN offers Jacobians along the axes of the link, and Jacobians for the velocity at the origin of the world. The first
+    ones are used here, and rotated to the axes of the world. The result is empty for a robot with a single velocity, for which
+    SAPIEN's function fails with an `IndexError`.
     """
     if robot.dof == 1:
         return {}

@@ -25,7 +25,10 @@ REALIZE = ("libSimTKcommon", "_ZNK5SimTK6System12realizeModelERNS_5StateE")
 
 
 def use_quaternions(model: Any, state: Any) -> None:
-    """Give a state of a model, which OpenSim has just made, quaternions in place of angles. Raises `SceneUnsupported`."""
+    """Switch a state of a model, which OpenSim has just made, from angles to quaternions.
+
+    Raises `SceneUnsupported` if the release of OpenSim lacks the function.
+    """
     use_angles = function(*USE_ANGLES, (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool))
     realize = function(*REALIZE, (ctypes.c_void_p, ctypes.c_void_p))
     if use_angles is None or realize is None:
@@ -36,7 +39,7 @@ def use_quaternions(model: Any, state: Any) -> None:
 
 
 def angles(quaternion: Quaternion) -> list[float]:
-    """Return the angles of turns about the x, y and z axes of a body in turn, which a quaternion is."""
+    """Return the angles (rad) of rotations about the x, y and z axes of a body, in this order, that make up a quaternion."""
     turns = opensim.Rotation(opensim.Quaternion(*quaternion)).convertRotationToBodyFixedXYZ()
     return [turns.get(axis) for axis in range(3)]
 

@@ -1,8 +1,8 @@
-"""Let a brick that lies flat touch the plane z = 0 by spheres at its lower corners, with OpenSim's Hunt-Crossley force.
+"""Model the contact of a brick with the plane z = 0 by spheres at its lower corners, with OpenSim's Hunt-Crossley force.
 
-Between a sphere of radius R and the plane the force is N = 4/3 E sqrt(R) d^1.5 (1 + 1.5 D v) at the depth d and the speed v of
-its growth (Hunt and Crossley, J. Appl. Mech. 42, 1975). OpenSim's stiffness is that of each of the two surfaces, which is
-2^1.5 times the E of the pair.
+Between a sphere of radius R and the plane the force is N = 4/3 E sqrt(R) d^1.5 (1 + 1.5 D v), where d is the depth and v its
+rate (Hunt and Crossley, J. Appl. Mech. 42, 1975). OpenSim's stiffness is the stiffness of each of the two surfaces, which is
+2^1.5 times the modulus E of the pair.
 """
 
 import math
@@ -15,7 +15,7 @@ from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Scene
 
-#: How far a sphere sinks in under the weight at rest, and its radius, in half-heights of the body.
+#: The depth to which a sphere sinks in under the weight at rest, and its radius, both in half-heights of the body.
 SINKING, RADIUS = 1e-2, 0.1
 
 
@@ -41,7 +41,7 @@ def add_contact(model: Any, body: Any, scene: Scene, plane: Plane) -> None:
         raise SceneUnsupported("contact without a weight")
     force = opensim.HuntCrossleyForce()
     force.setName("contact")
-    # The half-space is where the x axis of its frame points.
+    # The half-space is on the side to which the x axis of its frame points.
     downwards = opensim.Vec3(0.0, math.pi / 2, 0.0)
     model.addContactGeometry(opensim.ContactHalfSpace(opensim.Vec3(0.0), downwards, model.getGround(), "plane"))
     force.addGeometry("plane")
@@ -63,8 +63,8 @@ def add_contact(model: Any, body: Any, scene: Scene, plane: Plane) -> None:
 def hardness(load: float, gravity: float, depth: float, radius: float) -> tuple[float, float]:
     """Return OpenSim's stiffness (Pa) and dissipation (s/m) of spheres that bear a load.
 
-    Linearized at rest, a body on such spheres swings at the frequency w = sqrt(1.5 g / d), and D = 2 w / (1.5 g) damps it
-    critically.
+    Linearized at rest, a body on such spheres oscillates at the frequency w = sqrt(1.5 g / d), and the dissipation
+    D = 2 w / (1.5 g) damps it critically.
 
     Parameters
     ----------

@@ -37,11 +37,11 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-# OpenSim writes what each call has done to stdout and to a file in the working directory.
+# OpenSim logs each call to stdout and to a file in the working directory.
 opensim.Logger.setLevelString("Off")
 opensim.Logger.removeFileSink()
 
-#: The integrator that Simbody has from SUNDIALS. It writes its errors to standard error, and is offered in flight only.
+#: The integrator that Simbody has from SUNDIALS. It writes its errors to standard error, and is not offered on a plane.
 CPODES = "CPodes"
 
 #: Simbody's integrators by their names in OpenSim's `Manager`, with the orders that Simbody's documentation claims and the
@@ -57,10 +57,10 @@ CLAIMS: dict[str, tuple[int | None, int | None]] = {
     CPODES: (None, None),
 }
 
-#: The most steps in one call. CPodes complains on stderr after 500 if it is not given one.
+#: The largest number of steps in one call. Without this limit, CPodes complains on stderr after 500 steps.
 STEP_LIMIT = 2**31 - 1
 
-#: What the names of integrators begin with in `Manager`.
+#: The beginning of the names of integrators in `Manager`.
 PREFIX = "IntegratorMethod_"
 
 #: The C++ function `Integrator::getAccuracyInUse() const` of Simbody, by its name in its library.
@@ -80,11 +80,11 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the integrator of a manager for which none is chosen, and its accuracy where its library tells it."""
+    """Return the default integrator of a manager, and its accuracy if Simbody's library has the function that returns it."""
     model = opensim.Model()
     state = model.initSystem()
     manager = opensim.Manager(model)
-    manager.initialize(state)  # Simbody has no accuracy before it
+    manager.initialize(state)  # before this, Simbody has no accuracy
     names = {getattr(opensim.Manager, PREFIX + integrator.name): integrator.name for integrator in integrators()}
     accuracy = function(*ACCURACY, (ctypes.c_void_p,), ctypes.c_double)
     tolerance = {} if accuracy is None else {"tolerance": f"{accuracy(int(manager.getIntegrator())):g}"}
@@ -118,7 +118,8 @@ class Simbody:
     Attributes
     ----------
     manager, model
-        OpenSim's manager, and its model. They are destroyed in this order, because the manager uses the model to its end.
+        OpenSim's manager, and its model. They are destroyed in this order, because the manager uses the model until it is
+        destroyed.
     timestep
         The time step (s).
     seen
@@ -126,7 +127,7 @@ class Simbody:
     rows
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     complains
-        Whether the integrator writes on stderr in C what it also says in an exception.
+        Whether the integrator's C code writes to stderr the same message that an exception contains.
     drag
         The coefficient of drag (kg/m).
     actuators
@@ -146,7 +147,10 @@ class Simbody:
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does, of any norm."""
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does.
+
+        Quaternions may have any norm.
+        """
         with no_stderr() if self.complains else nullcontext():
             return self._advance(strides)
 
@@ -157,7 +161,7 @@ class Simbody:
                 self._stride(stride)
             except RuntimeError as error:
                 seen.append(self.seen(self.manager.getState()))
-                # Before it are the C++ function and the place in its source.
+                # The C++ function and the place in its source are before the message.
                 words = " ".join(str(error).split())
                 signal = EngineDiverged(f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}")
                 signal.states = single(self.rows(np.array(seen)))
@@ -172,12 +176,12 @@ class Simbody:
         for _ in range(steps if self.actuators else 0):
             now = self.manager.getState()
             self._hold_drag(now)
-            # Simbody adds up times like this; at another time it would interpolate, and drag in an interpolated state is lost.
+            # Simbody adds up times in the same way. At any other time it would interpolate, and lose the drag in that state.
             self.manager.integrate(now.getTime() + self.timestep)
             self.taken += 1
 
     def _hold_drag(self, now: Any) -> None:
-        """Let the drag at the current state act until it is set again."""
+        """Apply the drag at the current state until it is set again."""
         velocity = now.getU().to_numpy()[3:].tolist()
         slowing = -self.drag * math.hypot(*velocity)
         for actuator, speed in zip(self.actuators, velocity, strict=True):
@@ -207,7 +211,7 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
-    """Return the simulation of a scene with its body, or with links in its place. Raises `SceneUnsupported`."""
+    """Return the simulation of a scene with its body, or with links in place of it. Raises `SceneUnsupported`."""
     model, actuators = described(scene, links)
     quaternions = method.option("settings") != "engine"
     state = started(scene, model, quaternions)
@@ -228,12 +232,12 @@ def coordinates(state: Any) -> Array:
 
 
 def complains(method: Method) -> bool:
-    """Return whether a method writes on stderr in C what it also says in an exception."""
+    """Return whether the C code of a method's integrator writes its errors to stderr, in addition to raising exceptions."""
     return method.integrator == CPODES
 
 
 def managed(model: Any, state: Any, method: Method) -> Any:
-    """Return OpenSim's manager of a model from a state on, which takes the fixed steps of a method."""
+    """Return OpenSim's manager of a model, which starts at a state and takes the fixed steps of a method."""
     manager = opensim.Manager(model)
     manager.setIntegratorMethod(getattr(opensim.Manager, PREFIX + method.integrator))
     manager.setIntegratorFixedStepSize(method.timestep)

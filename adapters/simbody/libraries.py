@@ -8,14 +8,14 @@ import opensim
 
 
 def function(library: str, name: str, arguments: tuple[Any, ...], result: Any = None) -> Any | None:
-    """Return a C++ function from a library of the package, which is loaded already; None if there is none.
+    """Return a C++ function from a library of the package, which is already loaded; None if the library lacks the function.
 
     Parameters
     ----------
     library, name
-        The name of the library without its ending, and that of the function as the compiler spells it.
+        The name of the library without its ending, and the mangled name of the function.
     arguments, result
-        The types of the arguments and of the result, as `ctypes` has them.
+        The `ctypes` types of the arguments and of the result.
     """
     files = sorted(Path(opensim.__file__).parent.glob(f"{library}.*"))
     try:

@@ -1,9 +1,9 @@
 """Mechanisms in Simbody by OpenSim's joints and forces.
 
-OpenSim's pin turns about z and its slider slides along x of the joint's frame, so that the frames are turned there. Springs and
-damping are OpenSim's `SpringGeneralizedForce`, and an effort is an `ExpressionBasedCoordinateForce` with a constant. Loops are
-OpenSim's `PointConstraint`. OpenSim has neither armature nor dry friction of joints, and its bushings damp the rates of angles
-instead of the angular velocity of a ball joint.
+OpenSim's pin turns about the z axis of the joint's frame, and its slider slides along the x axis, so that the frames are
+rotated to have the joint's axis there. Springs and damping are OpenSim's `SpringGeneralizedForce`, and an effort is an
+`ExpressionBasedCoordinateForce` with a constant. Loops are OpenSim's `PointConstraint`. OpenSim has neither armature nor dry
+friction of joints, and its bushings damp the rates of angles instead of the angular velocity of a ball joint.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from bodycheck.reference.mechanisms.joint_types import JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: What OpenSim models of mechanisms; see `Engine.models`.
+#: The features of mechanisms that OpenSim models; see `Engine.models`.
 MODELS = frozenset(
     {
         "mechanisms",
@@ -42,10 +42,10 @@ MODELS = frozenset(
     }
 )
 
-#: The quaternion (w, x, y, z) of no turn.
+#: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
-#: OpenSim's joints by the types of joints.
+#: OpenSim's joint for each type of joint.
 KINDS = {
     "revolute": opensim.PinJoint,
     "prismatic": opensim.SliderJoint,
@@ -120,13 +120,13 @@ def joint_of(joint: Joint, parent: Any, child: Any) -> Any:
 
 
 def oriented(turn: Array) -> Any:
-    """Return the orientation of a frame, as OpenSim takes it, of a quaternion (4,)."""
+    """Return the orientation of a frame in OpenSim's form, from its quaternion (4,)."""
     w, x, y, z = turn.tolist()
     return opensim.Vec3(*angles((w, x, y, z)))
 
 
 def add_forces(model: Any, joint: Joint, engine_joint: Any) -> None:
-    """Add to a model what acts in a joint."""
+    """Add the forces in a joint to a model."""
     if joint.type not in ("revolute", "prismatic"):
         return
     name = engine_joint.get_coordinates(0).getName()
@@ -144,7 +144,7 @@ def add_forces(model: Any, joint: Joint, engine_joint: Any) -> None:
 
 
 def started(mechanism: Mechanism, built_mechanism: Built, quaternions: bool) -> Any:
-    """Return the state of a model at the start of a mechanism, with quaternions or with angles."""
+    """Return the initial state of a model of a mechanism, with quaternions or with angles."""
     state = built_mechanism.model.initSystem()
     starting = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
     first = frames(mechanism)
@@ -171,9 +171,10 @@ def started(mechanism: Mechanism, built_mechanism: Built, quaternions: bool) -> 
 
 
 def coordinates_of(state: Any, joint: Any) -> tuple[int, int] | None:
-    """Return the places of a joint's first coordinate and velocity in a state; None for a joint that has none.
+    """Return the indices of a joint's first coordinate and first velocity in a state; None for a joint without coordinates.
 
-    OpenSim does not tell them, but setting a value shows where it is. They are the same with quaternions as with angles.
+    OpenSim does not report these indices, but setting a value shows its place. They are the same with quaternions as with
+    angles.
     """
     if not joint.numCoordinates():
         return None
@@ -202,7 +203,7 @@ def in_simbody(type: JointType, position: Array, velocity: Array, quaternions: b
 
 
 def seer(mechanism: Mechanism, built_mechanism: Built) -> Callable[[Any], Array]:
-    """Return a function that returns the states (13 k,) of k bodies in a state, with velocities along the axes of the world."""
+    """Return a function that returns the states (13 k,) of k bodies from a state, with vectors along the axes of the world."""
     centres = [opensim.Vec3(*exact.nearest_inertia(body).centre) for body in mechanism.bodies]
 
     def seen(state: Any) -> Array:

@@ -1,4 +1,4 @@
-"""Build OpenSim's model of a scene: a body on a free joint, with contact or drag where the scene has them."""
+"""Build OpenSim's model of a scene: a body on a free joint, with contact or drag if the scene has them."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,14 +15,14 @@ from bodycheck.reference.scene import Scene
 
 
 def described(scene: Scene, links: Sequence[Link] = ()) -> tuple[Any, list[Any]]:
-    """Return OpenSim's model of a scene, and its forces on the coordinates x, y and z, which there are only with drag.
+    """Return OpenSim's model of a scene, and its forces on the coordinates x, y and z, which are empty without drag.
 
     Parameters
     ----------
     scene
         The scene.
     links
-        The links that take the place of the scene's body; empty for that body.
+        The links that replace the scene's body; if empty, the body stays.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def added(model: Any, name: str, link: Link) -> Any:
 
 
 def weld(model: Any, number: int, body: Any, link: Link) -> None:
-    """Add a link to a model, welded to a body of it. Raises `SceneUnsupported` if OpenSim refuses it."""
+    """Add a link to a model, welded to one of its bodies. Raises `SceneUnsupported` if OpenSim refuses the link."""
     origin, turn, nothing = opensim.Vec3(*link.position), opensim.Vec3(*angles(link.quaternion)), opensim.Vec3(0.0)
     part = added(model, f"link_{number}", link)
     model.addJoint(opensim.WeldJoint(f"weld_{number}", body, origin, turn, part, nothing, nothing))
