@@ -49,7 +49,8 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
         The name of the body in the file; it may be None if the file has only one body.
 
     Returns
-    ------- The path of the case file, and a phrase for the parts of the model that it leaves out.
+    -------
+    The path of the case file, and a phrase for the parts of the model that it leaves out.
 
     Raises
     ------

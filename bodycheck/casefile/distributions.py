@@ -28,7 +28,9 @@ class Key:
         The shape of the whole: () for a number, (k,) for a vector, (3, 3) for a tensor.
     place
         The indices of one component in the array; () for the whole array.
-    sign The sign of the numbers that it allows. named
+    sign
+        The sign of the numbers that it allows.
+    named
         The path of the whole with the names of bodies and joints instead of their indices; () if it has none.
     """
 

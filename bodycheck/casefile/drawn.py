@@ -42,9 +42,10 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
         Arrays (m,) of numbers and (m, k) of vectors by their key paths, in SI units.
 
     Returns
-    ------- Arrays (m,), (m, k) or (m, 3, 3) by the paths of keys of the file. Components that are not drawn have the values of
-    the file or the defaults; a body on a plane lies on it if the file gives no position. An off-diagonal component of a tensor
-    is set at both places. An initial quaternion whose length is not 1 is divided by it, unless it is 0.
+    -------
+    Arrays (m,), (m, k) or (m, 3, 3) by the paths of keys of the file. Components that are not drawn have the values of the
+    file or the defaults; a body on a plane lies on it if the file gives no position. An off-diagonal component of a tensor is
+    set at both places. An initial quaternion whose length is not 1 is divided by it, unless it is 0.
 
     Raises
     ------

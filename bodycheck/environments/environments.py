@@ -129,7 +129,7 @@ def find(engine: str, version: str | None = None) -> Environment | None:
 
 
 def variables(environment: Environment) -> tuple[tuple[str, str], ...]:
-    """Return the environment variables that processes in an environment need besides those of this process."""
+    """Return the environment variables that processes in an environment need in addition to those of this process."""
     source = _installation(environment.engine)
     return (*making.path_variables(), *source.variables_in(str(environment.python.parents[1])))
 

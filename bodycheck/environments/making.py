@@ -135,7 +135,9 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     ----------
     folder
         The empty folder.
-    release The release to install. attempt
+    release
+        The release to install.
+    attempt
         The way in which it is installed.
 
     Returns
@@ -235,7 +237,7 @@ def site_folders() -> list[str]:
 
 
 def path_variables() -> tuple[tuple[str, str], ...]:
-    """Return the environment variable that lets an environment import from where the running interpreter does."""
+    """Return the environment variable with which an environment imports from the folders of the running interpreter."""
     return ((PATH_VARIABLE, os.pathsep.join(_other_folders())),)
 
 

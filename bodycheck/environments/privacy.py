@@ -28,14 +28,14 @@ def open_to_others(path: Path) -> Path | None:
 
 
 def make(folder: Path) -> None:
-    """Make a folder and its parents for this user alone; those that are there stay as they are. Raises `OSError`."""
+    """Make a folder and its missing parents for this user alone; existing folders stay unchanged. Raises `OSError`."""
     for missing in (*reversed(folder.parents), folder):
         if not missing.is_dir():
             missing.mkdir(mode=0o700, exist_ok=True)
 
 
 def is_closed(folder: Path) -> bool:
-    """Return whether nobody else can read, change or replace a folder and what is in it. Raises `OSError` if there is none."""
+    """Return whether nobody else can read, change or replace a folder or its content. Raises `OSError` if it is missing."""
     others = 0 if sys.platform == "win32" else folder.stat().st_mode & 0o077
     return not others and open_to_others(folder) is None
 

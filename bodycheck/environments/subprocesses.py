@@ -67,7 +67,7 @@ def run(
 
 
 def _before_exec(memory: int | None) -> Callable[[], None] | None:
-    """Return what a child does before it becomes the program: it has the kernel kill it when its parent ends."""
+    """Return a function for the child process before it executes the program, so that it ends with its parent."""
     if sys.platform != "linux":
         return None
     libc, parent = ctypes.CDLL(None), os.getpid()

@@ -41,7 +41,7 @@ def in_run(truth: Truth, trajectory: Trajectory) -> Scales:
 
 
 def in_scene(truth: Truth) -> Scales:
-    """Return the sizes of the numbers in a truth, at least those of a body that turns by 1 rad and moves by its own size."""
+    """Return the sizes of the numbers in a truth, at least those for a turn by 1 rad and a motion by the body's size."""
     run, scene = in_run(truth, truth.trajectory), truth.scene
     length = max(run.length, _extent(scene) if isinstance(scene, Mechanism) else _gyration(scene.body.moments, scene.body.mass))
     rate = max(run.rate, 1 / run.duration)

@@ -82,7 +82,7 @@ def path(option: str, given: object) -> Path | None:
 
 
 def jobs_of(given: object) -> int:
-    """Return the number of processes; the number of processors for None. Raises `BadInput` for anything but a number from 1."""
+    """Return the number of processes; for None, the number of processors. Raises `BadInput` unless it is at least 1."""
     return processes(None if given is None else conversion.whole_number("--jobs", given))
 
 

@@ -35,7 +35,7 @@ class Plot:
     specification: Spec = field(repr=False)
 
     def save(self, path: str | Path) -> None:
-        """Write the chart into a file, whose ending tells the format: .svg, .png, or .json for the specification.
+        """Write the chart into a file. The ending sets the format: .svg, .png, or .json for the specification.
 
         Raises `BadInput` for another ending, and `bodycheck.files.writing.NotWritten` if the file cannot be written.
         """

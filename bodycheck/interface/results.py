@@ -110,7 +110,7 @@ class Table:
         )
 
     def to_frame(self) -> "pd.DataFrame":
-        """Return the table as a data frame with the units in `attrs["units"]`. Raises `BadInput` if pandas is missing."""
+        """Return the table as a data frame; `attrs["units"]` has its units. Raises `BadInput` if pandas is missing."""
         try:
             import pandas as pd  # it is large, and nothing else needs it
         except ModuleNotFoundError as error:

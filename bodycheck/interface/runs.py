@@ -43,7 +43,7 @@ class _Kept:
 
 @contextmanager
 def _kept(out: Path | None) -> Iterator[_Kept]:
-    """Provide a folder. A temporary one is removed at the end of the context, unless it is kept with an object."""
+    """Provide a folder: `out`, or a temporary one that the end of the context removes unless it is kept for an object."""
     with ExitStack() as stack:
         yield _Kept(out or stack.enter_context(temporary_folder()), stack)
 
@@ -88,7 +88,7 @@ class RunResults(Results):
         return {"results": Table.of(RESULTS, judgement.records(self.verdicts))}
 
     def to_frame(self, table: str = "") -> "pd.DataFrame":
-        """Return the table of runs, whose name is `results`, with the columns and types of results.parquet.
+        """Return the table of runs, named `results`, with the columns and types of results.parquet.
 
         The units of the columns are in `attrs["units"]`. Raises `BadInput` for another name, or if pandas is not installed.
         """

@@ -19,7 +19,7 @@ def about_axis(axis: Vector3, angle: Real) -> Quaternion4:
 
 
 def euler(angles: Sequence[Real], sequence: str) -> Quaternion4:
-    """Return successive rotations about the axes of a sequence: lower case turns with the body, upper case is fixed."""
+    """Return the product of rotations (rad) about a sequence of axes: of the body if lower case, else fixed in space."""
     turn = IDENTITY
     for angle, letter in zip(angles, sequence, strict=True):
         axis = vector([float(letter.lower() == name) for name in "xyz"])

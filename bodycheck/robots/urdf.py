@@ -182,7 +182,7 @@ def below(root: str, joints: list[JointPart] | tuple[JointPart, ...]) -> list[st
 
 
 def _following(about: About, joints: list[JointPart]) -> list[JointPart]:
-    """Return the joints without meaningless <mimic> elements: those that follow no known joint, or form a circle."""
+    """Return the joints without meaningless <mimic> elements: of unknown joints, in circles, or of unsuitable types."""
     by_name = {joint.name: joint for joint in joints}
     following = []
     for joint in joints:
