@@ -70,7 +70,7 @@ class Parent:
         return bool(chunk)
 
     def messages(self) -> Iterator[tuple[int, bytes]]:
-        """Yield the complete messages that have arrived, each with the number of its call. Raises `Damaged`."""
+        """Yield the complete messages that have arrived, with their calls' numbers. Raises `Damaged` for other data."""
         while len(self._received) >= HEADER.size:
             mark, number, length, checksum = HEADER.unpack_from(self._received)
             if mark != self._mark:
