@@ -134,7 +134,7 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row
 
 
 def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the expectations of a document without limits that cannot fail, and without those of unknown engines."""
+    """Return the expectations of a document without limits that cannot fail and without unknown engines."""
     expectations, unknown = document["expect"], set()
     for path, _ in list(uncheckable(document)):
         match path:

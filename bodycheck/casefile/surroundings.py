@@ -1,4 +1,4 @@
-"""The surroundings of the bodies of a case file: the plane, pairs whose contact differs from that with the plane, and pushes.
+"""The surroundings of the bodies of a case file: the plane, pairs with their own friction or restitution, and pushes.
 
 Both formats have them. The body of a file of format 1 is called `BODY` here.
 """

@@ -75,7 +75,7 @@ Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValidator(_printable)]
 #: The patterns of names of cases, of bodies and joints, and of bodies with * for any characters.
 NAME, PART_NAME, BODY_PATTERN = r"^[a-z0-9-]+$", r"^[A-Za-z0-9_.:/-]+$", r"^[A-Za-z0-9_.:/*-]+$"
-#: What each of these patterns allows, in words.
+#: The names that each of these patterns allows, in words.
 CHARACTERS = {
     NAME: "small letters, digits and hyphens",
     PART_NAME: "letters a to z, digits and _ . : / -",

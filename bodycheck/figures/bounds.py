@@ -38,8 +38,8 @@ def rounded_up(value: float, digits: int) -> float:
 def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison], Array | None]:
     """Return a function that computes a bound, or None if the bound is unknown: earlier versions did not store all bounds.
 
-    The bound is NaN for those of several scenes whose bound is unknown, and at instants at which mechanics does not determine
-    the motion of bodies in contact.
+    If only some of several scenes have a known bound, it is NaN for the others. It is also NaN at instants at which mechanics
+    does not determine the motion of bodies in contact.
     """
 
     def known(compared: Comparison) -> Array | None:

@@ -51,7 +51,7 @@ def transition_time_error(compared: Comparison) -> float | None:
 
 
 def roll_speed_error(compared: Comparison) -> float | None:
-    """Return the distance (m/s) between the velocities at the begin of rolling in the run and in the truth."""
+    """Return the distance (m/s) between the velocities at the start of rolling in the run and in the truth."""
     return max((math.dist(seen.velocity, exact.velocity) for exact, seen in transitions(compared)), default=None)
 
 

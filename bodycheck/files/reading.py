@@ -58,7 +58,7 @@ def content(path: Path, limit: int, follow: bool = False) -> bytes:
     try:
         status = os.fstat(descriptor)
         _check_kind(path, status.st_mode)
-        chunks, room = [], 0 if status.st_size > limit else limit + 1  # what is too large is not read at all
+        chunks, room = [], 0 if status.st_size > limit else limit + 1  # a file that is too large is not read at all
         while room > 0 and (chunk := os.read(descriptor, min(room, CHUNK_BYTES))):
             chunks.append(chunk)
             room -= len(chunk)

@@ -38,7 +38,7 @@ class ResultSet:
     parts
         The parts of the errors of runs with contact.
     label
-        Distinguishes the set from others in the same report; empty if there is only one.
+        A text that distinguishes the set from others in the same report; empty if there is only one set.
     """
 
     results: Results

@@ -46,7 +46,7 @@ class Interpreter:
     def start(self, theirs: socket.socket, mark: bytes, memory: int, watched: bool) -> "subprocess.Popen[bytes]":
         """Start `bodycheck.processes.worker.main` in a new process, and return the process.
 
-        The process leads a session of its own, so that an interruption from the terminal does not reach it. It inherits no
+        The process leads its own session, so that an interruption from the terminal does not reach it. It inherits no
         descriptor of this process but the socket. Its output goes to stderr, because stdout is for results.
 
         Parameters

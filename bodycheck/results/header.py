@@ -4,7 +4,7 @@ from typing import Annotated, NotRequired, TypedDict, get_type_hints
 
 
 class Header(TypedDict):
-    """The origin of a set of results; the descriptions are those of the JSON Schema of results.json."""
+    """The origin of a set of results. The descriptions of its entries are also in the JSON Schema of results.json."""
 
     bodycheck: Annotated[str, "Version of bodycheck."]
     command: Annotated[list[str], "Words of the command that made the results."]

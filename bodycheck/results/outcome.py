@@ -75,7 +75,7 @@ class Diverged:
     Attributes
     ----------
     reason
-        What happened, and when.
+        The event, and its time.
     signal
         The signal of the engine itself: nothing, that it gave up, or that it reset the simulation.
     trajectory

@@ -213,7 +213,7 @@ class Results:
         return next((runs[at] for at in near if key.method.is_at(steps[at])), None)
 
     def truth(self, case: str, timestep: float) -> Truth | NoTruth:
-        """Return the truth for the runs of a case with one time step (s), read from disk, or why there is none.
+        """Return the truth for the runs of a case with a time step (s), read from disk, or the reason for its absence.
 
         Raises `BadFolder` if its file is missing or damaged.
         """

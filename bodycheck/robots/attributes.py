@@ -12,7 +12,7 @@ from bodycheck.robots.elements import Element, quoted
 from bodycheck.robots.faults import About, FaultyQuantity
 from bodycheck.robots.orientations import euler
 
-#: A decimal number. `float` would also take 1_000, nan, infinity and digits of other scripts.
+#: A decimal number. `float` would also accept 1_000, nan, infinity and digits of other scripts.
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 #: Words that C's `strtod`, and so many readers, accept as numbers, but that are not finite.
@@ -21,7 +21,7 @@ NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 #: Most characters of an attribute that holds numbers.
 MAX_CHARACTERS = 2000
 
-#: Space in an attribute of XML. `str.split` would also take that of other scripts.
+#: Space in an attribute of XML. `str.split` would also accept the white space of other scripts.
 SPACE = " \t\r\n"
 
 #: The default of positions and angles.

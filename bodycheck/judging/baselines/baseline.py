@@ -196,7 +196,7 @@ def rows(
 ) -> list[Row]:
     """Return the rows of results with the allowance of every figure.
 
-    Every completed run is repeated `rounding.NUDGES` times. Parameters are those of `save`.
+    Every completed run is repeated `rounding.NUDGES` times. For the parameters see `save`.
     """
     measured = _allowances(results, verdicts, jobs, progress)
     return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]

@@ -153,7 +153,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The tolerated growth of a figure. figure: its column; fraction: the growth of its error relative to the old one."""
+    """The tolerated growth of a figure. figure: its column; fraction: the growth of its error relative to the old error."""
 
     figure: str
     fraction: float

@@ -51,7 +51,7 @@ def nudged_mechanism(mechanism: Mechanism, trajectory: Trajectory, amount: float
     amount
         The size of the nudges, relative to the largest values in the run; for attitudes, in units of 0.5 rad.
     random
-        What directions are drawn from.
+        The generator of random directions.
     """
     motion = kinematics.joints(mechanism, trajectory)
     most, fastest = (np.abs(values).max(axis=0, initial=0.0) for values in (motion.position, motion.velocity))
@@ -109,7 +109,7 @@ def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, rand
     amount
         The size of the nudges, relative to the largest values in the run.
     random
-        What directions are drawn from.
+        The generator of random directions.
     """
     assert scene.plane is not None
     along = _direction(scene.plane, random) * amount * largest(trajectory.position)

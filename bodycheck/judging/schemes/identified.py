@@ -66,8 +66,8 @@ class Identification:
         The largest distance (m) from the closest scheme, in the closer formulation.
     candidates
         All schemes, the closest first. If several fit, and none is closer than all others by a factor of a hundred, it is the
-        one with the smallest position_residual. The differences of schemes that were soon far off cover only the instants that
-        were compared.
+        one with the smallest position_residual. For schemes that were far off from the beginning, the differences cover only
+        the compared instants.
     """
 
     scheme: str

@@ -39,7 +39,7 @@ AHEAD, LEAST_WINDOW = 2, 4
 #: The number of workers of an external cluster for which there are always enough chunks.
 MANY_WORKERS = 50
 
-#: Interval (s) at which the scheduler is asked for its workers.
+#: Interval (s) at which the number of workers is requested from the scheduler.
 INTERVAL_S = 10.0
 
 #: The number of times that a chunk is submitted before it is given up. Dask gives up a chunk if several workers that had it are
