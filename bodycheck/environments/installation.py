@@ -120,7 +120,7 @@ def versions(distribution: str) -> tuple[str, ...]:
 def _uv_pip(arguments: Sequence[str], requirements: Sequence[str], stdin: str | None = None) -> str:
     """Run `uv pip` with the package sources of pip and return its stdout. Raises `InstallationFailed`.
 
-    requirements: the packages that uv shall install, for the message of an error.
+    requirements: the packages that uv installs, for the message of an error.
     """
     options = _pip_options()
     variables = {UV_VARIABLES[option]: value for option, value in options.items() if option in UV_VARIABLES}

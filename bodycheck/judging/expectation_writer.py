@@ -78,7 +78,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Limited:
-    """A limit as it is written. number: its digits; comment: the measurement; idle: why it cannot fail; empty if it can."""
+    """A limit for a case file. number: its digits; comment: the measurement; idle: why it cannot fail; empty if it can."""
 
     number: str
     comment: str

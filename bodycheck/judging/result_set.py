@@ -62,7 +62,7 @@ class ResultSet:
 
     @cached_property
     def classes(self) -> Mapping[Kind, tuple[MethodClass, ...]]:
-        """Classes of methods that are the same algorithm, by the kind of scene. Motions are read from the results."""
+        """The classes of methods that are one algorithm, by the kind of scene. Motions are read from the results."""
         return classes_of(self.results, [verdict.run for verdict in self.verdicts if verdict.discrepancy is not None])
 
     @cached_property

@@ -28,7 +28,7 @@ ENDING_S = 5.0
 #: Polling interval while descendants are being killed (s).
 INTERVAL_S = 0.002
 
-#: The signals that wake the guard: a child has ended, or the guard itself shall end.
+#: The signals that wake the guard: a child has ended, or the guard itself must end.
 WAKING = {signal.SIGCHLD, signal.SIGTERM} if GUARDED else set()
 
 

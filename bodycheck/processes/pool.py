@@ -54,8 +54,8 @@ class Home:
     limit
         The time limit of the preparation (s).
     watched
-        Whether a process makes no other call after a call that leaves a thread. It is not for truths, whose libraries start
-        threads when they are first needed; later calls are not affected.
+        Whether a process makes no other call after a call that leaves a thread. It is False for truths, whose libraries start
+        threads when they are first needed; these do not affect later calls.
     """
 
     interpreter: Interpreter = HERE

@@ -83,7 +83,10 @@ class Table(Generic[Row]):
         return {column.name: column for column in self.columns}
 
     def names(self, rows: Sequence[Row]) -> list[str]:
-        """Return the names of the columns of some rows: of mappings, those that the first row has, or all without any row."""
+        """Return the names of the columns of rows.
+
+        For mappings, these are the keys of the first row, or the names of all columns if there is no row.
+        """
         return list(cast(Mapping[str, Any], rows[0])) if self.row is None and rows else list(self.by_name)
 
     def records(self, rows: Sequence[Row]) -> list[dict[str, Any]]:

@@ -106,7 +106,7 @@ def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[s
 
 
 def split(text: str) -> tuple[str, dict[str, Any] | None]:
-    """Return the text of a case file as it was read, and the table with the model appended to it; None without a model."""
+    """Return the text of a case file as it was read, and the table of the model appended to it (None without model)."""
     text_of_file, mark, stored = text.partition(MARK)
     if not mark:
         return text, None

@@ -134,7 +134,7 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
 
 
 def _of_geoms(body: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
-    """Return the joint mass properties of the geoms that count in a body, and a phrase for their place in the file."""
+    """Return the total mass properties of the geoms that count in a body, and a phrase for their place in the file."""
     if rules.inertiafromgeom == "false":
         refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
     solids = [solid for geom in counted if (solid := mjcf_geoms.mass_properties(geom, rules)) is not None]

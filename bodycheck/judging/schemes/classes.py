@@ -55,7 +55,7 @@ class Motion:
     roundoff
         The unit roundoff of the engine's arithmetic, one of `scheme_rounding.ROUNDOFF`.
     exact
-        The exact motion at the same instants, if motions that agree with it shall not distinguish methods: with small time
+        The exact motion at the same instants, if motions that agree with it must not distinguish methods: with small time
         steps, all accurate schemes agree with it.
     """
 
