@@ -53,7 +53,7 @@ __all__ = [
     "truth",
 ]
 
-# Imported when first used: `bodycheck --help` must not wait for SciPy.
+# The module of each public name, imported when the name is first used: `bodycheck --help` must not wait for SciPy.
 HOMES = {
     "BadInput": "errors",
     "Failed": "errors",
@@ -79,9 +79,9 @@ HOMES = {
 
 
 def _refuse_to_shadow() -> None:
-    """Raise `ImportError` if Python found a clone only because it was started in it, and another bodycheck is installed.
+    """Raise `ImportError` if Python imports a clone only because it was started there, and another bodycheck is installed.
 
-    The versions of results would be those of the one, and the numbers those of the other.
+    Results would state the version of the installed bodycheck, and their numbers would come from the clone.
     """
     clone = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
     meant = map(os.path.realpath, filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)))

@@ -6,7 +6,7 @@ import errno
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
-#: Errors of the operating system if the disk is full or read-only, or a file too large for a quota or a limit.
+#: Errors of the operating system if the disk is full or read-only, or a file is too large for a quota or a limit.
 NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
 
 #: The longest part of the name of a file or folder in a message about its length (characters).
@@ -18,7 +18,7 @@ class BadInput(Exception):
 
 
 class Failed(Exception):
-    """What was asked for failed; the text says how, and the command line exits with code 1."""
+    """The requested work failed; the text says how, and the command line exits with code 1."""
 
 
 class BadFolder(BadInput):

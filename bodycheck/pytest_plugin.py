@@ -1,10 +1,10 @@
 """The pytest plug-in: it collects case files as tests, with one item for each engine and method with expectations.
 
-Every run of pytest loads this module if bodycheck is installed, so it imports only pytest, and what escapes texts, before it
-collects a case file.
+Every run of pytest loads this module if bodycheck is installed, so before it collects a case file it imports only pytest and
+the functions that escape texts.
 
-Each engine runs in one separate process per session, and so does the reference. If one crashes, the test fails and the session
-continues; only its first test waits for the imports.
+Each engine runs in one separate process per session, and so does the reference. If a process crashes, the test fails and the
+session continues. Only the first test of each process waits for the imports.
 """
 
 import keyword
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 OPTION = "--bodycheck-engine"
 ALLOW_OPTION = "--bodycheck-allow-missing"
 MARKER = "bodycheck"
-#: The setting that names files of robots; see `bodycheck.studies.parity.collecting`.
+#: The setting that names files of robot models; see `bodycheck.studies.parity.collecting`.
 MODELS = "bodycheck_models"
-#: Names of the user properties of a test that describe a known discrepancy, and why nothing was checked.
+#: Names of the user properties of a test that describe a known discrepancy, and the reason why nothing was checked.
 KNOWN_PROPERTY = "known"
 UNCHECKED_PROPERTY = "not checked"
 #: Sections of the summary of a session, by the name of the property and the outcome of the tests that they list.
@@ -53,7 +53,7 @@ FOREIGN_MARKERS = pytest.StashKey[set[str]]()
 PERFORM_KEY = pytest.StashKey["Perform"]()
 #: The case files without expectations that were collected in this process, or in the worker processes of xdist.
 BARE_FILES = pytest.StashKey[dict[str, None]]()
-#: The key under which a worker process of xdist hands them over.
+#: The key under which a worker process of xdist passes these files to the main process.
 BARE_OUTPUT = "bodycheck_bare_files"
 
 
@@ -100,7 +100,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     if kind is CaseFile and not is_case_file(file_path):
         return None
     file = kind.from_parent(parent, path=file_path)
-    # pytest prints the path of a file, in which the runner of a CI system must not find a command.
+    # pytest prints the path of a file; the runner of a CI system must find no command in it.
     nodeid = harmless(file.nodeid)
     return file if nodeid == file.nodeid else kind.from_parent(parent, path=file_path, nodeid=nodeid)
 
@@ -122,7 +122,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
         from bodycheck.running.engines import faults
 
         for fault in faults([item.engine]).values():
-            if fault.broken:  # something is expected of the engine
+            if fault.broken:  # the case has expectations of the engine
                 pytest.fail(fault.reason, pytrace=False)
             allowed = ALLOW_OPTION if item.config.getoption(ALLOW_OPTION) else SHIPPED if is_shipped(item.path) else ""
             if allowed:
@@ -149,7 +149,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         sentences = [
             f"{report.nodeid}: {text}"
             for report in terminalreporter.getreports(outcome)
-            # A module that is skipped as a whole has the report of its collection, which has no properties.
+            # A module that is skipped as a whole has only the report of its collection, which has no properties.
             for property, text in getattr(report, "user_properties", ())
             if property == name and is_case_file(report.nodeid.partition("::")[0])
         ]
@@ -202,7 +202,7 @@ class CaseItem(pytest.Item):
     """A test of what a case expects of one engine and method.
 
     `line` is the line of the first such expectation in the file, and `lines` are the lines of all expectations of the case.
-    `missing` is why the engine is not there; it is empty if it is, and before the test is set up.
+    `missing` says why the engine is not available. It is empty if the engine is available, and before the test is set up.
     """
 
     def __init__(self, *, case: "Case", engine: str, method: "Method", line: int, lines: list[int], **more: Any) -> None:
@@ -239,7 +239,7 @@ class CaseItem(pytest.Item):
         return Path(harmless(str(self.path))), self.line - 1, harmless(f"{self.case.name}: {method}")
 
     def _explained(self, verdict: "Verdict") -> str:
-        """Return the message of a failed test: what was expected and measured, where, and how to see all figures."""
+        """Return the message of a failed test: expected and measured values, the lines, and how to see all figures."""
         from bodycheck.adapters.engine_name import in_words
         from bodycheck.judging.advice import steps
 
@@ -248,7 +248,7 @@ class CaseItem(pytest.Item):
         method = f"integrator {run.method.name}, time step {run.method.timestep:g} s"
         command = ("bodycheck", "run", shown, "--engine", run.engine, "--integrator", run.method.name)
         lines = [
-            # The first line is what pytest's summary shows.
+            # pytest's summary shows the first line.
             "; ".join(f"{b.name} is {b.measured}, expected {b.expected}" for judged in broken for b in judged.breaches),
             "",
             f"{self.case.name}, simulated by {in_words(run.engine, run.version)} ({method}) and compared with mechanics:",
@@ -265,7 +265,7 @@ class CaseItem(pytest.Item):
 
 
 class Broken(Exception):
-    """Raised for a verdict according to which an expectation does not hold."""
+    """Raised for a verdict that an expectation does not hold."""
 
     def __init__(self, verdict: "Verdict") -> None:
         super().__init__(verdict.reason)
@@ -298,7 +298,7 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
         answer = perform(Task(case, engine, method))
         return answer if isinstance(answer, Run) else Run(case.name, engine, engines.record(engine).version, method, answer)
 
-    # All tests of a case ask for the same truths, which are computed once.
+    # All tests of a case need the same truths, which are computed once.
     timesteps = [expectation.method.timestep for expectation in case.expectations]
     truths = perform(next(task for task in truth_tasks(case, timesteps) if method.timestep in task.timesteps))
     truth = truths[method.timestep] if isinstance(truths, dict) else no_truth(truths)
@@ -330,8 +330,9 @@ def _perform(config: pytest.Config) -> "Perform":
 def _may_be_marker(tag: str, taken: set[str]) -> bool:
     """Return whether a tag of a case file may become a marker.
 
-    Case files may come from strangers, and some markers, such as skip and xfail, change the outcome of a test. Therefore tags
-    with names in `taken`, the markers that pytest and its plug-ins have registered, are not allowed; the user's markers are.
+    Case files may come from strangers, and some markers, such as skip and xfail, change the outcome of a test. A tag is
+    therefore not allowed if its name is in `taken`, the markers that pytest and its plug-ins have registered. The user's own
+    markers are allowed.
     """
     return tag.isidentifier() and not keyword.iskeyword(tag) and not tag.startswith("_") and tag not in taken
 

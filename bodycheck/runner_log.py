@@ -1,10 +1,11 @@
-"""Keep what is printed from being taken for commands by the runners of CI systems, which read the log of a job.
+"""Escape printed text so that the runners of CI systems, which read the log of a job, find no commands in it.
 
-A runner of GitHub acts on a line that begins with `::`, after white space, and on `##[` anywhere in a line; those of Azure and
-TeamCity act on `##vso[` and `##teamcity[`. Names of files and texts of case files and of results may come from strangers. In
-what is printed, the second of these characters is therefore written as an escape, which has the same meaning in JSON and TOML.
+A runner of GitHub acts on a line that begins with `::`, even after white space, and on `##[` anywhere in a line. Runners of
+Azure and TeamCity act on `##vso[` and `##teamcity[`. The names of files and the texts of case files and results may come from
+strangers. The second character of each such mark is therefore printed as an escape, which has the same meaning in JSON and
+TOML.
 
-A terminal is not the log of a runner, and what is printed there is left as it is.
+A terminal is not the log of a runner, so text that is printed there is not changed.
 """
 
 import re
@@ -13,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
-#: The beginning of a command: two characters, of which the second is escaped, behind what may stand before them.
+#: The beginning of a command: two characters, of which the second is escaped, and the characters that may precede them.
 COMMAND = re.compile(r"((?:\A|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029])[\s\ufeff\u200b]*:):|(#)#(?=\w*\[)")
 
 
@@ -28,21 +29,21 @@ def printable(text: str) -> str:
 
 
 class Guarded:
-    """A stream that writes whole lines, after `harmless`, to another one."""
+    """A stream that passes whole lines through `harmless` and writes them to another stream."""
 
     def __init__(self, stream: TextIO) -> None:
         self.stream = stream
         self.line = ""
 
     def write(self, text: str) -> int:
-        """Write the lines that end in a text; the rest waits for its end, because a command may be written in parts."""
+        """Write the complete lines of a text, and keep an incomplete last line: a command may be written in parts."""
         lines, newline, self.line = (self.line + text).rpartition("\n")
         if newline:
             self.stream.write(harmless(lines + newline))
         return len(text)
 
     def finish(self) -> None:
-        """Write a last line that has no end."""
+        """Write the last line if it is incomplete."""
         if self.line:
             self.stream.write(harmless(self.line))
             self.line = ""
@@ -53,7 +54,7 @@ class Guarded:
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Guard stdout and stderr while the context lasts, unless they are terminals."""
+    """Replace stdout and stderr by guarded streams while the context lasts, unless they are terminals."""
     before = sys.stdout, sys.stderr
     guards = [Guarded(stream) if stream is not None and not stream.isatty() else stream for stream in before]
     sys.stdout, sys.stderr = guards

@@ -1,4 +1,4 @@
-"""Names in messages: the closest known one for one that is misspelled, and the first of those that are allowed."""
+"""Names in messages: the known name closest to a misspelled one, and the first few of the allowed names."""
 
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
@@ -11,9 +11,9 @@ MAX_LISTED = 20
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
-    """Return the end of a message about an unknown word, which suggests the closest known one; empty if none is close.
+    """Return the end of a message about an unknown word, which suggests the closest known word; empty if none is close.
 
-    Upper and lower case matter only between known names that differ in nothing else.
+    Upper and lower case count only where known words differ in nothing else.
     """
     if len(word) > MAX_WORD_LENGTH:
         return ""
@@ -24,5 +24,5 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
 
 
 def first_names(names: Sequence[str]) -> list[str]:
-    """Return the names that a message lists: the first ones, and an ellipsis for all others."""
+    """Return the names that a message lists: the first few, and an ellipsis for all others."""
     return [*names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])]

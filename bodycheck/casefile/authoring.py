@@ -18,7 +18,7 @@ from bodycheck.files import writing
 #: The file with the schema, beside the shipped cases; the first line of each case names it for editors.
 SCHEMA_FILE = "case.schema.json"
 
-#: The case files that `new` copies, of one body and of a mechanism, and the name of their case.
+#: The case files that `new` copies, for one body and for a mechanism, and the name of the case in them.
 TEMPLATE_FILE = "template.toml"
 MECHANISM_TEMPLATE_FILE = "template-mechanism.toml"
 TEMPLATE_NAME = "my-case"
@@ -27,9 +27,9 @@ TEMPLATE_NAME = "my-case"
 def new(name: str, folder: Path, *, mechanism: bool = False) -> Path:
     """Write a commented case file with this name into a folder, and return its path.
 
-    mechanism: whether it has bodies on joints, and not one body.
+    mechanism: whether the case has bodies on joints instead of one body.
 
-    Raises `BadInput` for a bad name, and if the file exists or cannot be written.
+    Raises `BadInput` if the name is bad, or the file exists or cannot be written.
     """
     return _written(name, folder, template(mechanism=mechanism))
 
@@ -40,22 +40,22 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
     Parameters
     ----------
     name
-        The name of the case; that of the body if it is None.
+        The name of the case; if it is None, the name of the body.
     folder
         The folder.
     model
         A URDF or MJCF file.
     body
-        The name of the body in it; None if it has one body.
+        The name of the body in the file; it may be None if the file has only one body.
 
     Returns
     -------
-    The path of the case file, and what of the model is not in it, as a phrase.
+    The path of the case file, and a phrase for the parts of the model that it leaves out.
 
     Raises
     ------
     BadInput
-        As `new`, and for a body that cannot be read from the file.
+        As for `new`, and if the body cannot be read from the file.
     """
     from bodycheck.casefile.robots import template as robots
 
@@ -79,13 +79,13 @@ def _written(name: str, folder: Path, text: str) -> Path:
 
 
 def template(*, mechanism: bool = False) -> str:
-    """Return the text of the case file that `new` copies: one of one body, or of a mechanism."""
+    """Return the text of the case file that `new` copies, for one body or for a mechanism."""
     file = MECHANISM_TEMPLATE_FILE if mechanism else TEMPLATE_FILE
     return (resources.files("bodycheck.cases") / file).read_text("utf-8")
 
 
 def schema() -> str:
-    """Return the JSON Schema of case files, of one of the formats each."""
+    """Return the JSON Schema of case files of all formats."""
     any_case = TypeAdapter[Any](Annotated[formats.AnyCaseTable, Field(discriminator="format")])
     whole_schema = {"$schema": _Schema.schema_dialect, "title": "Case file of bodycheck"}
     return json.dumps(whole_schema | any_case.json_schema(schema_generator=_Schema), indent=2, ensure_ascii=False) + "\n"

@@ -1,4 +1,4 @@
-"""The axes along which a case is pushed until engines break, for the study of extremes.
+"""The axes along which the study of extremes varies a case until engines break.
 
 A new axis is one entry of `AXES`: the grammar of case files, their JSON Schema and their checks, the study, its pages and the
 table in docs/cases.md follow. Two files are renewed by commands:
@@ -22,7 +22,7 @@ from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
 from bodycheck.reference.scene import Body, Scene, State, Vector
 
-#: The axes of how a case is run, which change no scene.
+#: The axes that change how a case is run, but not its scene.
 OF_THE_RUN = ("timestep", "steps")
 
 
@@ -41,7 +41,7 @@ class Axis:
     values
         The annotation of the values in the grammar of case files.
     change
-        Function from a case of one body and a value to the case that has this value; that of a mechanism is in
+        Function from a case of one body and a value to the case with this value; the functions for mechanisms are in
         `mechanisms.axes`.
     unit
         The SI unit, empty for a pure number.
@@ -64,14 +64,14 @@ class Axis:
     refused: Callable[[float, float], str | None] = lambda _value, _duration: None
 
     def varied(self, case: Case, value: float) -> Case:
-        """The case, of one body or of a mechanism, that has a value."""
+        """Return a case of one body or of a mechanism, changed to have a value."""
         variation = VARIATIONS.get(self.name)
         if variation is None or isinstance(case.scene, Scene):
             return self.change(case, value)
         return replace(case, scene=variation.change(case.scene, value))
 
     def lacking(self, scene: AnyScene) -> str | None:
-        """Why a scene of one body or a mechanism cannot be varied along the axis; None if it can."""
+        """Return why a scene of one body or a mechanism cannot be varied along the axis; None if it can."""
         if isinstance(scene, Scene):
             return self.missing(scene)
         if (variation := VARIATIONS.get(self.name)) is not None:
@@ -85,49 +85,49 @@ class Axis:
 
 
 def spin(case: Case, value: float) -> Case:
-    """The case with an initial angular velocity of this size (rad/s) in the same direction."""
+    """Return the case with an initial angular velocity of this size (rad/s) in the same direction."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
 
 
 def speed(case: Case, value: float) -> Case:
-    """The case with an initial velocity of this size (m/s) in the same direction."""
+    """Return the case with an initial velocity of this size (m/s) in the same direction."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
 
 
 def steps(case: Case, value: float) -> Case:
-    """The case with a duration of this many default time steps."""
+    """Return the case with a duration of this many default time steps."""
     return replace(case, duration=round(value) * DEFAULT_TIMESTEP)
 
 
 def distance(case: Case, value: float) -> Case:
-    """The case with the start moved away from the origin by this distance (m) along x."""
+    """Return the case with the initial position moved by this distance (m) along x."""
     initial = alone(case.scene).initial
     x, y, z = initial.position
     return _with_state(case, replace(initial, position=(x + value, y, z)))
 
 
 def gravity(case: Case, value: float) -> Case:
-    """The case with this gravity (m/s^2)."""
+    """Return the case with this gravity (m/s^2)."""
     return replace(case, scene=replace(alone(case.scene), gravity=value))
 
 
 def friction(case: Case, value: float) -> Case:
-    """The case with this coefficient of friction of the plane."""
+    """Return the case with this coefficient of friction of the plane."""
     plane = alone(case.scene).plane
     assert plane is not None  # a case file that has this axis without a plane is refused
     return replace(case, scene=replace(alone(case.scene), plane=replace(plane, friction=value)))
 
 
 def mass(case: Case, value: float) -> Case:
-    """The case with this mass (kg) of the same shape; the moments change in proportion."""
+    """Return the case with this mass (kg) of the same shape; the moments change in proportion."""
     body = alone(case.scene).body
     return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
 
 
 def size(case: Case, value: float) -> Case:
-    """The case with all lengths of the body multiplied by this factor at the same density.
+    """Return the case with all lengths of the body multiplied by this factor at the same density.
 
     The mass changes with the cube of the factor, and the moments with its fifth power.
 
@@ -142,12 +142,13 @@ def size(case: Case, value: float) -> Case:
 
 
 def moment_ratio(case: Case, value: float) -> Case:
-    """The case with the body stretched along its principal axis K until C / (A + B) has this value.
+    """Return the case with the body stretched along its principal axis K until C / (A + B) has this value.
 
     The value is 1 for a disc perpendicular to K, and tends to 0 for a needle.
 
-    With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
-    alone, and no value breaks A + B >= C. The shape, which has no effect in free flight, is dropped.
+    With the second moments S_x, S_y, S_z of the mass, the principal moments are A = S_y + S_z, B = S_x + S_z and C = S_x + S_y.
+    A stretch changes S_z alone, so that A + B >= C holds for every value. The shape, which has no effect in free flight, is
+    dropped.
     """
     body = alone(case.scene).body
     a, b, c = body.moments
@@ -156,11 +157,11 @@ def moment_ratio(case: Case, value: float) -> Case:
 
 
 def separatrix(case: Case, value: float) -> Case:
-    """The case with a spin of the same size about the axis of the middle moment, and a wobble about the axis of the least one.
+    """Return the case with the same spin about the axis of the middle moment, and a wobble about the axis of the least.
 
     The wobble is this fraction of the spin.
 
-    The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
+    The closer the value is to 0, the closer the motion is to the separatrix: the time between flips grows as ln(1 / value).
     """
     body, initial = alone(case.scene).body, alone(case.scene).initial
     least, middle, _ = sorted(range(3), key=body.moments.__getitem__)

@@ -40,9 +40,9 @@ from bodycheck.suggestion import did_you_mean
 MAX_FILE_BYTES = 1 << 18
 MAX_KEY_PARTS = 16
 MAX_DIGITS = 500
-#: What some editors write at the beginning of a file.
+#: The mark that some editors write at the beginning of a file.
 BYTE_ORDER_MARK = "\ufeff"
-#: The largest number of faults that are reported, and the longest message of the reader of TOML (characters).
+#: The largest number of reported faults, and the longest message of the TOML parser (characters).
 MAX_FAULTS = 100
 MAX_MESSAGE_LENGTH = 200
 
@@ -74,7 +74,7 @@ class CaseFaults(BadInput):
 
 @cache
 def _shipped_files() -> dict[str, Traversable]:
-    """Return the files of the cases that come with the package, which lie in its folder and in folders there, by name."""
+    """Return the files of the cases that come with the package, from its folder of cases and the folders there, by name."""
     folder = resources.files("bodycheck.cases")
     below = [entry for entry in folder.iterdir() if entry.is_dir()]
     files = [file for parent in (folder, *below) for file in parent.iterdir() if file.name.endswith(SUFFIX)]
@@ -109,7 +109,7 @@ def load(case: str | FilePath) -> Case:
 
 
 def _loaded(text: str, file: str) -> Case:
-    """Return the case in the text of a case file that was read from a path, beside which its model may lie."""
+    """Return the case in the text of a case file that was read from a path; its model may be a file in the same folder."""
     document = _document(text, file)
     whole, refused = with_model(text, document, FilePath(file).parent)
     if whole != text:
@@ -120,16 +120,16 @@ def _loaded(text: str, file: str) -> Case:
 def parse(text: str, file: str) -> Case:
     """Return the case in the text of a case file; `file` is its name in the faults. Raises `CaseFaults`.
 
-    A model beside the file is not read: the text of a case that was loaded has that of its model.
+    The file of a model is not read: the text of a loaded case contains the text of its model.
     """
     document = _document(text, file)
     return _parsed(document, text, file, contradictions.uncheckable(document))
 
 
 def parse_stored(text: str, file: str) -> Case:
-    """The case in a text that bodycheck itself has stored, maybe an earlier version of it, which spelled methods otherwise.
+    """Return the case in a text stored by bodycheck, perhaps by an earlier version that spelled methods differently.
 
-    Its expectations need not be such that they can be checked here. Raises `CaseFaults`.
+    Expectations that cannot be checked here are allowed. Raises `CaseFaults`.
     """
     document = _document(text, file)
     expectations = document.get("expect")
@@ -142,9 +142,9 @@ def parse_stored(text: str, file: str) -> Case:
 def _parsed(
     document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = (), refused: str | None = None
 ) -> Case:
-    """Return the case of a document. Raises `CaseFaults` with the faults of the format, and further ones.
+    """Return the case of a document. Raises `CaseFaults` with the faults of the format and the faults in `further`.
 
-    refused: why the model of the case is not read.
+    refused: why the model of the case was not read.
     """
     expansion = expanded(document, refused)
     whole = whole_table(expansion.document)
@@ -181,7 +181,7 @@ SLOW_PATTERNS = {
 
 
 def _document(text: str, file: str) -> dict[str, Any]:
-    """Return the raw document of a text, with the model that is stored behind it. Raises `CaseFaults` if it is not TOML."""
+    """Return the raw document of a text, with the model that is appended to it. Raises `CaseFaults` if it is not TOML."""
     text, model = split(text)
     for pattern, message in SLOW_PATTERNS.items():
         if (match := re.search(pattern, text)) is not None:

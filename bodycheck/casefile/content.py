@@ -1,6 +1,7 @@
-"""The content of a case file, once it is read and checked: the scene, the duration and the samples of a run, and expectations.
+"""The content of a case file that is read and checked: the scene, the duration and samples of a run, and expectations.
 
-Worker processes have cases without reading files. What reads and checks these takes long to import, and is not imported here.
+Worker processes get cases without reading files. The modules that read and check files take long to import, and are not
+imported here.
 """
 
 from dataclasses import dataclass
@@ -32,13 +33,13 @@ class Case:
     samples
         The number of sampling times, with both ends included.
     expectations
-        What must hold of methods.
+        The requirements for runs of methods.
     extremes
         The names of axes, each with the values at which a study of extremes tries the case.
     text
-        The text of the file, with that of the robot model that it names.
+        The text of the file, and the text of the robot model that it names.
     ensemble
-        What many members are drawn from the case with; None where the file does not say it.
+        The number of members that are drawn from the case, and their distributions; None if the file has no ensemble.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Case:
 
 
 def check_case(case: object) -> None:
-    """Raise `TypeError` for anything that is not a case, for example the name of one."""
+    """Raise `TypeError` for anything that is not a case, for example the name of a case."""
     if not isinstance(case, Case):
         from bodycheck.casefile.raw_values import quote
 

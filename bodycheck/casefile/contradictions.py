@@ -28,7 +28,7 @@ from bodycheck.suggestion import did_you_mean
 
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
-    """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
+    """Yield the faults between keys of a raw document, which may also have other faults, as pairs of path and message."""
     for path, message in body_faults(with_shape(mapping(document.get("body")))):
         yield ("body", *path), message
     for path, message in start_faults(mapping(document.get("initial"))):
@@ -48,12 +48,12 @@ def start_faults(initial: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def run_faults(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
-    """Yield the faults between the keys of what is done with a scene of any format, as pairs of path and message."""
+    """Yield the faults between keys of run, expectations, extremes and ensemble, as pairs of path and message."""
     duration = number(mapping(document.get("run")).get("duration"))
     expect = document.get("expect")
     expectations = expect if isinstance(expect, list) else []
     steps, samples = len(_timesteps(expectations)), number(mapping(document.get("run")).get("samples"))
-    instants = steps * min(samples, MAX_SAMPLES)  # more samples are a fault of their own
+    instants = steps * min(samples, MAX_SAMPLES)  # more samples are a fault that is reported elsewhere
     if instants > MAX_INSTANTS:
         yield (
             ("expect",),
@@ -68,7 +68,7 @@ def run_faults(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def _timesteps(expectations: list[Any]) -> set[float]:
-    """Return the different time steps (s) of the runs that expectations need, with those from which an order is measured."""
+    """Return the different time steps (s) of the runs that expectations need, including the runs that measure an order."""
     timesteps = set()
     for expectation in map(mapping, expectations):
         finer = REFINEMENTS if ORDER in expectation else ()
@@ -121,14 +121,14 @@ PART_SIZES = {
     "sphere": ("radius",),
 }
 
-#: How far below zero a moment may be that rounding has made of zero, relative to the largest moment.
+#: How far below zero rounding may move a moment of zero, relative to the largest moment.
 ROUNDING = 1e-12
 
 
 def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys of a raw table of a body, as pairs of path in the table and message.
 
-    zero_allowed: whether moments of inertia may be 0. The table may have any other faults too.
+    zero_allowed: whether moments of inertia may be 0. The table may also have other faults.
     """
     if (fault := _inertia_fault(body.get("inertia"), number(body.get("mass")), zero_allowed)) is not None:
         yield ("inertia",), fault
@@ -154,7 +154,7 @@ def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator
             yield ("parts", index, "quaternion"), "its length is 0; any other length is allowed"
 
 
-#: What is told of a tensor that no body has, while one has that with the other signs.
+#: The end of the message about an impossible tensor that would be possible with the opposite signs of the products of inertia.
 OTHER_SIGNS = (
     "; with the opposite signs of Ixy, Ixz and Iyz it would be possible: the products of inertia stand in the tensor as "
     "Ixy = -(sum of m x y)"
@@ -162,9 +162,9 @@ OTHER_SIGNS = (
 
 
 def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
-    """Return why no body has the inertia in a document; None if one may have it, and for what the grammar reports.
+    """Return why no body has the inertia in a document; None if a body may have it or the grammar reports the fault.
 
-    mass: of the body (kg).
+    mass: the mass of the body (kg).
     """
     if (moments := numbers(inertia, 3)) is not None:
         return _impossible(moments, zero_allowed) if min(moments) > 0 or (zero_allowed and min(moments) == 0) else None
@@ -182,7 +182,7 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
 
 
 def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
-    """Return why no body has three principal moments (kg m^2); None if one has them."""
+    """Return why no body has three principal moments (kg m^2); None if a body may have them."""
     if zero_allowed:
         if min(moments) < -ROUNDING * max(moments):
             return f"its smallest principal moment is {min(moments):.6g}; none may be negative"
@@ -194,7 +194,7 @@ def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
 
 
 def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
-    """Return the principal moments of a tensor (3, 3) by the function that makes the body of the case, which keeps them."""
+    """Return the principal moments (kg m^2) of a tensor (3, 3), by the function that computes them for a case's body."""
     a, b, c = ((float(row[0]), float(row[1]), float(row[2])) for row in tensor)
     return [float(moment) for moment in defined_inertia(Tensor(mass, (a, b, c))).moments]
 
@@ -202,10 +202,10 @@ def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
 def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     """Yield the faults of expectations that cannot be checked, as pairs of path and message.
 
-    Their engine does not exist, or a limit cannot fail, so that they would pass for ever without saying anything.
+    Their engine does not exist, or a limit cannot fail, so that the test would always pass without any meaning.
 
-    Texts that are stored in results are exempt, because they may be of earlier versions of bodycheck and of other machines, on
-    which other engines are known. The raw document may have any other faults too.
+    Texts stored in results are not checked for this, because they may come from earlier versions of bodycheck and from machines
+    with other engines. The raw document may also have other faults.
     """
     duration = number(mapping(document.get("run")).get("duration"))
     expect = document.get("expect")
@@ -220,7 +220,7 @@ def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def _unknown_engine(engine: Any) -> str | None:
-    """Return what is allowed for an engine that has no adapter; None if it has one, and for what the grammar reports."""
+    """Return the fault of an engine without an adapter; None if it has an adapter or the grammar reports the fault."""
     try:
         adapter = EngineName.parse(engine).adapter if isinstance(engine, str) else None
     except BadInput:
@@ -233,14 +233,14 @@ def _unknown_engine(engine: Any) -> str | None:
 
 @cache
 def _known_engines(path: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of all engines that have an adapter on a path of modules, which is searched once by each process."""
+    """Return the names of all engines with an adapter on a module search path; each process searches once."""
     from bodycheck.adapters import registry  # stored cases are read without it: their engines need not be known
 
     return registry.names()
 
 
 def _idle(name: str, allowed: Any, last: float) -> Iterator[tuple[Path, str]]:
-    """Yield the ends of an allowed range that no run can break. last: the last instant of the run (s)."""
+    """Yield path and message for the ends of a range that no run can break. last: the last instant of the run (s)."""
     ends = allowed if isinstance(allowed, dict) else {"at_most": allowed}
     path = ("at_most",) if isinstance(allowed, dict) else ()
     most = most_possible(name, last)

@@ -6,13 +6,13 @@ The parameters of a distribution are tuples with a number for each component: on
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-if TYPE_CHECKING:  # what finds positions in a file takes long to import
+if TYPE_CHECKING:  # the module that finds positions in a file takes long to import
     from bodycheck.casefile.toml_positions import Path
 
-#: Two keys of a table that state the same quantity. A vector that is drawn as a whole replaces the other one.
+#: Pairs of keys of a table that state the same quantity. If one of them is drawn as a whole vector, it replaces the other.
 SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
 
-#: Which numbers a key may have.
+#: The signs of the numbers that a key allows.
 Sign = Literal["any", "not negative", "positive"]
 
 
@@ -27,11 +27,11 @@ class Key:
     shape
         The shape of the whole: () for a number, (k,) for a vector, (3, 3) for a tensor.
     place
-        The place of one component in the array; () for all of it.
+        The indices of one component in the array; () for the whole array.
     sign
-        Which numbers it may have.
+        The sign of the numbers that it allows.
     named
-        The path of the whole with the names of bodies and joints; () where that is the same.
+        The path of the whole with the names of bodies and joints instead of their indices; () if it has none.
     """
 
     whole: "Path"
@@ -47,7 +47,7 @@ class Key:
 
     @property
     def text_of_whole(self) -> str:
-        """The path of the number or array that it is, or is a component of."""
+        """The path of the number or array itself, or of the array that it is a component of."""
         return replace(self, place=()).text
 
     @property
@@ -57,11 +57,11 @@ class Key:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The paths of all numbers that are drawn, as columns of tables are named."""
+        """The paths of all numbers that are drawn, which are the names of columns in tables."""
         return (self.text,) if self.components is None else tuple(f"{self.text}.{index}" for index in range(self.components))
 
     def is_about(self, other: "Key") -> bool:
-        """Return whether both state a quantity that is the same, at least in part."""
+        """Return whether two keys state the same quantity, at least in part."""
         if self.whole != other.whole:
             return other.whole in rivals(self.whole)
         shared = min(len(self.place), len(other.place))
@@ -69,7 +69,7 @@ class Key:
 
 
 def rivals(whole: "Path") -> "tuple[Path, ...]":
-    """Return the paths of the keys that state the same quantity as that of a path."""
+    """Return the paths of the other keys that state the same quantity as the key at a path."""
     name = whole[-1]
     return tuple((*whole[:-1], other) for pair in SAME for other in pair if name in pair and other != name)
 
@@ -88,7 +88,7 @@ class Uniform:
 
 @dataclass(frozen=True)
 class LogUniform:
-    """A logarithm with the same probability everywhere between those of `low` and `high`, each component independently."""
+    """A value whose logarithm is uniform between the logarithms of `low` and `high`, each component independently."""
 
     low: Numbers
     high: Numbers
@@ -116,7 +116,7 @@ class AnyAttitude:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of these values, each with the same probability; each has a number for each component."""
+    """One of the given values, all with the same probability; each value has a number for each component."""
 
     values: tuple[Numbers, ...]
 

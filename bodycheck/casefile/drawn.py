@@ -1,4 +1,4 @@
-"""Put drawn numbers into the document of a case file: the members of an ensemble as arrays, or one as a document of its own."""
+"""Put drawn numbers into the document of a case file: for all members of an ensemble as arrays, or for one as a document."""
 
 import copy
 from collections.abc import Mapping
@@ -16,22 +16,23 @@ from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.trajectory import Array
 
-#: How far the length of a quaternion may be from 1 before it is divided by it; a file allows twice as much.
+#: A quaternion is divided by its length if the length differs from 1 by more than this; a case file allows twice as much.
 MAX_DEVIATION = 0.0005
 
-#: Numbers between these two make no motion that is too large for a case file: its energy, moments and their inverses stay below
-#: 1e120. Moments of inertia that keep clear of the limits by the ratio are those of a body.
+#: Numbers between these limits make no motion that is too large for a case file: energy, moments and their inverses stay below
+#: 1e120. Moments of inertia that are farther than this ratio from the limits of the triangle inequality are possible for a
+#: body.
 SMALLEST, LARGEST, SMALLEST_RATIO = 1e-40, 1e20, 1e-14
 
-#: Tables that are about the case and not about one member of it.
+#: Tables about the whole ensemble, which the case of one member does not have.
 NOT_OF_A_MEMBER = ("extremes", "ensemble")
 
-#: By the shape of a body that can lie on a plane: the key of half its height, which is the last of the semi-axes.
+#: The key of half the height, by the shape of a body that can lie on a plane. Of semi-axes, the last is half the height.
 HALF_HEIGHTS = {"brick": "body.semi_axes", "cylinder": "body.half_length"}
 
 
 def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str, Array]:
-    """Return drawn values as whole numbers of keys, vectors and tensors.
+    """Return drawn values as the values of whole keys: numbers, vectors and tensors.
 
     Parameters
     ----------
@@ -42,9 +43,9 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
 
     Returns
     -------
-    Arrays (m,), (m, k) or (m, 3, 3) by the paths of keys of the file. Components that are not drawn are those of the file or
-    its defaults; a body on a plane whose position the file does not give lies on it. A component of a tensor off its diagonal
-    counts at both its places. An initial quaternion whose length is not 1 is divided by it, unless it is 0.
+    Arrays (m,), (m, k) or (m, 3, 3) by the paths of keys of the file. Components that are not drawn have the values of the
+    file or the defaults; a body on a plane lies on it if the file gives no position. An off-diagonal component of a tensor is
+    set at both places. An initial quaternion whose length is not 1 is divided by it, unless it is 0.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
     """
     document = standalone(document)
     keys_of_document, arrays = keys(document), dict[str, Array]()
-    for text in sorted(values, key=lambda text: not text.startswith("body.")):  # the height of a start depends on the body
+    for text in sorted(values, key=lambda text: not text.startswith("body.")):  # the initial height depends on the body
         key, array = find(text, document, keys_of_document), np.asarray(values[text], dtype=float)
         if not key.place:
             arrays[text] = array
@@ -78,7 +79,7 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
 
 
 def _half_height(document: Mapping[str, Any], drawn_values: Mapping[str, Array]) -> Any:
-    """Return the height (m,) or () at which the centre of a body that lies on the plane is (m); None without plane or face."""
+    """Return the height (m,) or () of the centre of a body on the plane, in m; None without a plane or a flat face."""
     text = HALF_HEIGHTS.get(mapping(document.get("body")).get("shape", ""), "")
     if not text or not present(document, ("scene", "plane")):
         return None
@@ -87,18 +88,18 @@ def _half_height(document: Mapping[str, Any], drawn_values: Mapping[str, Array])
 
 
 def _directions(quaternions: Array) -> Array:
-    """Return quaternions (m, 4) with those divided by their lengths whose lengths are not 1, and not 0 either."""
+    """Return quaternions (m, 4), each divided by its length unless the length is 0 or close to 1."""
     w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    with np.errstate(over="ignore"):  # numbers whose squares are infinite are no numbers of a case either
+    with np.errstate(over="ignore"):  # numbers with infinite squares are too large for a case anyway
         length = np.sqrt(w * w + x * x + y * y + z * z)
     off = (np.abs(length - 1) > MAX_DEVIATION) & (length > 0) & np.isfinite(length)
     return np.asarray(np.where(off[:, None], quaternions / np.where(off, length, 1.0)[:, None], quaternions))
 
 
 def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row: int, member: int) -> dict[str, Any]:
-    """Return the document of one member as a case of its own, without `[ensemble]` and `[extremes]`.
+    """Return the document of one member as a separate case, without `[ensemble]` and `[extremes]`.
 
-    A limit of its expectations that no run of the member can break, because it is shorter, is left out too.
+    Limits of expectations that no run of the member can break, because the run is shorter, are left out too.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row
     row
         The row of the member in them.
     member
-        Its number, which becomes the end of the name.
+        The number of the member, which becomes the end of the name.
 
     Bodies and joints of a model are written out, so that the member needs no other file.
     """
@@ -133,7 +134,7 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row
 
 
 def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the expectations of a document without limits that cannot fail, and without those of unknown engines."""
+    """Return the expectations of a document without limits that cannot fail and without unknown engines."""
     expectations, unknown = document["expect"], set()
     for path, _ in list(uncheckable(document)):
         match path:
@@ -148,10 +149,10 @@ def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[np.bool_]:
-    """Return which members (m,) may be no valid cases, because of a number that its key does not allow or that is extreme.
+    """Return which members (m,) may be invalid cases, because a number is extreme or not allowed by its key.
 
-    All others are valid as far as single numbers, quaternions and moments of inertia go. The limits are somewhat stricter than
-    those of case files: whoever wants to know builds the member.
+    Single numbers, quaternions and moments of inertia of all other members are valid. The limits here are somewhat stricter
+    than those of case files: to decide about a reported member, build it.
     """
     document = standalone(document)
     keys_of_document = keys(document)
@@ -175,6 +176,6 @@ def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[
 
 
 def _moderate(numbers: Array) -> NDArray[np.bool_]:
-    """Return which numbers are 0 or of a size that raises no question; NaN is not."""
+    """Return which numbers are 0 or of moderate size; False for NaN."""
     size = np.abs(numbers)
     return np.asarray((size <= LARGEST) & ((size >= SMALLEST) | (size == 0)))

@@ -2,7 +2,7 @@
 
 The grammar of single keys cannot express all rules: each key path leads to a number or vector of the file, no two are about the
 same quantity, and the parameters of each distribution fit its key and one another. In an ensemble, these parameters are tuples
-with a number for each component: one for a key that is a single number.
+with a number for each component: one number for a key that is a single number.
 """
 
 from collections.abc import Iterator, Mapping
@@ -40,7 +40,7 @@ from bodycheck.casefile.values import MAX_CHOICES, MAX_VARIATIONS
 
 
 def build_ensemble(table: EnsembleTable, document: Mapping[str, Any]) -> Ensemble:
-    """Return the ensemble of a table that has no faults, nor does its document."""
+    """Return the ensemble of a table. Neither the table nor its document may have faults."""
     keys_of_document = keys(document)
     vary = []
     for variation in table.vary:
@@ -66,24 +66,24 @@ def _distribution(table: AnyVariation, key: Key) -> Distribution:
 
 
 def _repeated(value: float | Numbers, key: Key) -> Numbers:
-    """Return a number for each component; a single one counts for all of them."""
+    """Return a number for each component; a single number is repeated for all components."""
     return value if isinstance(value, tuple) else (value,) * (key.components or 1)
 
 
 #: The parameters of each distribution that are numbers or vectors.
 PARAMETERS = {"uniform": ("low", "high"), "log-uniform": ("low", "high"), "normal": ("mean", "standard_deviation")}
 
-#: Beginnings of the key paths of bodies and joints.
+#: The first parts of the key paths of bodies and joints.
 OF_BODIES = ("body.", "bodies.", "joints.")
 
 
 def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
-    """Yield the faults of the ensemble of a raw document, which may have any other faults too, as pairs of path and message."""
+    """Yield the faults of the ensemble of a raw document, which may have other faults, as pairs of path and message."""
     vary = mapping(document.get("ensemble")).get("vary")
     if not isinstance(vary, list):
         return
     keys_of_document = keys(document)
-    incomplete = not is_complete(document)  # a fault of its own
+    incomplete = not is_complete(document)  # reported as another fault
     taken: list[Key] = []
     for index, variation in enumerate(map(mapping, vary[:MAX_VARIATIONS])):
         path: Path = ("ensemble", "vary", index)
@@ -139,14 +139,14 @@ def _of_distribution(variation: Mapping[str, Any], key: Key) -> Iterator[tuple[P
 
 
 def _misfit(value: Any, key: Key) -> str | None:
-    """Return why a parameter does not have the form of a key; None if it has, and for what the grammar reports."""
+    """Return why a parameter does not have the form of a key; None if it has, or if the grammar reports the fault."""
     if isinstance(value, list) and len(value) != key.components:
         return f"{key.text} is {_form(key)}; allowed: a number{f', or {key.components} numbers' if key.components else ''}"
     return None
 
 
 def _misfit_of_choice(value: Any, key: Key) -> str | None:
-    """Return why a value cannot be that of a key; None if it can, and for what the grammar reports."""
+    """Return why a key cannot have a value; None if it can, or if the grammar reports the fault."""
     if isinstance(value, list) != (key.components is not None) or (isinstance(value, list) and len(value) != key.components):
         return f"{key.text} is {_form(key)}; allowed: {'a number' if key.components is None else f'{key.components} numbers'}"
     each = _each(value, key)
@@ -156,7 +156,7 @@ def _misfit_of_choice(value: Any, key: Key) -> str | None:
 
 
 def _each(value: Any, key: Key) -> list[float] | None:
-    """Return a number for each component; None for what the grammar reports."""
+    """Return a number for each component; None if the grammar reports the value as a fault."""
     size = key.components or 1
     return numbers(value if isinstance(value, list) else [value] * size, size)
 

@@ -1,4 +1,4 @@
-"""The grammar of the table `[ensemble]` of case files: how many members, and the distributions that they are drawn from."""
+"""The grammar of the table `[ensemble]` of case files: the number of members, and the distributions for drawing them."""
 
 from typing import Annotated, Any, Literal
 
@@ -16,7 +16,7 @@ from bodycheck.casefile.values import (
     Table,
 )
 
-#: The largest number of components of a vector that can be drawn: those of a quaternion.
+#: The largest number of components of a vector that can be drawn: four, for a quaternion.
 MAX_COMPONENTS = 4
 
 
@@ -38,7 +38,7 @@ AnyNonNegative = Annotated[
 #: The names that pydantic adds to the path of a fault for the members of the unions above.
 FORMS = ("number", "numbers")
 
-#: What is said of every parameter that may be a number or a vector.
+#: The description of every parameter that may be a number or a vector.
 EACH = "one number, or one for each component"
 
 

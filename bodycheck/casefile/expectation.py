@@ -50,7 +50,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Expectation:
-    """A requirement for the runs of one method.
+    """A requirement for the runs of one method of an engine.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Find the case files that a user names: by the name of a shipped case, a path, a folder or a pattern.
 
-A folder stands for every case file in it and in the folders below it. A repository may come from a stranger: no link to a
-folder is followed, a link to a file only within the folder that was named, and the number of entries is bounded.
+A folder stands for every case file in it and in the folders below it. A repository may come from a stranger: links to folders
+are not followed, links to files only within the named folder, and the number of entries is bounded.
 """
 
 import fnmatch
@@ -15,17 +15,17 @@ from bodycheck.errors import BadInput
 #: The end of the names of case files.
 SUFFIX = ".case.toml"
 
-#: Most files and folders that are looked at for one argument, and most case files that it may stand for.
+#: The largest number of files and folders that are searched for one argument, and of case files that it may stand for.
 MAX_ENTRIES = 200_000
 MAX_CASES = 10_000
 
-#: Folders that hold what others made, besides hidden ones and virtual environments: installed packages bring case files along.
+#: Folders that hold files of others, like hidden folders and virtual environments: installed packages contain case files.
 OTHERS_FOLDERS = frozenset({"build", "dist", "node_modules", "__pycache__"})
 
 #: The file by which a folder is known to be a virtual environment.
 ENVIRONMENT = "pyvenv.cfg"
 
-#: The marks of a pattern, and the one that stands for any number of folders.
+#: The characters that make a path a pattern, and the part that stands for any number of folders.
 WILD = re.compile(r"[*?\[]")
 ANY_FOLDERS = "**"
 
@@ -51,7 +51,7 @@ def named(arguments: Sequence[str], shipped: Collection[str]) -> tuple[str, ...]
     ------
     BadInput
         A folder or a pattern stands for no case file, or for more than `MAX_CASES`; more than `MAX_ENTRIES` files and folders
-        must be looked at; a folder cannot be read; it has a link with the name of a case file that leads out of it.
+        must be searched; a folder cannot be read; a link in a folder has the name of a case file and leads out of the folder.
     """
     paths: dict[str, str] = {}
     for argument in arguments:
@@ -85,13 +85,13 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
 
 
 class _Tally:
-    """Counts the files and folders that are looked at for an argument."""
+    """A count of the files and folders that are searched for an argument."""
 
     def __init__(self, argument: str) -> None:
         self.argument, self.entries = argument, 0
 
     def add(self, count: int) -> None:
-        """Count more of them. Raises `BadInput` if they are more than `MAX_ENTRIES`."""
+        """Add to the count. Raises `BadInput` if it exceeds `MAX_ENTRIES`."""
         self.entries += count
         if self.entries > MAX_ENTRIES:
             raise BadInput(f"{self.argument}: has more than {MAX_ENTRIES} files and folders; name a smaller folder")
@@ -109,7 +109,7 @@ def _below(folder: Path, tally: _Tally) -> Iterator[Path]:
 
 
 def _folders(folder: Path, tally: _Tally) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
-    """Yield a folder and the folders below it with what is in each, without links and without what others made."""
+    """Yield a folder and the folders below it, each with its entries, without links to folders and folders of others."""
     left = [folder]
     while left:
         inside = left.pop()
@@ -143,7 +143,7 @@ def _matches(folder: Path, parts: Sequence[str], tally: _Tally) -> Iterator[Path
 
 
 def _cases_at(path: Path, tally: _Tally) -> Iterator[Path]:
-    """Yield the case files of what a pattern matches: those in a folder, or the file itself if it has the name of one."""
+    """Yield the case files at a path that a pattern matches: those in a folder, or the file itself if it is a case file."""
     if _is_folder(path):
         yield from _below(path, tally)
     elif is_case_file(path):
@@ -158,7 +158,7 @@ def _is_folder(path: Path) -> bool:
 
 
 def _entries(folder: Path, tally: _Tally) -> list[os.DirEntry[str]]:
-    """Return what is in a folder. Raises `BadInput` if it cannot be read."""
+    """Return the entries of a folder. Raises `BadInput` if it cannot be read."""
     files_and_folders = []
     try:
         with os.scandir(folder) as entries:

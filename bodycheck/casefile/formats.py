@@ -1,8 +1,8 @@
-"""The formats of case files: 1 for one body, 2 for mechanisms; the grammar of the tables of either, and messages of faults.
+"""The formats of case files: 1 for one body, 2 for mechanisms; the grammar of the tables of both, and the messages of faults.
 
-Both have the keys of `grammar.Heading` and `grammar.Conduct`; what moves is in `grammar` for one body, and in
-`mechanisms.grammar` for mechanisms. The key `format` of a document says which one it has. Messages say what is wrong with a key
-in the terms of TOML and of the grammar instead of pydantic's.
+Both have the keys of `grammar.Heading` and `grammar.Conduct`; the tables of one body are in `grammar`, and the tables of
+mechanisms in `mechanisms.grammar`. The key `format` of a document states its format. Messages say what is wrong with a key in
+the terms of TOML and of the grammar instead of pydantic's.
 """
 
 import re
@@ -21,12 +21,12 @@ from bodycheck.suggestion import did_you_mean
 #: The table of a whole case file.
 AnyCaseTable = grammar.CaseTable | mechanism_grammar.MechanismTable
 
-#: The message for a file of no format.
+#: The message for a file without a known format.
 ALLOWED = f"allowed: {grammar.FORMAT} for one body, {mechanism_grammar.FORMAT} for a mechanism"
 
 
 def is_mechanism(document: Mapping[str, Any]) -> bool:
-    """Return whether a raw document is of format 2. Where it says no format that there is, its tables decide."""
+    """Return whether a raw document is of format 2. If it states no known format, its tables decide."""
     said = document.get("format")
     if said == mechanism_grammar.FORMAT and not isinstance(said, float):
         return True
@@ -40,7 +40,7 @@ def whole_table(document: Mapping[str, Any]) -> type[AnyCaseTable]:
 
 def table_at(path: Path, document: Mapping[str, Any]) -> type[Table] | None:
     """Return the grammar of the table at a path of a document; None if there is no table."""
-    match path:  # pydantic has found arrays with tables where there is an index
+    match path:  # where there is an index, pydantic has found an array of tables
         case ("ensemble", "vary", int(index)):
             return DISTRIBUTIONS.get(distribution_of(document["ensemble"]["vary"][index]))
         case ("body",) if not is_mechanism(document):
@@ -56,7 +56,7 @@ def table_at(path: Path, document: Mapping[str, Any]) -> type[Table] | None:
 
 
 def untagged(path: Path) -> Path:
-    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
+    """Return the path in the document for a path of pydantic, which also contains the names of members of unions."""
     match path:
         case ("body", *rest):
             return ("body", *(key for key in rest if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
@@ -74,7 +74,7 @@ def untagged(path: Path) -> Path:
 
 
 def known_types(path: Path) -> tuple[str, Mapping[str, type[Table]]]:
-    """Return the key that says of which type the table at a path is, and the tables by its values."""
+    """Return the key that states the type of the table at a path, and the tables by the values of that key."""
     match path[:1]:
         case ("ensemble",):
             return "distribution", DISTRIBUTIONS

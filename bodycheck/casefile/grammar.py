@@ -41,7 +41,7 @@ FORMAT = 1
 
 
 def kind_of_inertia(value: Any) -> str:
-    """Return which form of an inertia a value has."""
+    """Return the tag of the form in which a value gives an inertia."""
     return "tensor" if isinstance(value, list | tuple) and any(isinstance(row, list | tuple) for row in value) else "moments"
 
 
@@ -161,7 +161,7 @@ class InitialTable(Table):
     angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
 
 
-#: The tag of a word where a number may stand too.
+#: The tag of a word in a union of a word and a number.
 WORD = "word"
 
 
@@ -205,7 +205,7 @@ class ForceTable(Table):
 
 
 def with_times(force: type[ForceTable], name: str) -> Any:
-    """Return the table of a constant force on a body for some time; Python has no attribute of the name of its key `from`."""
+    """Return the table of a constant force on a body for some time; `from`, the name of a key, is no Python identifier."""
     begins = NonNegative, Field(default=0.0, description="when it begins, s")
     ends = optional(NonNegative, "when it ends, s; default never")
     return create_model(
@@ -214,7 +214,7 @@ def with_times(force: type[ForceTable], name: str) -> Any:
 
 
 def optional(kind: Any, description: str) -> Any:
-    """Return the definition of a key that may be absent, as `pydantic.create_model` wants it."""
+    """Return the definition of a key that may be absent, as an argument of `pydantic.create_model`."""
     return kind | None, Field(default=None, description=description)
 
 
@@ -352,7 +352,7 @@ class CaseTable(Conduct, BodyKeys):
     """A whole case file."""
 
 
-#: The tables of what is done with a scene, in any format.
+#: The tables for the use of a scene, in any format.
 CONDUCT: dict[Path, type[Table]] = {
     ("run",): RunTable,
     ("extremes",): ExtremesTable,

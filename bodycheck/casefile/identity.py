@@ -15,7 +15,7 @@ NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensembl
 
 
 def physics(case: Case) -> dict[str, Any]:
-    """Return the tables of a case file that affect the motion; of the text of a model its SHA-256 digest."""
+    """Return the tables of a case file that affect the motion, with a SHA-256 digest in place of a model's text."""
     tables = {name: value for name, value in tomllib.loads(file_text(case)).items() if name not in NOT_PHYSICS}
     if stored := case.text.removeprefix(file_text(case)):
         tables["model"] = {**mapping(tables.get("model")), "sha256": sha256(stored.encode()).hexdigest()}

@@ -1,10 +1,10 @@
 """Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
 
-Bodies and joints of a mechanism are called by their names, as in `joints.pin.damping`, or counted from 0, as in
+Bodies and joints of a mechanism are given by their names, as in `joints.pin.damping`, or counted from 0, as in
 `joints.1.damping`.
 
-Which there are follows from the grammar of the tables that say how a body moves and what the file holds: a new key of such a
-table can be drawn at once.
+The key paths follow from the content of the file and from the grammar of the tables that determine the motion: a new key of
+such a table can be drawn at once.
 """
 
 import re
@@ -25,7 +25,7 @@ from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import Table
 from bodycheck.suggestion import did_you_mean
 
-#: The tables whose numbers make the motion, of one body and of mechanisms, and those that are arrays of tables.
+#: The tables whose numbers determine the motion, of one body and of mechanisms, and the tables that are arrays of tables.
 MOVING = ("body", "initial", "scene", "run")
 OF_MECHANISMS = ("bodies", "joints", "loops", "scene", "run")
 ARRAYS = ("bodies", "joints", "loops")
@@ -34,7 +34,7 @@ ARRAYS = ("bodies", "joints", "loops")
 ATTITUDE = "initial.quaternion"
 
 
-#: Values of vectors that a file may leave out, by their names; those of others are in the grammar.
+#: Default values of vectors that a file may leave out, by their names; the defaults of other keys are in the grammar.
 DEFAULTS: dict[str, tuple[float, ...]] = {
     "position": (0.0, 0.0, 0.0),
     "center_of_mass": (0.0, 0.0, 0.0),
@@ -45,7 +45,7 @@ DEFAULTS: dict[str, tuple[float, ...]] = {
     "velocity": (0.0, 0.0, 0.0),
 }
 
-#: Keys that can be drawn although the file leaves them out and the grammar has no value for them, by their names.
+#: Names of keys that can be drawn even if the file leaves them out and the grammar has no default for them.
 OPTIONAL = frozenset({*DEFAULTS, "inertia"})
 
 #: A number that counts the items of an array, from 0.
@@ -56,13 +56,13 @@ MAX_LISTED = 30
 
 
 class Unknown(Exception):
-    """Raised for a path without a number or vector; the text lists the paths that exist."""
+    """Raised for a path without a number or vector that can be drawn; the text says why, or lists allowed paths."""
 
 
 def keys(document: Mapping[str, Any]) -> dict[str, Key]:
-    """Return the keys of all numbers, vectors and tensors of a document, present or left to their defaults, by their texts.
+    """Return the keys of all numbers, vectors and tensors of a document, present or with default values, by their texts.
 
-    The document may have any faults; a body whose shape is not known has no keys.
+    The document may have faults; a body of unknown shape has no keys.
     """
     document, by_text = standalone(document), dict[str, Key]()
     for path, table in _moving(document):
@@ -75,7 +75,7 @@ def keys(document: Mapping[str, Any]) -> dict[str, Key]:
 
 
 def _moving(document: Mapping[str, Any]) -> list[tuple[Path, type[Table] | None]]:
-    """Return the paths of the tables whose numbers make the motion, each with its grammar; None if that is not known."""
+    """Return the paths of the tables whose numbers determine the motion, each with its grammar (None if unknown)."""
     if not is_mechanism(document):
         return [((name,), table_at((name,), document)) for name in MOVING]
     paths: list[Path] = []
@@ -86,12 +86,12 @@ def _moving(document: Mapping[str, Any]) -> list[tuple[Path, type[Table] | None]
 
 
 def is_complete(document: Mapping[str, Any]) -> bool:
-    """Return whether the grammar of all tables whose numbers make the motion is known, so that all keys are."""
+    """Return whether the grammar of all tables whose numbers determine the motion is known, so that `keys` is complete."""
     return all(table is not None for path, table in _moving(document) if path == ("body",) or present(document, path))
 
 
 def _that_follow(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the keys of the table of a body that follow from its particles or parts."""
+    """Return the texts of the keys of a body's table that follow from its particles or parts; empty if it has none."""
     is_composed = path[0] in ("body", "bodies") and ("particles" in content or "parts" in content)
     return tuple(".".join(map(str, (*path, key))) for key in ("mass", "inertia", "center_of_mass")) if is_composed else ()
 
@@ -112,9 +112,9 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
     text
         The path.
     document
-        The document of the case file, which may have other faults.
+        The document of the case file, which may have faults.
     known
-        Its `keys`, if they are at hand.
+        The result of `keys` for the document, if it is already computed.
 
     Raises
     ------
@@ -209,7 +209,7 @@ def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) ->
 
 @dataclass(frozen=True)
 class _Form:
-    """A form that a value of a table of the grammar can have: numbers of a shape and sign, a table, or an array of tables."""
+    """A form of a value in the grammar of a table: numbers of a shape and sign, a table, or an array of tables."""
 
     shape: tuple[int, ...] = ()
     sign: Sign = "any"
@@ -234,7 +234,7 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
 
 
 def _depth(value: Any) -> int:
-    """Return the depth of nested arrays down to the first number of a value: 2 for a tensor. No key has more."""
+    """Return the depth of nested arrays down to the first number of a value: 2 for a tensor, which is the deepest."""
     if not (isinstance(value, list) and value):
         return 0
     return 2 if isinstance(value[0], list) else 1

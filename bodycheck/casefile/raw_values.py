@@ -1,4 +1,4 @@
-"""Read values of a raw document, which may have any faults: what is not of the right type counts as empty or zero."""
+"""Read values of a raw document, which may have faults: a value of the wrong type counts as empty or zero."""
 
 from collections.abc import Mapping
 from datetime import date, time
@@ -8,12 +8,12 @@ from bodycheck.casefile.values import MAX_NUMBER
 
 
 def mapping(value: Any) -> dict[str, Any]:
-    """Return the table, or an empty one if the value is none; the grammar reports invalid types."""
+    """Return the table, or an empty one if the value is not a table; the grammar reports invalid types."""
     return value if isinstance(value, dict) else {}
 
 
 def tables_of(document: Mapping[str, Any], name: str, most: int) -> list[dict[str, Any]]:
-    """Return the tables of an array, as many of them as there may be; the grammar reports invalid types."""
+    """Return the tables of an array, at most `most` of them; the grammar reports invalid types."""
     value = document.get(name)
     return [mapping(item) for item in value[:most]] if isinstance(value, list) else []
 

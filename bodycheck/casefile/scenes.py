@@ -75,10 +75,10 @@ def build_scene(table: grammar.CaseTable) -> Scene:
 
 
 def _plane(table: grammar.SceneTable) -> Plane | None:
-    """Return the plane, which touches the only body as the contact of the two says."""
+    """Return the plane, with the friction and restitution of its contact with the body if the table states one."""
     plane = build_plane(table.plane)
     for pair in build_contacts(table.contacts, [BODY], plane):
-        assert plane is not None  # without one there is no pair
+        assert plane is not None  # without a plane there is no contact
         plane = replace(plane, friction=pair.friction, restitution=pair.restitution)
     return plane
 
@@ -93,7 +93,7 @@ def rotation_of(initial: grammar.InitialTable) -> Vector | EulerRates:
 
 
 def inertia_of(table: grammar.AnyBody) -> Given:
-    """Return what the body of a table is made of; a solid is at the origin."""
+    """Return the inertia of the body of a table, as it is given; a solid is at the origin."""
     if table.inertia is not None:
         assert table.mass is not None  # the grammar requires a mass unless the body is composed
         match table.inertia:
@@ -128,7 +128,7 @@ def _check_extent(body: Body) -> None:
 
 
 def _check_size(scene: Scene, duration: float) -> None:
-    """Refuse a motion that has such large numbers within a duration (s) that squares and products of them could overflow."""
+    """Raise `Inconsistent` if numbers of the motion become so large within a duration (s) that products could overflow."""
     begin, initial, gravity = start(scene), scene.initial, real(scene.gravity)
     mass, time = real(scene.body.mass), real(duration)
     speed = MP.hypot(MP.hypot(*map(real, initial.velocity[:2])), real(initial.velocity[2]))

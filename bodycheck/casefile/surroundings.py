@@ -1,4 +1,4 @@
-"""The surroundings of the bodies of a case file: the plane, pairs that touch otherwise than it says, and pushes.
+"""The surroundings of the bodies of a case file: the plane, pairs with their own friction or restitution, and pushes.
 
 Both formats have them. The body of a file of format 1 is called `BODY` here.
 """
@@ -20,15 +20,15 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector, vector_of
 from bodycheck.suggestion import did_you_mean, first_names
 
-#: The name of the body of a file of format 1, and that of the plane among the bodies.
+#: The name of the body of a file of format 1, and the name of the plane among the bodies.
 BODY = "body"
 PLANE = "plane"
 
 
 def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
-    """Yield the faults between keys of the surroundings, as pairs of path and message. names: of the bodies.
+    """Yield the faults between keys of the surroundings, as pairs of path and message. names: the names of the bodies.
 
-    The raw document may have any other faults too.
+    The raw document may also have other faults.
     """
     scene = mapping(document.get("scene"))
     for index, contact in enumerate(tables_of(scene, "contacts", MAX_CONTACTS)):
@@ -54,7 +54,7 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
         yield ("bodies",), "a body has the name of the plane; give the body another one"
     for index, pattern in enumerate(pair):
         if len(pattern) > MAX_NAME_LENGTH or re.fullmatch(BODY_PATTERN, pattern) is None:
-            continue  # a fault of its own
+            continue  # reported as another fault
         if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
             shown = ", ".join([PLANE, *first_names(names)])
             yield ("bodies", index), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
@@ -63,7 +63,7 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
 
 
 def build_plane(table: grammar.PlaneTable | None) -> Plane | None:
-    """Return the plane of a table."""
+    """Return the plane of a table; None if there is no table."""
     if table is None:
         return None
     return Plane(_coefficient(table.friction), table.law, table.pressure, table.incline, table.restitution)
@@ -72,9 +72,9 @@ def build_plane(table: grammar.PlaneTable | None) -> Plane | None:
 def build_contacts(
     tables: Sequence[grammar.ContactTable], names: Sequence[str], plane: Plane | None
 ) -> tuple[PairContact, ...]:
-    """Return how pairs of bodies, or a body and the plane, touch where a table says it; the last that names a pair counts.
+    """Return the contacts that tables state for pairs of bodies, or of a body and the plane; the last for a pair counts.
 
-    names: of the bodies. A pair that touches as the plane says is left out.
+    names: the names of the bodies. A pair with the friction and restitution of the plane is left out.
     """
     if plane is None:
         return ()
@@ -93,18 +93,20 @@ def build_contacts(
 
 
 def build_push(table: grammar.PushTable, body: int = 0) -> Push:
-    """Return the push of a table. body: the place of the body that is pushed."""
+    """Return the push of a table. body: the index of the body that is pushed."""
     begin, until = getattr(table, "from"), getattr(table, "until")  # noqa: B009  (Python has no attribute `from`)
     return Push(table.force, table.point, begin, math.inf if until is None else until, body)
 
 
 def attitude_on(plane: Plane | None) -> Quaternion:
-    """Return the attitude of a body whose file gives none: that of the plane, or that of no rotation."""
+    """Return the default attitude of a body: the attitude of the plane, or no rotation without a plane."""
     return (1.0, 0.0, 0.0, 0.0) if plane is None else (math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0)
 
 
 def position_on(plane: Plane | None, shape: Shape | None, quaternion: Quaternion) -> Vector:
-    """Return the position of the centre of mass of a body whose file gives none: on the plane above the origin, or there.
+    """Return the default position (m) of the centre of mass: above the origin, so that the body touches the plane.
+
+    Without a plane or a shape it is the origin.
 
     quaternion: the attitude of the body.
     """

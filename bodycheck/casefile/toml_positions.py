@@ -18,14 +18,14 @@ class Position(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """The nodes of a syntax tree that name a table, key or array element, and hold the value of a key."""
+    """The nodes of a syntax tree for a table, key or array element: the node with its name, and the node with its value."""
 
     name: Node
     value: Node | None = None
 
 
 def positions(text: str, paths: Iterable[Path]) -> dict[Path, Position]:
-    """Return the positions of paths in a valid TOML document, and those of all tables and arrays around them.
+    """Return the positions of paths, and of all tables and arrays around them, in a valid TOML document.
 
     A path may lead to a table, a key or an array element. Paths that the document does not contain are absent.
     """
@@ -34,7 +34,7 @@ def positions(text: str, paths: Iterable[Path]) -> dict[Path, Position]:
 
 
 def entries(text: str, paths: Iterable[Path]) -> dict[Path, Entry]:
-    """Return the syntax nodes of paths in a TOML document, and those of all tables and arrays around them.
+    """Return the syntax nodes of paths, and of all tables and arrays around them, in a TOML document.
 
     Other parts of the document, which may be large, are not searched.
     """

@@ -8,8 +8,8 @@ from typing import Any
 def written(document: Mapping[str, Any]) -> str:
     """Return the text of a document that the grammar of case files allows.
 
-    Tables have headers, also those of an array; a table in a table of an array stands within a line. A double is written with
-    the fewest digits that give the same double.
+    Tables and the tables of an array have headers; a table inside a table of an array is written in one line. A double is
+    written with the fewest digits that give the same double.
 
     Raises `ValueError` for infinities, NaN and dates, which no case file may have.
     """
@@ -17,16 +17,16 @@ def written(document: Mapping[str, Any]) -> str:
 
 
 def short(document: Mapping[str, Any], comments: Sequence[str] = (), lines: int = 0) -> str:
-    """Return the same in few lines: what stands in a table of the document, or in an array of tables, is within a line.
+    """Return the text of a document in few lines: each value in a table, or in a table of an array, is written in one line.
 
     Parameters
     ----------
     document
         The document. Keys that are no tables come first.
     comments
-        Sentences that stand at the beginning, each on a line of its own.
+        Sentences for the beginning, one per line.
     lines
-        The number of lines up to which tables are set apart by empty lines.
+        Empty lines separate the tables if the text then has no more than this number of lines.
 
     Raises as `written` does.
     """
@@ -62,9 +62,9 @@ def _is_array_of_tables(value: Any) -> bool:
 
 
 def in_line(value: Any) -> str:
-    """Return the text of a value within a line. Raises as `written` does.
+    """Return the text of a value in one line. Raises as `written` does.
 
-    Strings, integers and booleans are written as JSON writes them, which TOML reads alike.
+    Strings, integers and booleans are written as JSON writes them, which TOML reads in the same way.
     """
     if isinstance(value, dict):
         return "{" + ", ".join(f"{name} = {in_line(part)}" for name, part in value.items()) + "}"

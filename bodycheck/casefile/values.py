@@ -17,16 +17,18 @@ MAX_TAGS = 50
 MAX_PUSHES = 50
 MAX_CONTACTS = 1000
 MAX_EXPECTATIONS = 1000
-#: Instants of the truth, of all time steps that the expectations of a file need: the truth takes 20 to 100 us for each.
+#: The largest number of instants of the truth, over all time steps that the expectations of a file need: each takes 20 to 100
+#: us.
 MAX_INSTANTS = 50 * MAX_SAMPLES
 MAX_VALUES = 50
 MAX_POINTS = 500
-#: Limits of ensembles: of their members, the seed of their random numbers, the keys that vary, and the values of a choice.
+#: Limits of ensembles: the number of members, the seed of random numbers, the number of keys that vary, and of values of a
+#: choice.
 MAX_MEMBERS = 10**9
 MAX_SEED = 2**63 - 1
 MAX_VARIATIONS = 50
 MAX_CHOICES = 1000
-#: Largest absolute value of a number. Its inverse is the smallest one except 0, so that squares and products do not overflow.
+#: Largest absolute value of a number. Its inverse is the smallest except 0, so that squares and products do not overflow.
 MAX_NUMBER = 1e100
 
 
@@ -71,9 +73,9 @@ NonNegative = Annotated[Finite, Field(ge=0, le=MAX_NUMBER), AfterValidator(_not_
 Ratio = Annotated[Finite, Field(ge=1e-20, le=1)]
 Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValidator(_printable)]
-#: The patterns of names: of cases, of bodies and joints, and of bodies where * stands for any characters.
+#: The patterns of names of cases, of bodies and joints, and of bodies with * for any characters.
 NAME, PART_NAME, BODY_PATTERN = r"^[a-z0-9-]+$", r"^[A-Za-z0-9_.:/-]+$", r"^[A-Za-z0-9_.:/*-]+$"
-#: What each of these patterns allows, in words.
+#: The names that each of these patterns allows, in words.
 CHARACTERS = {
     NAME: "small letters, digits and hyphens",
     PART_NAME: "letters a to z, digits and _ . : / -",

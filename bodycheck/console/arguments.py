@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from bodycheck.results.unchecked import Absence
 
 
-#: Most scenes in a batch. Their models and states need some gigabytes in some engines.
+#: The largest number of scenes in a batch. Their models and states need some gigabytes in some engines.
 MOST_SCENES = 100_000
 
 
 def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of shipped cases and the paths of files that CASE arguments stand for; all shipped cases for none.
+    """Return the names of shipped cases and paths of files that CASE arguments stand for; by default, all shipped cases.
 
-    Raises `BadInput` if a folder or a pattern stands for no case file. What is returned stands for itself.
+    Raises `BadInput` if a folder or a pattern stands for no case file. Each returned name or path is itself a valid argument.
     """
     from bodycheck.casefile.case import shipped
     from bodycheck.casefile.finding import named
@@ -42,7 +42,7 @@ def load_case(argument: str) -> "Case":
 
 
 def load_cases(cases: tuple[str, ...]) -> "list[Case]":
-    """Load the cases that CASE arguments stand for; all shipped cases for none.
+    """Load the cases that CASE arguments stand for; by default, all shipped cases.
 
     Raises `CaseFaults` with the faults of all files, and `BadInput` if a folder or a pattern stands for no case file.
     """
@@ -66,14 +66,14 @@ def load_cases(cases: tuple[str, ...]) -> "list[Case]":
 
 @dataclass(frozen=True)
 class Engines:
-    """The engines that a command can use, and those that it cannot.
+    """The engines that a command can use, and the engines that it cannot use.
 
     Attributes
     ----------
     records
         The records of the engines by name.
     missing
-        Why engines that are installed cannot be used, by their names.
+        The reasons why installed engines cannot be used, by their names.
     broken
         The missing engines that fail when they are imported.
     named
@@ -96,26 +96,27 @@ class Engines:
         return Absence(fault.reason, fault.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
-        """Return whether an engine fails that the user named or, if the user named none, of which a case expects something."""
+        """Return whether a named engine fails or, if none is named, an engine for which a case has expectations."""
         return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
 
 
 def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" = None) -> Engines:
     """Return the named engines, each `NAME` or `NAME@VERSION`. None is imported here.
 
-    If none is named, they are all that are installed, and the releases of which a case expects something.
+    If none is named, return all installed engines, and the releases for which a case has expectations.
 
     Parameters
     ----------
     names
         The engines that the user named.
     expected
-        Releases of engines, each `NAME@VERSION`, of which a case expects something, and whether their absence is tolerated.
+        Releases of engines, each `NAME@VERSION`, for which a case has expectations, and whether their absence is tolerated.
 
     Raises
     ------
     BadInput
-        A named engine, or an expected one that must be there, is unknown or not installed, or no engine can be used.
+        A named engine, or an expected engine whose absence is not tolerated, is unknown or not installed, or no engine can be
+        used.
     Failed
         All named engines fail.
     """
@@ -144,7 +145,7 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
 
 
 def _should_be_there(name: str) -> bool:
-    """Return whether an engine, which cannot be imported, is installed beside bodycheck, or its adapter does not say so."""
+    """Return whether an engine that cannot be imported is installed with bodycheck, or its adapter does not state it."""
     from bodycheck.adapters import registry
     from bodycheck.adapters.engine_name import EngineName
 
@@ -164,7 +165,7 @@ def check_engine(name: str) -> None:
 
 
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
-    """Return the files of cases, by the name of the case; shipped cases have none.
+    """Return the files of cases, by the name of the case, without shipped cases.
 
     `names` are the names that `case_names` returned, from which `load_cases` loaded the cases.
     """
@@ -210,9 +211,9 @@ def make_folder(option: str, path: Path | None) -> None:
 
 
 def batch_sizes(option: str, texts: Iterable[str]) -> tuple[int, ...]:
-    """Return the numbers of scenes that the texts of an option give, each number once, in ascending order.
+    """Return the numbers of scenes in the texts of an option, each number once, in ascending order.
 
-    A text has one number, or several with commas between them. Raises `BadInput` for anything but whole numbers from 1 to
+    A text contains one number, or several separated by commas. Raises `BadInput` for anything but whole numbers from 1 to
     `MOST_SCENES`.
     """
     sizes = set()
@@ -227,7 +228,7 @@ def batch_sizes(option: str, texts: Iterable[str]) -> tuple[int, ...]:
 
 
 def processes(jobs: int | None) -> int:
-    """Return the number of processes to use; the number of processors if it is None. Raises `BadInput` for less than 1."""
+    """Return the number of processes to use; if it is None, the number of processors. Raises `BadInput` if below 1."""
     if jobs is not None and jobs < 1:
         raise BadInput(f"--jobs {jobs}: must be at least 1")
     return jobs or os.cpu_count() or 1

@@ -20,9 +20,9 @@ def figure_text(value: float | None) -> str:
 
 
 def error_text(row: Mapping[str, Any], *names: str) -> str:
-    """Return the text of the first of the named errors that a row of results has; empty if it has none of them.
+    """Return the text of the first named error that a row of results contains; empty if it contains none.
 
-    If the error is no larger than the bound of the truth's own error, the text is this bound with a sign before it.
+    If the error does not exceed the bound of the truth's own error, the text is this bound, preceded by a sign.
     """
     name = next((name for name in names if row.get(name) is not None), None)
     if name is None:
@@ -32,14 +32,14 @@ def error_text(row: Mapping[str, Any], *names: str) -> str:
 
 
 def error_column(name: str, head: str, *instead: str, **options: Any) -> Column[Mapping[str, Any]]:
-    """Return the column of an error of rows of results.
+    """Return the table column for an error in rows of results.
 
     Parameters
     ----------
     name, head
         The name of the column of results, and the head with the unit.
     instead
-        Columns of which the first is shown that a row has, if it lacks this one.
+        Further columns; if a row has no value for `name`, the first of these with a value is shown.
     options
         Further fields of `Column`.
     """
@@ -51,7 +51,7 @@ def error_column(name: str, head: str, *instead: str, **options: Any) -> Column[
 
 
 def bound_column(name: str, head: str, **options: Any) -> Column[Mapping[str, Any]]:
-    """Return the column of a bound of the truth's own error, rounded up; parameters are those of `error_column`."""
+    """Return the table column for a bound of the truth's own error, rounded up, with the parameters of `error_column`."""
 
     def value(row: Mapping[str, Any]) -> float | None:
         return row.get(name)
@@ -64,7 +64,7 @@ def bound_column(name: str, head: str, **options: Any) -> Column[Mapping[str, An
 
 
 def microseconds(name: str, head: str, **options: Any) -> Column[Mapping[str, Any]]:
-    """Return the column of a time of rows of results, in us; parameters are those of `error_column`."""
+    """Return the table column for a time in rows of results, in us, with the parameters of `error_column`."""
 
     def value(row: Mapping[str, Any]) -> float | None:
         return scaled(1e6, row.get(name))

@@ -1,4 +1,4 @@
-"""The arguments and options that several commands share, with their help."""
+"""The arguments and options that several commands share, with their help texts."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,7 +59,7 @@ class View:
     Attributes
     ----------
     columns
-        Names of columns, separated by commas; empty for all that the terminal has room for.
+        Names of columns, separated by commas; empty for all columns that fit on the terminal.
     sort
         The name of the column by which rows are sorted; empty for the order of the command.
     wide

@@ -1,4 +1,4 @@
-"""Print lines to stdout that any terminal can show, broken between words."""
+"""Print lines, broken between words, to stdout, with characters that any terminal can show."""
 
 import os
 import shutil
@@ -19,26 +19,26 @@ def say(line: str) -> None:
 
 
 def tell(text: str, indent: str = "") -> None:
-    """Print sentences, on a terminal on as many lines as they need, those after the first with an indent."""
+    """Print sentences. On a terminal, they are broken into lines, and all lines after the first get an indent."""
     for line in lines(text, width(), indent):
         say(line)
 
 
 def lines(text: str, most: int | None, indent: str = "") -> list[str]:
-    """Return sentences as lines of at most so many characters, broken between words alone, so that no number is cut."""
+    """Return sentences as lines of at most `most` characters, broken only between words, so that no number is cut."""
     if most is None:
         return [text]
     return wrap(text, most, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def bold(line: str) -> None:
-    """Print a line in bold letters, if stdout is a terminal that has them and the user has not asked for none."""
+    """Print a line, in bold letters if stdout is a terminal that supports them and the user does not disable them."""
     has = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
     say(f"\033[1m{line}\033[0m" if has else line)
 
 
 def say_where(folder: Path | None, quiet: bool = False) -> None:
-    """Print on stderr where a report is, as the last line where both streams go to one place; nothing if there is none."""
+    """Print the path of a report to stderr, after all output to stdout; print nothing if there is no report."""
     if folder is not None and not quiet:
         sys.stdout.flush()
         print(f"report: {folder / 'report.html'}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Show on stderr how far a long command is: a bar on a terminal, and elsewhere a line from time to time."""
+"""Show the progress of a long command on stderr: as a bar on a terminal, else as a line from time to time."""
 
 import sys
 import threading
@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
-#: Time between two lines where stderr is not a terminal (s).
+#: Time between two lines if stderr is not a terminal (s).
 INTERVAL_S = 10.0
 
 
@@ -26,7 +26,7 @@ class Count:
     Attributes
     ----------
     title
-        What is done.
+        A name of the work.
     total
         The number of all units.
     clock
@@ -59,13 +59,13 @@ class Count:
 def progress(title: str, total: int, quiet: bool = False) -> "Iterator[Advance]":
     """Show progress on stderr while the context lasts.
 
-    The context provides a function that counts what is done. Its arguments are a text about the last work, and the number of
+    The context provides a function that counts completed work. Its arguments are a text about the last unit, and the number of
     completed units (1 by default).
 
     Parameters
     ----------
     title
-        What is done.
+        A name of the work.
     total
         The number of all units.
     quiet
@@ -96,7 +96,7 @@ def _bar(title: str, total: int) -> "Iterator[Advance]":
 
 @contextmanager
 def _repeated(action: Callable[[], None]) -> Iterator[None]:
-    """Repeat an action every `INTERVAL_S` in a thread of its own while the context lasts, also while one run takes long."""
+    """Repeat an action every `INTERVAL_S` in a separate thread while the context lasts, even during a single long run."""
     ended = threading.Event()
 
     def repeat() -> None:

@@ -21,7 +21,7 @@ from bodycheck.running.plan import Plan, without_method
 
 @dataclass(frozen=True)
 class Selection:
-    """The runs that the user selects on the command line. An empty tuple stands for all, or for the default.
+    """The selection of runs on the command line. An empty tuple stands for all cases, engines or methods, or default steps.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Selection:
     jobs
         The number of processes; None for the number of processors.
     allow_missing
-        Whether expectations of engines that are not installed do not count as failed.
+        Whether missing engines are tolerated: expectations of engines that are not installed then do not count as failed.
     """
 
     cases: tuple[str, ...]
@@ -49,16 +49,16 @@ class Selection:
 
 @dataclass(frozen=True)
 class Given:
-    """The cases of a command, and where they come from.
+    """The cases of a command, and their origins.
 
     Attributes
     ----------
     cases
         The cases.
     files
-        The files of those that were not given by the names of shipped ones, by the name of the case.
+        The files of the cases that were not given by the name of a shipped case, by the name of the case.
     shipped
-        The names of those that come with the package.
+        The names of the cases that come with the package.
     """
 
     cases: Sequence[Case]
@@ -67,7 +67,7 @@ class Given:
 
     @classmethod
     def of(cls, cases: list[Case], names: tuple[str, ...]) -> "Given":
-        """Return cases with where they come from. names: of shipped cases, and paths, from which `load_cases` loaded them."""
+        """Return cases with their origins. names: the names and paths from which `load_cases` loaded them."""
         files = files_of(cases, names)
         shipped = frozenset(case.name for case in cases if case.name not in files or is_shipped(files[case.name]))
         return cls(cases, files, shipped)
@@ -84,7 +84,7 @@ class Ran:
     engines
         The records of the engines by name.
     engine_failed
-        Whether an engine fails to load that the user named, or of which a case expects something.
+        Whether an engine fails to load that the user named, or for which a case has expectations.
     """
 
     results: Results
@@ -95,14 +95,14 @@ class Ran:
 
 @contextmanager
 def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False, meet: Meet = unmet) -> Iterator[Ran]:
-    """Run the tasks that a plan makes of a selection, and provide the results.
+    """Run the tasks that a plan makes from a selection, and provide the results.
 
     Parameters
     ----------
     selection
         The selected cases, engines, integrators and time steps.
     plan
-        Returns the tasks for cases, engines, integrators and time steps.
+        Function that returns the tasks for cases, engines, integrators and time steps.
     out
         The folder for the results. If it is None, they are in a temporary folder that the end of the context deletes.
     quiet
@@ -132,14 +132,14 @@ def ran_of(
     quiet: bool = False,
     meet: Meet = unmet,
 ) -> Iterator[Ran]:
-    """Run the tasks that a plan makes of loaded cases, and provide the results.
+    """Run the tasks that a plan makes from loaded cases, and provide the results. Raises as `ran` does.
 
     Parameters
     ----------
     given
-        The cases, in place of those that are named in the selection.
+        The cases, which replace the cases named in the selection.
     selection, plan, out, quiet, meet
-        As those of `ran`, which raises the same.
+        See `ran`.
     command
         The words of the command, for the header of the results.
     """
@@ -159,7 +159,7 @@ def ran_of(
 
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:
-    """Return the releases, each `NAME@VERSION`, of which cases expect something, and whether their absence is tolerated."""
+    """Return the releases, each `NAME@VERSION`, in expectations of cases, and whether their absence is tolerated."""
     releases: dict[str, bool] = {}
     for case in cases:
         for name in {expectation.engine for expectation in case.expectations if EngineName.parse(expectation.engine).version}:
@@ -168,7 +168,7 @@ def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[s
 
 
 def _tolerated(allow_missing: bool, shipped: Collection[str]) -> Callable[[Case], str]:
-    """Return a function to why a missing engine is tolerated in a case; its text is empty if it is not.
+    """Return a function from a case to the reason why a missing engine is tolerated; the reason is empty if it is not.
 
     shipped: the names of the cases that come with the package.
     """

@@ -16,7 +16,7 @@ from bodycheck.results.verdicts import PASSED
 
 Row = Mapping[str, Any]
 
-#: The column of a row that this table has and files of results have not: the narrowest margin.
+#: The column that this table has, but files of results have not: the narrowest margin.
 NARROWEST = "margin"
 
 
@@ -25,7 +25,7 @@ def _narrowest(row: Row) -> str:
     return "" if margin is None else f"{margin.room:.3g} {margin.name}"
 
 
-#: The columns of the table of runs that are printed unless others are named.
+#: The columns of the table of runs that are printed by default.
 USUAL: tuple[Column[Row], ...] = (
     entry("case"),
     entry("engine", goes=1),
@@ -43,7 +43,7 @@ USUAL: tuple[Column[Row], ...] = (
     entry("reason", goes=10, wraps=True),
 )
 
-#: The columns of the table of runs: the usual ones, and those of results that are printed if they are named.
+#: The columns of the table of runs: the default columns, and the columns of results that are printed if they are named.
 RUNS = (
     *USUAL,
     *(
@@ -63,7 +63,7 @@ def print_runs(verdicts: Sequence[Verdict], view: View) -> None:
 
 
 def print_failed(verdicts: Sequence[Verdict], files: Mapping[str, str]) -> None:
-    """Print one line per failed run, with the reason, and below it what to do next, on lines that can be copied.
+    """Print one line per failed run, with the reason, and below it the next steps, on lines that can be copied.
 
     files: the paths of the cases that are not shipped, by name.
     """

@@ -1,4 +1,4 @@
-"""Print the summary of runs: a screen that says what came out and where to look."""
+"""Print the summary of runs: one screen with the results, and where to find more."""
 
 import shutil
 import sys
@@ -9,13 +9,14 @@ from rich.cells import cell_len
 
 from bodycheck.console import output
 
-#: The most findings that a summary has.
+#: The largest number of findings in a summary.
 MOST_FINDINGS = 3
 
-#: Lines of a terminal that the summary leaves free: for the place of the report, what `make` says of a failure, and the prompt.
+#: Lines of a terminal that the summary leaves free: for the path of the report, the message of `make` about a failure, and the
+#: prompt.
 FREE_LINES = 3
 
-#: The end of a text that is longer than its place.
+#: The end of a shortened text.
 MORE = "…"
 
 
@@ -30,13 +31,14 @@ class Summary:
     findings
         Sentences, the most important first. The first three are printed.
     counts
-        How many runs ended in each way.
+        The numbers of runs by their outcomes, in a sentence.
     unsupported
-        Why runs were not made, in one line; empty if all were made.
+        The reason why runs were not made, in one line; empty if all were made.
     where
-        Where to find more, a line each.
+        Places of further information, one per line.
     steps
-        What to do about the first failure, a line each. They have commands to be copied, so that the terminal breaks them.
+        Next steps after the first failure, one per line. They contain commands to be copied, so that only the terminal breaks
+        these lines.
     """
 
     headline: str
@@ -48,7 +50,7 @@ class Summary:
 
 
 def print_summary(summary: Summary) -> None:
-    """Print a summary, on a terminal on so few lines that all are seen at once, and elsewhere each part on one line."""
+    """Print a summary: on a terminal so short that all of it is visible at once, else with each part on one line."""
     size = shutil.get_terminal_size() if sys.stdout.isatty() else None
     headline, *others = fitted(summary, None if size is None else size.columns, None if size is None else size.lines)
     output.bold(headline)
@@ -57,10 +59,10 @@ def print_summary(summary: Summary) -> None:
 
 
 def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]:
-    """Return the lines of a summary for a terminal of so many characters and lines; None stands for any number.
+    """Return the lines of a summary for a terminal's width (characters) and height (lines); None for no limit.
 
-    Findings are shortened where the lines are not enough, and those after the first left out; so are steps that leave no line
-    for each finding. A shortened text ends in an ellipsis, and no number is cut.
+    If there are too few lines, findings are shortened, and findings after the first are left out. Steps are left out if they
+    leave too few lines for the findings. A shortened text ends in an ellipsis, and no number is cut.
     """
     first = output.lines(summary.headline, width)
     last = output.lines(summary.counts, width)
@@ -77,7 +79,7 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
             steps.append(text)
     middle: list[str] = []
     for index, text in enumerate(findings):
-        left = room - len(middle) - (len(findings) - 1 - index)  # a line for each of the others
+        left = room - len(middle) - (len(findings) - 1 - index)  # this reserves a line for each later finding
         if left > 0:
             middle += _shortened(text, left, width)
     indented = [line for part in (middle, steps) if part for line in ("", *part)]
@@ -85,7 +87,7 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
 
 
 def _shortened(text: str, most: int, width: int | None) -> list[str]:
-    """Return a text as at most so many lines; an ellipsis stands for the rest."""
+    """Return a text as at most `most` lines; an ellipsis replaces the rest."""
     lines = output.lines(text, width, "  ")
     if len(lines) <= most:
         return lines

@@ -1,8 +1,9 @@
 """Print tables on terminals of any width without cutting a number.
 
-A terminal that is too narrow for a table first gets the values that are the same in every row above the table, once. Then
-columns go, in the order that they state. A line below the table says which, and how to see them. If even the columns that
-stay do not fit, each row is printed as a list of its values. A pipe and a file get all columns, each row on one line.
+If a terminal is too narrow for a table, columns with the same value in every row are first replaced by one line above the
+table. Then further columns are left out, in the order of their attribute `goes`. A line below the table names them, and says
+how to see them. If even the remaining columns do not fit, each row is printed as a list of its values. In a pipe or a file, a
+table has all columns, and each row is on one line.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -24,7 +25,7 @@ Row = TypeVar("Row")
 #: Characters between two columns.
 GAP = 2
 
-#: Characters that a column of sentences, which may be broken into lines, has at least.
+#: The smallest width (characters) of a column of sentences, which may be broken into lines.
 NARROWEST_TEXT = 24
 
 
@@ -44,9 +45,9 @@ class Column(Generic[Row]):
         Function from a row to the value by which rows are sorted; None to sort by the text. It returns None for a row without a
         value.
     goes
-        Columns with larger numbers are left out first where the terminal is narrow; those with 0 stay.
+        The order in which columns are left out on a narrow terminal: larger numbers first; columns with 0 stay.
     wraps
-        Whether the column has sentences, which may be broken into lines.
+        Whether the column contains sentences, which may be broken into lines.
     asked
         Whether the column is printed only if `--columns` names it.
     """
@@ -61,18 +62,18 @@ class Column(Generic[Row]):
 
 
 def attribute(name: str, head: str = "", form: str = ".3g", at: str = "", **options: Any) -> Column[Any]:
-    """Return the column of an attribute of rows that are objects.
+    """Return the table column for an attribute of rows that are objects.
 
     Parameters
     ----------
     name
         The name of the column.
     head
-        The head; the name if empty.
+        The head; if it is empty, the name.
     form
         The format of numbers.
     at
-        The attribute, or several with dots between them; the name of the column if empty.
+        The attribute, or a chain of attributes separated by dots; if it is empty, the name of the column.
     options
         Further fields of `Column`.
     """
@@ -80,7 +81,7 @@ def attribute(name: str, head: str = "", form: str = ".3g", at: str = "", **opti
 
 
 def entry(name: str, head: str = "", form: str = ".3g", **options: Any) -> Column[Any]:
-    """Return the column of an entry of rows that are mappings, which may lack it; parameters are those of `attribute`."""
+    """Return the table column for an entry of rows that are mappings, which may lack it. Parameters: see `attribute`."""
     return _of(lambda row: row.get(name), name, head, form, options)
 
 
@@ -101,11 +102,11 @@ class Layout:
     shown
         The columns of the table.
     widths
-        The width of each of them, in characters.
+        The widths of these columns, in characters.
     common
-        The columns whose value is the same in every row and is said once, above the table.
+        The columns with the same value in every row, which is printed once, above the table.
     left_out
-        The columns that are not printed, although they have a text.
+        The columns that are not printed, although they contain text.
     listed
         Whether each row is printed as a list of its values, because the columns are too wide.
     """
@@ -139,7 +140,7 @@ def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_US
     rows
         The rows.
     view
-        The columns and the order of rows that the user requests. A table that has none of these columns is not printed.
+        The columns and the order of rows that the user requests. A table without any of these columns is not printed.
     """
     ordered = _sorted(columns, rows, view.sort)
     if view.names:
@@ -167,7 +168,7 @@ def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_US
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table of texts. The first column stays on a narrow terminal, and the others go from the right."""
+    """Print a table of texts. On a narrow terminal the first column stays, and others are left out from the right."""
     show([Column(head, head, itemgetter(index), goes=index) for index, head in enumerate(header)], rows)
 
 
@@ -214,7 +215,7 @@ def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
 
 
 def _sorted(columns: Sequence[Column[Row]], rows: Iterable[Row], name: str) -> list[Row]:
-    """Return rows in ascending order of a column, rows without a value last; in their given order without such a column."""
+    """Return rows in ascending order of a column, rows without a value last; without such a column, in the given order."""
     table_rows = list(rows)
     by = next((column for column in columns if column.name == name), None)
     if by is None:
@@ -233,7 +234,7 @@ def _plain(text: str) -> str:
 
 
 def _lines(texts: Sequence[str], widths: Sequence[int]) -> list[str]:
-    """Return the lines of a row, more than one where a sentence is longer than its column is wide."""
+    """Return the lines of a row: more than one if a sentence is longer than the width of its column."""
     broken = [
         [text] if cell_len(text) <= width else wrap(text, width, break_on_hyphens=False)
         for text, width in zip(texts, widths, strict=True)

@@ -57,7 +57,7 @@ DIFFERENCES: tuple[Column[Any], ...] = (
 
 
 def print_json(value: Any) -> None:
-    """Print a value as JSON, on one line. Infinities and what is not a number, which JSON lacks, are null."""
+    """Print a value as JSON, on one line. Infinities and NaN, which JSON lacks, are printed as null."""
     print(json.dumps(_finite(value), ensure_ascii=False, allow_nan=False))
 
 
@@ -70,7 +70,7 @@ def _finite(value: Any) -> Any:
 
 
 def print_errors(columns: Sequence[Column[Row]], rows: Sequence[Row], view: View = AS_USUAL) -> None:
-    """Print a table with errors of runs as `error_text` gives them, and explain the sign if any of them has it."""
+    """Print a table with errors of runs in the form of `error_text`, and explain its sign if any error has it."""
     show(columns, rows, view)
     shown = [column for column in columns if (column.name in view.names if view.names else not column.asked)]
     if any(column.text(row).startswith(WITHIN_ASCII) for column in shown for row in rows):
@@ -78,12 +78,12 @@ def print_errors(columns: Sequence[Column[Row]], rows: Sequence[Row], view: View
 
 
 def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]], view: View = AS_USUAL) -> None:
-    """Print one line per case with its requirements, which are given by their names."""
+    """Print one line per case with its requirements. needs: the requirements by their names, by the names of the cases."""
     show(requirement_columns(next(iter(needs.values()))), [{"case": case, **needed} for case, needed in needs.items()], view)
 
 
 def requirement_columns(names: Iterable[str]) -> tuple[Column[Mapping[str, bool | str | int]], ...]:
-    """Return the columns of the requirements with some names."""
+    """Return the table columns for the requirements with some names."""
 
     def column(name: str, goes: int) -> Column[Mapping[str, bool | str | int]]:
         def text(row: Mapping[str, bool | str | int]) -> str:
@@ -101,7 +101,7 @@ def print_changes(changes: "Sequence[Change]", view: View = AS_USUAL) -> None:
 
 
 def print_difference(difference: "Difference", summary: Sequence[str], view: View = AS_USUAL) -> None:
-    """Print one line per change, what could not be compared, and a summary, which is given in sentences."""
+    """Print one line per change, the figures that could not be compared, and the sentences of a summary."""
     if difference.changes:
         show(DIFFERENCES, difference.changes, view)
     if difference.redefined:

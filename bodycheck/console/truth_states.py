@@ -13,16 +13,17 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 
-#: Most joints and free bodies that have columns; all of them are in the JSON.
+#: The largest number of joints and free bodies with columns; the JSON contains all of them.
 MOST_TOLD = 12
 
-#: How early the columns of velocities of a mechanism go where the terminal is narrow, and those of coordinates after the first.
+#: `Column.goes` of the velocities of a mechanism, and of its coordinates after the first: columns with larger numbers are left
+#: out earlier on a narrow terminal.
 VELOCITIES_GO, COORDINATES_GO = 100, 10
 
 
 @dataclass(frozen=True)
 class Instant:
-    """The states of a truth at one instant (s), by the names of columns, with the bounds of its errors in rad and m."""
+    """The states of a truth at one instant (s), by the names of columns, with the bounds of the truth's errors (rad, m)."""
 
     t: float
     values: dict[str, Array]
@@ -31,10 +32,10 @@ class Instant:
 
 
 def columns(scene: AnyScene) -> tuple[Column[Instant], ...]:
-    """Return the columns of the table of the truth of a scene.
+    """Return the columns of the table with the truth of a scene.
 
-    Those of a mechanism are the coordinates and velocities of its joints, and the positions, attitudes and velocities of its
-    free bodies.
+    The columns of a mechanism are the coordinates and velocities of its joints, and the positions, attitudes and velocities of
+    its free bodies.
     """
     states = _of_mechanism(scene) if isinstance(scene, Mechanism) else _OF_BODY
     return (
@@ -65,7 +66,7 @@ def _values(truth: Truth) -> dict[str, Array]:
     if not isinstance(scene, Mechanism):
         names = ("position", "quaternion", "velocity", "angular_velocity")
         return {name: getattr(trajectory, name) for name in names}
-    assert truth.joints is not None  # a mechanism has them
+    assert truth.joints is not None  # the truth of a mechanism has joints
     values: dict[str, Array] = {}
     for name, motion in by_name(scene, truth.joints).items():
         values |= {name: motion["position"], _rate(name): motion["velocity"]}
@@ -77,7 +78,7 @@ def _values(truth: Truth) -> dict[str, Array]:
 
 
 def _of_mechanism(mechanism: Mechanism) -> list[Column[Instant]]:
-    """Return the columns of joints and free bodies; rows are sorted by the first number of a column."""
+    """Return the columns of the joints and free bodies of a mechanism. Rows are sorted by the first number of a column."""
     heads: list[tuple[str, str, bool]] = []
     for joint in mechanism.joints:
         if joint.form.motions:
@@ -97,7 +98,7 @@ def _rate(name: str) -> str:
 
 
 def _vector(name: str, head: str, goes: int, size: Callable[[Array], float]) -> Column[Instant]:
-    """Return the column of a vector. goes: how early it goes where the terminal is narrow; size: what rows are sorted by."""
+    """Return the column of a vector. goes: see `Column`; size: function from a vector to the value for sorting rows."""
 
     def text(instant: Instant) -> str:
         return " ".join(f"{value:.9g}" for value in instant.values[name])

@@ -21,7 +21,7 @@ from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 
-#: What happens in the events of bodies that touch, in words.
+#: The events of bodies in contact, in words.
 EVENTS: dict[EventKind, str] = {
     "impact": "{} hits",
     "roll": "{} begins to roll",
@@ -30,13 +30,13 @@ EVENTS: dict[EventKind, str] = {
     "tip": "{} begins to tip",
 }
 
-#: Most events that are printed.
+#: The largest number of printed events.
 MOST_EVENTS = 8
 
-#: The bounds that the table of a truth lacks.
+#: The bounds of errors that are not in the table of a truth.
 OTHER_BOUNDS = ("velocity", "angular_velocity", "energy", "angular_momentum")
 
-#: An error (rad) as double precision makes it in an angle.
+#: The typical rounding error of an angle (rad) in double precision.
 ROUNDING = 1e-16
 
 
@@ -58,7 +58,7 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
 
 
 def _other_bounds(truth: Truth) -> str:
-    """Return the largest bounds of the figures that the table of a truth lacks, on two lines of less than 80 characters."""
+    """Return the largest bounds that are not in the table of a truth, on two lines of less than 80 characters."""
     known = {name: f"{rounded_up(float(np.nanmax(values)), 2):.2g}" for name, values in bounds_of(truth).items()}
     velocity, rate, energy, momentum = (known.get(f"truth_{name}_error", "not known") for name in OTHER_BOUNDS)
     return (
@@ -68,8 +68,8 @@ def _other_bounds(truth: Truth) -> str:
 
 
 def _print_growth(truth: Truth) -> None:
-    """Print by how much an error grows, when one of a rounding is no small one any more, and until when the motion is known."""
-    from bodycheck.reference.mechanisms.truth import KNOWN, known_until  # which imports all ways to a truth
+    """Print the growth of errors, when a rounding error is no longer small, and until when the motion is known."""
+    from bodycheck.reference.mechanisms.truth import KNOWN, known_until  # this imports all methods for truths
 
     t = truth.trajectory.t
     if truth.growth is not None:
@@ -85,7 +85,7 @@ def _print_growth(truth: Truth) -> None:
 
 
 def _print_events(truth: Truth) -> None:
-    """Print what happens to bodies that touch, as far as a reader follows it, and what bodies at rest bear."""
+    """Print the first events of bodies in contact, and the loads that bodies at rest bear."""
     scene, end = truth.scene, float(truth.trajectory.t[-1])
     names = [body.name if isinstance(scene, Mechanism) else "the body" for body in bodies(scene)]
     for event in truth.events[:MOST_EVENTS]:

@@ -1,11 +1,11 @@
-"""The environments in the cache folder: obtain, list, measure, run and remove them.
+"""Obtain, list, measure, run and remove the environments in the cache folder.
 
-The cache folder is the user's, or the one that the environment variable BODYCHECK_CACHE names. It has a folder for each release
-and each interpreter with the packages that the environment must fit.
+The cache folder is the user's, or the folder in the environment variable BODYCHECK_CACHE. It contains a folder for each release
+and each combination of interpreter and packages that the environment must be compatible with.
 
 An environment is made under a temporary name, by one process at a time, and renamed as the last step, so that it is either
-complete or not at all. The next installation removes the remains of one that was killed, and makes a damaged environment again.
-Nothing in the folder is used or run if another user can change it or one of its parent folders.
+complete or does not exist. The next installation removes the remains of an installation that was killed, and replaces a damaged
+environment. Nothing in the folder is used or run if another user can change it or one of its parent folders.
 """
 
 import contextlib
@@ -32,15 +32,15 @@ from bodycheck.environments import installation, making, privacy, user_cache
 from bodycheck.environments.installation import InstallationFailed, NotOnOffer
 from bodycheck.environments.making import Release
 
-#: The file that only a finished environment has.
+#: The name of the file that only a finished environment has.
 MARKER = "bodycheck.json"
 
-#: Follows the name of an environment in the name of a folder in which one is being made.
+#: In the name of a folder in which an environment is being made, this follows the name of the environment.
 UNFINISHED = ".unfinished-"
 
 
 class Unobtainable(Exception):
-    """A release cannot be installed or run here; the text says which one and what failed."""
+    """A release cannot be installed or run here; the text says which release, and what failed."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def releases(engine: str) -> tuple[str, ...]:
 
 
 def newest(engine: str) -> str:
-    """Return the newest release of an engine that the package sources have for this Python. Raises `Unobtainable`."""
+    """Return the newest release of an engine in the package sources for this Python. Raises `Unobtainable` without one."""
     versions = releases(engine)
     if not versions:
         raise Unobtainable(f"there is no release of {engine} for this Python")
@@ -83,7 +83,7 @@ def newest(engine: str) -> str:
 
 
 def obtain(engine: str, version: str) -> Environment:
-    """Return the environment of a release, which is made if there is none. Raises `Unobtainable`."""
+    """Return the environment of a release; make it if it does not exist. Raises `Unobtainable` if that fails."""
     release = _release(engine, version)
     folder = _folder(release)
     with _lock(folder):
@@ -97,7 +97,7 @@ def obtain(engine: str, version: str) -> Environment:
 def cached(engine: str) -> tuple[str, ...]:
     """Return the versions of an engine that have an environment, ascending. Raises `Unobtainable` for an unknown engine.
 
-    Folders whose names are not those of versions are not ours and are left out.
+    Folders whose names are not versions were not made by bodycheck, and are left out.
     """
     source = _installation(engine)
     versions = [marker.parent.parent.name for marker in (_home() / source.distribution).glob(f"*/{_fit(source)}/{MARKER}")]
@@ -114,7 +114,7 @@ def kept(engine: str) -> dict[str, Environment]:
 
 
 def find(engine: str, version: str | None = None) -> Environment | None:
-    """Return the environment of a release, or of the newest one that has an environment; None if there is none.
+    """Return the environment of a release, or of the newest release that has one; None if there is none.
 
     Raises `Unobtainable` for an unknown engine, and if another user can change the environment.
     """
@@ -129,13 +129,13 @@ def find(engine: str, version: str | None = None) -> Environment | None:
 
 
 def variables(environment: Environment) -> tuple[tuple[str, str], ...]:
-    """Return the environment variables that processes in an environment need besides those of this process."""
+    """Return the environment variables that processes in an environment need in addition to those of this process."""
     source = _installation(environment.engine)
     return (*making.path_variables(), *source.variables_in(str(environment.python.parents[1])))
 
 
 def package_folders(environment: Environment) -> list[Path]:
-    """Return the folders in which an environment has packages of its own."""
+    """Return the folders of the packages that are installed in an environment itself."""
     return [
         path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in environment.python.parents[1].glob(pattern)
     ]
@@ -159,7 +159,7 @@ def size(environment: Environment) -> int:
 def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
     """Delete the environments of releases, for all interpreters, and return the versions that had one.
 
-    Raises `Unobtainable` for an unknown engine and for what is not a version.
+    Raises `Unobtainable` for an unknown engine, and for a text that is not a version.
     """
     removed = []
     for version in versions:
@@ -205,7 +205,7 @@ def run(
 
 
 def _make(folder: Path, release: Release) -> None:
-    """Make the environment of a release and put it in its place. Raises `Unobtainable`."""
+    """Make the environment of a release and give it its final name. Raises `Unobtainable` if no attempt succeeds."""
     failures: list[str] = []
     usable: Path | None = None
     with contextlib.ExitStack() as stack:
@@ -224,7 +224,7 @@ def _make(folder: Path, release: Release) -> None:
             if passes:
                 usable = temporary_folder
                 break
-            # If the engine fails checks after every attempt, the release itself is at fault, which a study is to find out.
+            # If the engine fails checks after every attempt, the fault is in the release itself, which a study is to show.
             usable = usable or temporary_folder
         if usable is None:
             raise Unobtainable(f"{release.engine} {release.version} is not available here: {failures[0]}")
@@ -232,7 +232,7 @@ def _make(folder: Path, release: Release) -> None:
 
 
 def _finish(temporary_folder: Path, folder: Path, release: Release) -> None:
-    """Make sure that all files of a new environment are on the disk, and give it its name."""
+    """Make sure that all files of a new environment are on the disk, and give it its final name."""
     if sys.platform != "win32":
         os.sync()
     with (temporary_folder / MARKER).open("w", encoding="utf-8") as marker:
@@ -243,7 +243,7 @@ def _finish(temporary_folder: Path, folder: Path, release: Release) -> None:
 
 
 def _installation(engine: str) -> Installation:
-    """Return what an engine is installed from. Raises `Unobtainable` for an unknown engine."""
+    """Return the description of an engine's installation. Raises `Unobtainable` for an unknown engine."""
     try:
         return registry.installation(engine)
     except registry.EngineMissing as error:
@@ -251,7 +251,7 @@ def _installation(engine: str) -> Installation:
 
 
 def _release(engine: str, version: str) -> Release:
-    """Return a release. Raises `Unobtainable` for what is not a version by PEP 440, as the version becomes a folder's name."""
+    """Return a release. Raises `Unobtainable` unless the version, which becomes a folder's name, is valid by PEP 440."""
     source = _installation(engine)
     try:
         return Release(engine, source, str(Version(version)))
@@ -260,7 +260,7 @@ def _release(engine: str, version: str) -> Release:
 
 
 def _version(text: str) -> Version | None:
-    """Return a version; None for what is not one by PEP 440."""
+    """Return the version in a text; None if it is not a version by PEP 440."""
     try:
         return Version(text)
     except InvalidVersion:
@@ -268,7 +268,7 @@ def _version(text: str) -> Version | None:
 
 
 def _check_private(folder: Path) -> None:
-    """Raise `Unobtainable` if another user can change what is in an existing folder of the cache. Raises `OSError`."""
+    """Raise `Unobtainable` if another user can change an existing folder of the cache, and `OSError` if it is missing."""
     if (open_folder := privacy.open_to_others(folder)) is not None:
         raise Unobtainable(
             f"{folder}: not used, because another user can change {open_folder}; let {user_cache.VARIABLE} name a folder that "
@@ -281,12 +281,12 @@ def _home() -> Path:
 
 
 def _folder(release: Release) -> Path:
-    """Return the folder of the environment of a release, whether it is there or not."""
+    """Return the folder of the environment of a release, whether or not it exists."""
     return _home() / release.installation.distribution / release.version / _fit(release.installation)
 
 
 def _fit(source: Installation) -> str:
-    """Return a name for what is installed with an engine, the running interpreter, and its packages that both must fit."""
+    """Return a name for the interpreter, its packages and the extras of an engine, with which an environment must agree."""
     fits = repr((sys.prefix, making.site_folders(), _versions(), source.extras, source.others))
     abi = sysconfig.get_config_var("SOABI") or f"{sys.implementation.cache_tag}-{sysconfig.get_platform()}"
     return f"{abi}-{sha256(fits.encode()).hexdigest()[:12]}"
@@ -294,14 +294,14 @@ def _fit(source: Installation) -> str:
 
 @cache
 def _versions() -> list[str]:
-    """Return the versions of NumPy and of packages compiled against it, beside which engines are installed."""
+    """Return the versions of NumPy and of the packages compiled against it that engines are installed together with."""
     return [f"{package} {metadata.version(package)}" for package in ("numpy", *making.NUMPY_DEPENDENTS)]
 
 
 def _lock(folder: Path) -> BaseFileLock:
-    """Return the lock of an environment, which a process holds while it works on it and loses when it ends.
+    """Return the lock of an environment. A process holds it while it works on the environment, and loses it when it ends.
 
-    Raises `Unobtainable` if its folder cannot be made, or if another user can change it or what it is in.
+    Raises `Unobtainable` if the parent folder cannot be made, or another user can change the folder or a parent of it.
     """
     try:
         privacy.make(folder.parent)
@@ -313,7 +313,7 @@ def _lock(folder: Path) -> BaseFileLock:
 
 
 def _remove_unfinished(folder: Path) -> None:
-    """Remove what installations that were killed have left. The caller must hold the lock."""
+    """Remove the remains of installations that were killed. The caller must hold the lock."""
     for left in folder.parent.glob(f"{folder.name}{UNFINISHED}*"):
         shutil.rmtree(left, ignore_errors=True)
 

@@ -1,6 +1,6 @@
 """Virtual environments and the packages in them, made by uv from the package sources for which pip is configured.
 
-Only wheels are installed: a source distribution would have to be built, which runs code of its own.
+Only wheels are installed: a source distribution would have to be built, which runs code of the distribution.
 """
 
 import ast
@@ -21,7 +21,7 @@ from bodycheck.environments import subprocesses
 #: Longest time in s that one call of uv or pip may take.
 CALL_LIMIT_S = 900.0
 
-#: pip's options for package sources and how these are reached, with the environment variable by which uv is told the same.
+#: pip's options for package sources and the connection to them, with the environment variables that have the same effect on uv.
 UV_VARIABLES = {
     "index-url": "UV_DEFAULT_INDEX",
     "extra-index-url": "UV_EXTRA_INDEX_URL",
@@ -33,26 +33,26 @@ UV_VARIABLES = {
     "default-timeout": "UV_HTTP_TIMEOUT",
 }
 
-#: Sections of pip's configuration that hold for an installation; a later one overrides those before it.
+#: Sections of pip's configuration that apply to an installation; a later section overrides earlier ones.
 PIP_SECTIONS = ("global", "install", ":env:")
 
-#: What uv and pip report when an index does not answer.
+#: Messages of uv and pip when an index does not answer.
 UNREACHABLE = re.compile(
     r"connection (error|refused|broken)|new connection|name resolution|timed out|dns error|failed to fetch|error sending",
     re.IGNORECASE,
 )
-#: What uv reports of a requirement that the index does not have.
+#: The message of uv about a requirement that the index does not have.
 NOT_THERE = "there is no version of {}"
-#: What uv reports of a requirement that the index has, but not as a wheel that fits.
+#: The messages of uv about a requirement for which the index has no compatible wheel.
 NO_WHEEL = ("{} has no usable wheels", "{} has no wheels")
 
 
 class InstallationFailed(Exception):
-    """uv or pip failed; the text is the reason that it gives, on one line."""
+    """uv or pip failed; the text is the reason that the program gives, on one line."""
 
 
 class NotOnOffer(InstallationFailed):
-    """The package sources do not have what was asked for, or cannot be reached: another attempt would fail as well."""
+    """The package sources do not have a requirement, or cannot be reached: another attempt would fail as well."""
 
 
 def interpreter(folder: Path) -> Path:
@@ -62,24 +62,24 @@ def interpreter(folder: Path) -> Path:
 
 def make(folder: Path) -> None:
     """Make a virtual environment of the running Python, without packages, in an empty folder. Raises `InstallationFailed`."""
-    # Relocatable, as the folder gets its final name only when the environment is finished.
+    # It must be relocatable, because the folder gets its final name only when the environment is finished.
     command = [find_uv_bin(), "venv", "--quiet", "--no-project", "--relocatable", "--python", sys.executable, str(folder)]
     _output(command, os.environ)
 
 
 def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str] = (), day: datetime | None = None) -> None:
-    """Install packages and what they depend on into the virtual environment in a folder.
+    """Install packages and their dependencies into the virtual environment in a folder.
 
     Parameters
     ----------
     folder
         The folder of the virtual environment.
     requirements
-        What to install, each as `NAME==VERSION`.
+        The packages to install, each as `NAME==VERSION`.
     constraints
         Conditions on the versions of all packages that are installed.
     day
-        Ignore what was uploaded to the index after this time; None to ignore nothing.
+        Ignore files that were uploaded to the index after this time; None to ignore nothing.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str
 
 
 def release_day(distribution: str, version: str) -> datetime | None:
-    """Return when the last wheel of a release was uploaded; None if the package source does not tell, as a folder of wheels."""
+    """Return the time of upload of the last wheel of a release; None if the source, such as a folder, does not state it."""
     options = ["--quiet", "--no-deps", "--only-binary", ":all:", "--format", "pylock.toml", "--python", sys.executable]
     requirement = f"{distribution}=={version}"
     try:
@@ -108,9 +108,9 @@ def release_day(distribution: str, version: str) -> datetime | None:
 
 
 def versions(distribution: str) -> tuple[str, ...]:
-    """Return the releases of a distribution in the package sources, in no order. Raises `InstallationFailed`.
+    """Return the releases of a distribution in the package sources, in no particular order. Raises `InstallationFailed`.
 
-    pip lists them, as uv has no command for that.
+    This calls pip, because uv has no command for it.
     """
     listing = _pip("index", "versions", distribution, "--retries", "1")
     listed = re.search(r"^Available versions: *(.*)$", listing, re.MULTILINE)
@@ -120,13 +120,13 @@ def versions(distribution: str) -> tuple[str, ...]:
 def _uv_pip(arguments: Sequence[str], requirements: Sequence[str], stdin: str | None = None) -> str:
     """Run `uv pip` with the package sources of pip and return its stdout. Raises `InstallationFailed`.
 
-    requirements: those that uv is asked for.
+    requirements: the packages that uv installs, for the message of an error.
     """
     options = _pip_options()
     variables = {UV_VARIABLES[option]: value for option, value in options.items() if option in UV_VARIABLES}
     if "UV_FIND_LINKS" in variables:
         variables["UV_FIND_LINKS"] = ",".join(variables["UV_FIND_LINKS"].split())
-    # pip chooses the best version among all its indexes; by default uv looks no further than the first that has the package.
+    # pip chooses the best version among all its indexes; by default uv uses only the first index that has the package.
     variables["UV_INDEX_STRATEGY"] = "unsafe-best-match"
     # There is no environment variable for this option.
     no_index = ["--no-index"] if options.get("no-index", "").lower() in ("1", "true", "t", "yes", "y", "on") else []
@@ -166,7 +166,7 @@ def _output(
 
 
 def _failure(text: str, requirements: Sequence[str]) -> InstallationFailed:
-    """Return an error whose message is the reason in what uv or pip printed, on one line."""
+    """Return an error whose message is the reason in the output of uv or pip, on one line."""
     lines = [line.strip(" ×╰─▶│├") for line in text.splitlines()]
     reason = " ".join(line for line in lines if line and not line.startswith(("hint:", "WARNING:", "[notice]")))
     if UNREACHABLE.search(text):

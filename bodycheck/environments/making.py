@@ -1,12 +1,12 @@
-"""Making an environment in an empty folder: a release of an engine that can be imported, beside bodycheck itself.
+"""Make an environment in an empty folder: a release of an engine that can be imported together with bodycheck.
 
-The environment holds the release and the packages that it depends on, and these come first on `sys.path`. The packages of the
-running interpreter follow, added by a .pth file that Python reads when it starts. Three kinds of conflict are met here:
+The environment contains the release and the packages that it depends on, which come first on `sys.path`. The packages of the
+running interpreter follow, added by a .pth file that Python reads when it starts. Three kinds of conflict are handled here:
 
 - A package that was compiled against NumPy 1 may fail with NumPy 2 although its metadata allow it.
-- A dependency may have newer releases by now with which the engine's release cannot be imported.
-- With an old NumPy, the SciPy and PyArrow of the running interpreter may fail to import. The environment then gets the
-  oldest releases of them that bodycheck supports, which are from the time of NumPy 1.
+- A dependency may by now have newer releases that are incompatible with the engine's release.
+- With an old NumPy, the SciPy and PyArrow of the running interpreter may fail to import. The environment then gets the oldest
+  releases of SciPy and PyArrow that bodycheck supports, which date from the time of NumPy 1.
 """
 
 import os
@@ -34,8 +34,8 @@ Variables = Sequence[tuple[str, str]]
 #: The environment variable that names the folders, other than site-packages, from which the running interpreter imports.
 PATH_VARIABLE = "BODYCHECK_PATH"
 
-#: Dependencies of bodycheck that are compiled against NumPy, each with a module whose import shows whether it works with the
-#: NumPy that is installed.
+#: Dependencies of bodycheck that are compiled against NumPy, each with a module whose import shows whether the dependency works
+#: with the installed NumPy.
 NUMPY_DEPENDENTS = {"scipy": "scipy.integrate", "pyarrow": "pyarrow.parquet"}
 
 #: With `Attempt.as_of_release`, packages uploaded up to this long after the release are used: wheels often come later.
@@ -44,8 +44,9 @@ UPLOAD_DELAY = timedelta(days=14)
 #: Longest time in s that one inspection of an environment may take.
 INSPECTION_LIMIT_S = 900.0
 
-#: The .pth file that adds the packages of the running interpreter, and what their own .pth files add. Python reads such files
-#: in the order of their names; with a tilde this one is read last, so that all folders of the environment come before.
+#: The .pth file that adds the packages of the running interpreter, and the paths that their own .pth files add. Python reads
+#: such files in the order of their names. Because of the tilde, this file is read last, so that all folders of the environment
+#: come first.
 PATH_FILE = "~bodycheck.pth"
 PATH_FILE_LINES = """\
 import site; list(map(site.addsitedir, {folders!r}))
@@ -75,7 +76,8 @@ for package, module in zip(sys.argv[1::2], sys.argv[2::2]):
         print(package)
 """
 
-#: Code that prints how many checks of its adapter an engine fails; its exit code is not 0 if the engine cannot be imported.
+#: Code that prints the number of checks of its adapter that an engine fails; its exit code is not 0 if the engine cannot be
+#: imported.
 NUMBER_OF_FAILED_CHECKS = """
 import sys
 from bodycheck.adapters import registry
@@ -90,14 +92,14 @@ print(len(smoke.check(sys.argv[1])))
 
 @dataclass(frozen=True)
 class Attempt:
-    """A way to install a release; the next one is tried if the engine cannot be imported or fails a check of its adapter.
+    """A way to install a release; the next way is tried if the engine cannot be imported or fails a check of its adapter.
 
     Attributes
     ----------
     constraints
-        Conditions on packages, besides that NumPy be no newer than in the running interpreter.
+        Conditions on packages, in addition to the condition that NumPy is no newer than in the running interpreter.
     as_of_release
-        Whether the dependencies are those that the index had when the release came out.
+        Whether to install the dependencies that the index had when the release came out.
     """
 
     constraints: tuple[str, ...] = ()
@@ -116,7 +118,7 @@ class Release:
     engine
         The name of the engine in bodycheck, without a version.
     installation
-        What it is installed from.
+        The description of the engine's installation.
     version
         The version, as PEP 440 normalises it.
     """
@@ -134,7 +136,7 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     folder
         The empty folder.
     release
-        What is installed.
+        The release to install.
     attempt
         The way in which it is installed.
 
@@ -214,7 +216,7 @@ def run(
     timeout
         Seconds after which it is killed.
     variables
-        Environment variables besides those of this process.
+        Environment variables in addition to the variables of this process.
 
     Raises
     ------
@@ -230,17 +232,17 @@ def run(
 
 
 def site_folders() -> list[str]:
-    """Return the folders in which the running interpreter has its packages."""
+    """Return the folders of packages (site-packages) of the running interpreter."""
     return [*site.getsitepackages(), *([site.getusersitepackages()] if site.ENABLE_USER_SITE else [])]
 
 
 def path_variables() -> tuple[tuple[str, str], ...]:
-    """Return the environment variable that lets an environment import from where the running interpreter does."""
+    """Return the environment variable with which an environment imports from the folders of the running interpreter."""
     return ((PATH_VARIABLE, os.pathsep.join(_other_folders())),)
 
 
 def _other_folders() -> list[str]:
-    """Return the other folders from which it imports: neither site-packages nor the standard library."""
+    """Return the folders, other than site-packages and the standard library, from which the running interpreter imports."""
     folders = [sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), *site_folders()]
     others = [Path(folder).absolute() for folder in sys.path if folder]
     return [str(folder) for folder in others if folder.is_dir() and not any(map(folder.is_relative_to, folders))]

@@ -1,4 +1,4 @@
-"""Who can change a folder: what is run from the cache must come from this user or from the administrator."""
+"""Check who can change a folder: code that is run from the cache must come from this user or from the administrator."""
 
 import os
 import stat
@@ -11,11 +11,11 @@ if sys.platform != "win32":
 
 
 def open_to_others(path: Path) -> Path | None:
-    """Return the first of a path and its parents that another user can change or replace; None if there is none.
+    """Return the first path, among a path and its parents, that another user can change or replace; None if there is none.
 
-    Each of them must belong to this user or to the administrator, and nobody else may write to it, except that a folder with
-    the sticky bit, such as /tmp, lets others add entries of their own. Where the path leads through links, both the links and
-    what they lead to are checked. On Windows, where folders have no such owner, the answer is None.
+    Each path must belong to this user or to the administrator, and nobody else may write to it, except that a folder with the
+    sticky bit, such as /tmp, lets others add their own entries. If the path contains links, both the links and their targets
+    are checked. On Windows, where folders have no such owner, the result is None.
 
     Raises `OSError` if there is no such path.
     """
@@ -28,14 +28,14 @@ def open_to_others(path: Path) -> Path | None:
 
 
 def make(folder: Path) -> None:
-    """Make a folder and its parents for this user alone; those that are there stay as they are. Raises `OSError`."""
+    """Make a folder and its missing parents for this user alone; existing folders stay unchanged. Raises `OSError`."""
     for missing in (*reversed(folder.parents), folder):
         if not missing.is_dir():
             missing.mkdir(mode=0o700, exist_ok=True)
 
 
 def is_closed(folder: Path) -> bool:
-    """Return whether nobody else can read, change or replace a folder and what is in it. Raises `OSError` if there is none."""
+    """Return whether nobody else can read, change or replace a folder or its content. Raises `OSError` if it is missing."""
     others = 0 if sys.platform == "win32" else folder.stat().st_mode & 0o077
     return not others and open_to_others(folder) is None
 
@@ -51,7 +51,7 @@ def _is_ours(folder: Path) -> bool:
 
 
 def _is_own_group(number: int) -> bool:
-    """Return whether a group is the one that many systems make for each user, who is its only member."""
+    """Return whether a group is this user's private group, which many systems make for each user as its only member."""
     try:
         group, user = grp.getgrgid(number), pwd.getpwuid(os.getuid())
     except KeyError:

@@ -1,7 +1,7 @@
 """Run a program that ends when this process does, even if this process is killed.
 
-Linux sees to the end of the program and limits its memory. On other systems the program is ended by a time limit and by an
-interruption, and its memory is not limited.
+On Linux, the kernel ends the program and limits its memory. On other systems, a time limit or an interruption ends the program,
+and its memory is not limited.
 """
 
 import contextlib
@@ -18,7 +18,7 @@ if sys.platform != "win32":
 #: From linux/prctl.h.
 PR_SET_PDEATHSIG = 1
 
-#: Private memory that a program may use, unless it is given another limit.
+#: Private memory (bytes) that a program may use unless another limit is given.
 MEMORY_LIMIT_BYTES = 4 << 30
 
 
@@ -36,7 +36,7 @@ def run(
     stdin
         The text of its standard input; None for an empty one.
     timeout
-        Seconds after which it and the processes that it started are killed.
+        Seconds after which the program and the processes that it started are killed.
     memory
         Bytes of private memory that it may use (RLIMIT_DATA, Linux); None for no limit.
 
@@ -67,14 +67,14 @@ def run(
 
 
 def _before_exec(memory: int | None) -> Callable[[], None] | None:
-    """Return what a child does before it becomes the program: it has the kernel kill it when its parent ends."""
+    """Return a function for the child process before it executes the program, so that it ends with its parent."""
     if sys.platform != "linux":
         return None
     libc, parent = ctypes.CDLL(None), os.getpid()
 
     def bind() -> None:
         libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:  # the parent ended before the child asked for this
+        if os.getppid() != parent:  # the parent ended before the request took effect
             os._exit(1)
         if memory is not None:
             _, hard = resource.getrlimit(resource.RLIMIT_DATA)
@@ -84,7 +84,7 @@ def _before_exec(memory: int | None) -> Callable[[], None] | None:
 
 
 def _kill(process: Popen[str]) -> None:
-    """Kill a process and those that it started."""
+    """Kill a process and the processes that it started."""
     if sys.platform == "win32":
         process.kill()
         return

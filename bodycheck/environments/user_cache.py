@@ -1,11 +1,11 @@
-"""The folder in which bodycheck keeps what it can make again: the user's cache folder, or the one that a variable names."""
+"""The folder for files that bodycheck can make again: the user's cache folder, or the folder in a variable."""
 
 import os
 from pathlib import Path
 
 from platformdirs import user_cache_path
 
-#: The environment variable that names another folder.
+#: The environment variable that names another cache folder.
 VARIABLE = "BODYCHECK_CACHE"
 
 

@@ -1,5 +1,6 @@
-"""Figures of a run: what each is called, what it means, how it is computed, and where it is shown.
+"""Figures of a run: their names, their meanings, how they are computed, and where they are shown.
 
-`definition` says what a figure and a column are. `motion`, `conservation` and `contact` hold the figures. `columns` is the
-table of all columns, and `scales` gives the sizes by which rounding is estimated.
+`definition` defines figures, and `column` defines columns. `motion`, `conservation`, `contact`, `touching` and `mechanisms`
+contain the figures, and `bounds` the bounds of the truth's own errors. `columns` is the table of all columns, and `scales`
+gives the sizes by which rounding is estimated.
 """

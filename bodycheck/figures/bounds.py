@@ -1,9 +1,9 @@
-"""Bounds of the truth's own errors, as columns in the units of the figures that they bound.
+"""Bounds of the truth's own errors, as columns in the units of the figures whose errors they limit.
 
-They are no figures of the engine, and no table of a report or baseline has them. A figure of a run that is no larger than its
-bound has no meaning: the run may be as exact as the truth. This holds for drifts too, although these are distances from the
-run's own initial value, since the bounds of energy and angular momentum include the rounding of states and of the sums that
-energy and angular momentum are computed by.
+These columns describe the truth and not the engine, and appear in no table of a report or baseline. A figure of a run that does
+not exceed its bound has no meaning: the run may be as exact as the truth. This also holds for drifts, although a drift is a
+distance from the run's own initial value: the bounds of energy and angular momentum include the rounding of states and of the
+sums for energy and angular momentum.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,23 +21,25 @@ from bodycheck.reference.trajectory import Array
 
 
 def within_truth(figure: Figure, values: Mapping[str, float]) -> float | None:
-    """Return the truth's own error in a figure of a run that is no larger than it; None for a figure that is larger.
+    """Return the bound of the truth's own error in a figure of a run if the figure does not exceed it; otherwise None.
 
-    It is also None where the figure was not measured, and where no bound is known. `values` are those of the run by column.
+    The result is also None if the figure was not measured, or no bound is known. `values` contains the values of the run by the
+    names of columns.
     """
     value, bound = values.get(figure.name), values.get(figure.bounded_by)
     return bound if value is not None and bound and value <= bound else None
 
 
 def rounded_up(value: float, digits: int) -> float:
-    """Return an upper bound with so many significant digits, which is a bound too (except for one part in a million)."""
+    """Return an upper bound rounded up to a number of significant digits; it may be too small by one part in a million."""
     return float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(f"{value:.7g}"))
 
 
 def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison], Array | None]:
-    """Return a function that computes a bound, or None where it is not known: earlier versions did not store all of them.
+    """Return a function that computes a bound, or None if the bound is unknown: earlier versions did not store all bounds.
 
-    It is NaN in those of several scenes of which it is not known, and where mechanics gives no motion of bodies that touch.
+    If only some of several scenes have a known bound, it is NaN for the others. It is also NaN at instants at which mechanics
+    does not determine the motion of bodies in contact.
     """
 
     def known(compared: Comparison) -> Array | None:
@@ -59,7 +61,7 @@ def _angular_momentum(compared: Comparison) -> Array:
     return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)[..., None]
 
 
-#: The bound of the attitude error, the first that was known: its column stands before those of the cost.
+#: The bound of the attitude error. It is the oldest bound, so that its column precedes the columns of the cost.
 ATTITUDE = Figure(
     name="truth_error",
     title="Truth error",
@@ -75,7 +77,7 @@ ATTITUDE = Figure(
 
 
 def _bound(state: str, unit: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
-    """Return the bound of the truth's own error in a state, which is named in words."""
+    """Return the figure for the bound of the truth's own error in a quantity of the state. state: its name in words."""
     return Figure(
         name=f"truth_{state.replace(' ', '_')}_error",
         title=f"Truth {state} error",
@@ -90,13 +92,16 @@ def _bound(state: str, unit: str, compute: Callable[[Comparison], Array], scale:
 
 
 def _relative_bound(quantity: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
-    """Return the bound of the truth's own error in a conserved quantity, which is named in words, relative to its size."""
+    """Return the figure for the bound of the truth's own error in a conserved quantity, relative to the quantity's size.
+
+    quantity: its name in words.
+    """
     extent = f"bound of the truth's own {quantity} error, relative to the size of the {quantity}"
     meaning = f"{extent}; smaller drifts and errors of it have no meaning"
     return replace(_bound(quantity, "", compute, scale), meaning=meaning)
 
 
-#: The bounds of the other figures, the last columns.
+#: The bounds of the other figures, which are the last columns.
 OTHERS = (
     _bound("position", "m", lambda compared: compared.truth.bounds.position_error, lambda scales: scales.length),
     _bound("velocity", "m/s", lambda compared: compared.truth.bounds.velocity_error, lambda scales: scales.speed),

@@ -22,13 +22,14 @@ class Column:
     unit
         The SI unit, empty for a pure number.
     counts
-        What a number without a unit counts, for example steps. A number without a unit that counts nothing is relative.
+        The things that a number without a unit counts, for example steps. A number without a unit that counts nothing is
+        relative.
     largest
         Whether the value is the largest one over the sampled instants.
     remark
-        What else the grammar of case files says, for example in which scenes the value exists.
+        Further information for the grammar of case files, for example in which scenes the value exists.
     words
-        The texts that it may have; empty for any text.
+        The texts that the value may have; empty for any text.
     signed
         Whether a number may be negative.
     """
@@ -46,12 +47,12 @@ class Column:
 
     @property
     def told(self) -> str:
-        """The meaning, with the word "largest" where the column has the largest value over the instants."""
+        """The meaning, with the word "largest" if the column has the largest value over the instants."""
         return f"largest {self.meaning}" if self.largest else self.meaning
 
     @property
     def in_unit(self) -> str:
-        """The unit, or what a number without a unit counts, or the word "relative"."""
+        """The unit; for a number without a unit, the things that it counts, or the word "relative"."""
         return self.unit or self.counts or "relative"
 
     @property

@@ -1,8 +1,8 @@
 """The columns of results, from which every table, schema, plot and message takes names, titles, units and meanings.
 
-A new figure of a run is one entry, `Figure`, in one of the modules beside this one, in one of the groups that `FIGURES` joins.
-The grammar of case files, both JSON Schemas, the results, the baseline, the reports and the table in docs/cases.md follow.
-Three files are renewed by commands:
+A new figure of a run is one entry, a `Figure`, in one of the groups that `FIGURES` joins, which are in the other modules of
+this folder. The grammar of case files, both JSON Schemas, the results, the baseline, the reports and the table in docs/cases.md
+follow. Three files must be renewed by commands:
 
     bodycheck schema > cases/case.schema.json
     bodycheck schema results > reports/results.schema.json
@@ -42,7 +42,7 @@ FIGURES: dict[str, Figure] = {
     )
 }
 
-#: Figures with a column in every table, and figures with a column only where a run has a value.
+#: Figures with a column in every table, and figures with a column only in tables in which a run has a value.
 ALWAYS_TABLED = tuple(figure.name for figure in FIGURES.values() if figure.presence != "where measured")
 FURTHER = tuple(figure.name for figure in FIGURES.values() if figure.presence == "where measured")
 
@@ -76,12 +76,12 @@ CASE_COLUMNS = (
     Column("tags", "string", "Tags", "tags of the case, with semicolons between them"),
 )
 
-#: The ends of the names of the columns with the limit of a figure and with its margin.
+#: The suffixes of the names of the columns for the limit and the margin of a figure.
 LIMIT, MARGIN = "_limit", "_margin"
 
 
 def _limit(figure: Figure) -> tuple[Column, Column]:
-    """Return the columns of the limit of a figure and of its margin."""
+    """Return the columns for the limit and the margin of a figure."""
     where = "empty where the figure was not measured or nothing is expected of it"
     limit = f"largest value that the case allows for {figure.name}, or the least if it has no largest; {where}"
     margin = f"{figure.name}{LIMIT} divided by {figure.name}; {where}, and where the figure is zero"
@@ -91,7 +91,7 @@ def _limit(figure: Figure) -> tuple[Column, Column]:
     )
 
 
-#: Columns with the limits of figures and their margins, which a table has only where any run has a value.
+#: Columns with the limits of figures and their margins, which a table has only if any run has a value.
 LIMIT_COLUMNS = tuple(column for figure in FIGURES.values() if figure.limited for column in _limit(figure))
 
 #: All columns by name, in the order of tables.
@@ -107,7 +107,7 @@ COLUMNS: dict[str, Column] = {
     )
 }
 
-#: The observed order of convergence: a case file may limit it, but it is a figure of three runs and no column.
+#: The observed order of convergence: a case file may limit it, but it is computed from three runs, and is no column.
 ORDER = Column(
     "order",
     "number",
@@ -119,46 +119,46 @@ ORDER = Column(
 #: Figures that a case file may limit, by name, in the order of its grammar.
 LIMITED: dict[str, Column] = {figure.name: figure for figure in FIGURES.values() if figure.limited} | {ORDER.name: ORDER}
 
-#: What messages about a broken expectation may name.
+#: The columns and figures that messages about a broken expectation may name.
 EXPECTED = COLUMNS | LIMITED
 
-#: Units of the columns that have one.
+#: The units of the columns that have a unit.
 UNITS = {column.name: column.unit for column in COLUMNS.values() if column.unit}
 
 
 def most_possible(name: str, last: float) -> float:
     """Return the largest value that a figure of a run with this last instant (s) can have, in the figure's unit.
 
-    It is infinite for figures without such a value, and for the observed order.
+    The value is infinite for figures without a largest value, and for the observed order.
     """
     return FIGURES[name].most(last) if name in FIGURES else math.inf
 
 
 def distance_from_ideal(name: str, value: Value) -> Value:
-    """Return how far the value of a figure, or each of several (n,), is from the value of a run without any error.
+    """Return the distance of a value of a figure, or of several values (n,), from the value of a run without any error.
 
-    That is the value itself where the ideal value is 0, and for every name that is no figure.
+    The distance is the value itself if the ideal value is 0 or the name is no figure.
     """
     ideal = FIGURES[name].ideal if name in FIGURES else 0.0
     return abs(value - ideal) if ideal else value
 
 
 def truth_bounds(truth: Truth) -> dict[str, Array]:
-    """Return the known bounds (n,) of the truth's own errors, by the names of the figures that they limit the meaning of.
+    """Return the known bounds (n,) of the truth's own errors, by the names of the figures that have no meaning below them.
 
-    They are in the units of these figures.
+    The bounds are in the units of these figures.
     """
     known = bounds_of(truth)
     return {figure.name: known[figure.bounded_by] for figure in FIGURES.values() if figure.bounded_by in known}
 
 
 def largest_bounds(values: Mapping[str, float]) -> dict[str, float]:
-    """Return the largest of `truth_bounds` from the values of a run by column, which include them."""
+    """Return the maxima over time of `truth_bounds`, taken from the values of a run by column."""
     return {figure.name: values[figure.bounded_by] for figure in FIGURES.values() if figure.bounded_by in values}
 
 
 def bounds_of(truth: Truth) -> dict[str, Array]:
-    """Return the known bounds (n,) of the truth's own errors, by the names of their columns and in the units of these."""
+    """Return the known bounds (n,) of the truth's own errors, by the names and in the units of their columns."""
     compared = Comparison(truth, truth.trajectory)
     computed = {figure.name: figure.compute(compared) for figure in FIGURES.values() if figure.of_truth}
     return {name: values for name, values in computed.items() if isinstance(values, np.ndarray)}

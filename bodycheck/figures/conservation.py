@@ -1,8 +1,8 @@
-"""Figures of what free flight conserves: total energy, rotational energy and angular momentum.
+"""Figures of the quantities that free flight conserves: total energy, rotational energy and angular momentum.
 
-Of a mechanism there is the total energy alone; its momenta are in `mechanisms`. In a scene that conserves them a figure is a
-drift, the distance from the run's own initial value. Where friction, damping or drag act it is an error, the distance from the
-truth's value at the same instant. Both are relative to a size that is never zero.
+For a mechanism, only the total energy is here; its momenta are in `mechanisms`. In a scene that conserves energy and momentum,
+a figure is a drift: the distance from the run's own initial value. If friction, damping or drag act, it is an error: the
+distance from the truth's value at the same instant. Both are relative to a size that is never zero.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import distance
 
-#: A kinetic energy that is no larger than this part of the largest is what rounding has left of velocities that are zero.
+#: A kinetic energy below this fraction of the largest is due to rounding of velocities that are zero.
 REST = 1e-28
 
 
@@ -45,8 +45,8 @@ def angular_momentum(compared: Comparison) -> Array:
 def energy_size(reference: AnyObservables) -> Array:
     """Return the energy (J) by which total energies are divided, from the truth: a number, or (m,) for m scenes.
 
-    It is the initial kinetic energy or, where that is zero but for rounding, the largest kinetic energy. A potential energy
-    would make it depend on where the origin is.
+    It is the initial kinetic energy or, if that is zero up to rounding, the largest kinetic energy. Potential energy is left
+    out, because it depends on the position of the origin.
     """
     initial = reference.kinetic_energy[..., 0]
     moves = initial > REST * np.fmax.reduce(reference.kinetic_energy, axis=-1)
@@ -56,16 +56,16 @@ def energy_size(reference: AnyObservables) -> Array:
 def rotational_energy_size(reference: Observables) -> Array:
     """Return the energy (J) by which rotational energies are divided, from the truth: a number, or (m,) for m scenes.
 
-    It is the initial rotational energy or, where that is zero, the largest kinetic energy.
+    It is the initial rotational energy or, if that is zero, the largest kinetic energy.
     """
     return _first(np.abs(reference.rotational_energy[..., 0]), lambda: _largest(reference))
 
 
 def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Array:
-    """Return the angular momentum (kg m^2/s) by which others are divided, from the truth: a number, or (m,) for m scenes.
+    """Return the size (kg m^2/s) by which angular momenta are divided, from the truth: a number, or (m,) for m scenes.
 
-    It is the initial angular momentum or, where that is zero, the one that the largest kinetic energy would give to the largest
-    moment of the body.
+    It is the initial angular momentum or, if that is zero, the angular momentum of a rotation with the largest kinetic energy
+    about the axis of the largest moment of the body.
     """
     moments = np.array(scene.body.moments) if isinstance(scene, Scene) else scene.moments
     momentum = np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1)
@@ -73,12 +73,12 @@ def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Arra
 
 
 def _largest(reference: AnyObservables) -> Array:
-    """Return the largest kinetic energy of each scene, or 1 J where that is zero."""
+    """Return the largest kinetic energy (J) of each scene, or 1 J if that is zero."""
     return _first(np.fmax.reduce(reference.kinetic_energy, axis=-1), lambda: np.array(1.0))
 
 
 def _first(size: Array, other: Callable[[], Array]) -> Array:
-    """Return sizes, with other sizes in the places of zeros."""
+    """Return sizes with zeros replaced by other sizes."""
     has_size = size != 0
     return size if has_size.all() else np.where(has_size, size, other())
 
@@ -98,7 +98,7 @@ Compute = Callable[[Comparison], Array | None]
 
 
 def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
-    """Return a function that computes a figure in scenes that conserve energy and angular momentum, or in the others."""
+    """Return a function that computes a figure only in scenes that conserve energy and momentum, or only in others."""
     return lambda compared: compute(compared) if compared.conserves == conserves else None
 
 
@@ -108,7 +108,7 @@ def _alone(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
     return lambda compared: where(compared) if compared.mechanism is None else None
 
 
-#: What the figures of energy were before they were relative to the initial kinetic energy.
+#: The previous definition of the figures of energy, before they became relative to the initial kinetic energy.
 ENERGY_FORMERLY = "relative to the initial energy, with a potential energy that is zero at z = 0"
 
 #: In scenes that conserve energy and angular momentum.

@@ -1,4 +1,4 @@
-"""Figures of a body on a plane: its stop, its creep after it, its penetration and tilt, and the load that the plane bears."""
+"""Figures of a body on a plane: its stop, its creep afterwards, its penetration and tilt, and the load on the plane."""
 
 import math
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from bodycheck.reference.trajectory import Array
 def creep(compared: Comparison) -> float | None:
     """Return the mean speed (m/s) of the centre of mass along the plane after the run's stop.
 
-    Returns None where the truth does not stop. Of bodies that touch it is `touching.creep`.
+    Returns None if the body does not stop in the truth. For bodies in contact, the result is that of `touching.creep`.
     """
     if compared.touching:
         return touching.creep(compared)
@@ -26,7 +26,7 @@ def creep(compared: Comparison) -> float | None:
 
 
 def penetration(compared: Comparison) -> Array | None:
-    """Return the depth (n,), m, of the lowest point of a body below the plane; None where there is no plane."""
+    """Return the depth (n,), m, of the lowest point of a body below the plane; None without a plane."""
     if compared.touching:
         return touching.penetration(compared)
     scene = compared.on_plane
@@ -34,9 +34,9 @@ def penetration(compared: Comparison) -> Array | None:
 
 
 def tilt(compared: Comparison) -> Array | None:
-    """Return the angle (n,), rad, between the body axis K and the vertical; None where there is no plane.
+    """Return the angle (n,), rad, between the body axis K and the vertical; None without a plane.
 
-    Of bodies that touch it is that of the face which lies on the plane.
+    For bodies in contact, it is the angle between the plane and the face that lies on it.
     """
     if compared.touching:
         return touching.tilt(compared)
@@ -123,7 +123,7 @@ POSE = (
     ),
 )
 
-#: Without an error the plane bears the weight of the body, in every step.
+#: Without any error, the plane bears the weight of the body in every step.
 LOAD = (
     Figure(
         name="mean_load",

@@ -30,17 +30,17 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 
-#: Where the column of a figure is: a value in every completed run, a column in every table, or a column only in tables with a
-#: run that has a value.
+#: The presence of the column of a figure: with a value in every completed run, as a column in every table, or as a column only
+#: in tables in which a run has a value.
 Presence = Literal["every run", "every table", "where measured"]
 
-#: An instant that is so near to an impact, relative to it, may be either side of it.
+#: An instant whose distance from an impact, relative to the time of the impact, is below this may be before or after it.
 ROUNDED_TIME = 1e-12
 
 
 @dataclass(frozen=True)
 class Load:
-    """The load on the plane while a body slides: mean and peak in weights of the body, and the part of the steps with any."""
+    """The load on the plane while a body slides: mean and peak in weights of the body, and fraction of steps with load."""
 
     mean_load: float
     peak_load: float
@@ -49,16 +49,16 @@ class Load:
 
 @dataclass(frozen=True)
 class InterfaceLoad:
-    """The load of a run between two bodies that should rest on each other, or a body and the plane, by their places.
+    """The load in a run between two bodies that should rest on each other, or between a body and the plane.
 
     Attributes
     ----------
     bodies
-        The places, the lower first.
+        The indices of the bodies, the smaller first.
     load
         The mean normal force (N) over the steps from 1 s on, or from half of the run on if that is earlier.
     losses
-        How often the force vanishes in these steps.
+        The number of times that the force vanishes in these steps.
     """
 
     bodies: tuple[int, int]
@@ -78,10 +78,10 @@ def observe(scene: AnyScene | Scenes, trajectory: Trajectory) -> AnyObservables:
 
 
 class Exact(Protocol):
-    """The exact values for comparisons with runs: the truth of a scene, `Truth`, or those of m scenes in free flight.
+    """The exact values for comparisons with runs: the truth of a scene, `Truth`, or the truths of m scenes in free flight.
 
-    Those of several scenes have the scenes as the first axis of all arrays but the instants, which they have in common. The
-    states of a mechanism have its bodies there.
+    For several scenes, the first axis of all arrays is the scenes, except for the common instants. For a mechanism, the first
+    axis of the states is its bodies.
     """
 
     @property
@@ -107,11 +107,11 @@ class Exact(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A run's trajectory beside the truth at the same instants: what figures are computed from.
+    """A run's trajectory and the truth at the same instants, from which figures are computed.
 
-    The states of a mechanism have the bodies as their first axis. Runs of several scenes are compared at once where the arrays
-    of truth and trajectory have the scenes as their first axis. What is computed then has this axis too, and is for each scene
-    what it is where the scene is compared alone, to the last bit.
+    The states of a mechanism have the bodies as their first axis. Runs of several scenes are compared at once if the first axis
+    of the arrays of truth and trajectory is the scenes. The results then have this axis too. For each scene they are equal to
+    the results of comparing it alone, to the last bit.
 
     Attributes
     ----------
@@ -120,12 +120,12 @@ class Comparison:
     trajectory
         The states of the run at n instants.
     load
-        The load on the plane; None where there is no plane or the engine does not measure it.
+        The load on the plane; None without a plane, or if the engine does not measure it.
     quaternion_norm_error
-        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; (m,) of m scenes; None if it is not
-        known.
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; (m,) for m scenes; None if it is
+        not known.
     interfaces
-        The loads between bodies that rest; None where the engine does not tell them.
+        The loads between bodies that rest; None if the engine does not report them.
     """
 
     truth: Exact
@@ -166,23 +166,23 @@ class Comparison:
 
     @cached_property
     def joints(self) -> tuple[Array, Array]:
-        """The coordinates (n, c) of the joints of a mechanism, of the run and of the truth, by the same formula."""
+        """The joint coordinates (n, c) of a mechanism in the run and in the truth, by the same formula."""
         assert isinstance(self.scene, Mechanism)
         seen, exact = (kinematics.joints(self.scene, motion).position for motion in (self.trajectory, self.truth.trajectory))
         return seen, exact
 
     def of_bodies(self, values: Array) -> Array:
-        """The largest values (n,) over the bodies of a mechanism, of values (b, n); those of any other scene as they are."""
+        """Return the largest (n,) of values (b, n) over the bodies of a mechanism; for other scenes, `values`."""
         return values if self.mechanism is None else np.asarray(values.max(axis=0))
 
     @cached_property
     def touching(self) -> tuple[Touching, ...]:
-        """The bodies of a scene that touch; empty where none do, and of one body that lies flat on a level plane."""
+        """The bodies in contact in a scene; empty if there are none, or one body lies flat on a level plane."""
         return () if isinstance(self.scene, Scenes) or not touches(self.scene) else touching(self.scene)
 
     @cached_property
     def motions(self) -> tuple[tuple[Trajectory, Trajectory], ...]:
-        """The motions of each body of a scene in the run and in the truth; empty of several scenes."""
+        """The motions of each body of a scene in the run and in the truth; empty for several scenes."""
         if isinstance(self.scene, Scenes):
             return ()
         return tuple(zip(motions(self.scene, self.trajectory), motions(self.scene, self.truth.trajectory), strict=True))
@@ -210,10 +210,11 @@ class Comparison:
 
     @cached_property
     def between_events(self) -> NDArray[np.bool_] | None:
-        """At which instants (n,) run and truth have had the same impacts; None where the truth has none.
+        """Whether run and truth have had the same impacts at each instant (n,); None if the truth has no impacts.
 
-        Velocities jump at impacts, and are compared at these instants alone. An instant between an impact of the truth and that
-        of the run is none of them. Where the truth has ceased to bounce, bounces of the run are errors.
+        Velocities jump at impacts, and are compared at these instants only, but not between an impact of the truth and the same
+        impact of the run. Once the truth no longer bounces, velocities are compared at all instants, because bounces of the run
+        are then errors.
         """
         if not any(event.kind == "impact" for event in self.events):
             return None
@@ -233,27 +234,27 @@ class Comparison:
 
 
 def _alike(t: Array, there: Sequence[float], seen: Sequence[Impact], settled: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """At which instants (n,) a run has had the impacts of the truth. settled: where the truth no longer bounces (n,)."""
+    """Return whether a run has had the impacts of the truth (n,). settled (n,): whether the truth no longer bounces."""
     had, should = (np.searchsorted(times, t, side="right") for times in (np.array([hit.time for hit in seen]), np.array(there)))
     alike = np.asarray((had == should) | settled)
     for time, hit in zip(there, seen, strict=False):
         first, last = sorted((time, hit.time))
         alike &= ((t <= hit.start) | (t >= hit.end)) & ((t < first) | (t >= last))
-        alike &= (t < hit.time) | (t > hit.start)  # a run that is late falls below the plane
+        alike &= (t < hit.time) | (t > hit.start)  # a body with a late impact falls below the plane
         alike &= np.abs(t - time) > ROUNDED_TIME * time
     return alike
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Sizes of the numbers that figures are differences of, by which the effect of rounding is estimated.
+    """Sizes of the numbers whose differences are figures, from which the effect of rounding is estimated.
 
     Attributes
     ----------
     length, speed, angle, rate, duration
         Sizes of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and times (s).
     energy, rotational_energy, angular_momentum
-        Largest energies and angular momentum, divided by the sizes that their drifts and errors are relative to.
+        Largest energies and angular momentum, divided by the sizes to which their drifts and errors are relative.
     """
 
     length: float
@@ -273,34 +274,34 @@ class Figure(Column):
     Attributes
     ----------
     compute
-        Function from a comparison to the figure: an array (n,) of values that are never negative where `largest` is set, else a
-        number. Of several scenes it returns arrays (m, n) and (m,), so that what it takes of a trajectory is counted from the
-        last axes. It returns None where the figure does not exist in the scene or was not measured.
+        Function from a comparison to the figure: an array (n,) of non-negative values if `largest` is set, else a number. For
+        several scenes it returns arrays (m, n) or (m,), so it must index trajectories from the last axes. It returns None if
+        the figure does not exist in the scene or was not measured.
     scale
-        Function to the size of the numbers that the figure is a difference of, in the figure's unit.
+        Function from `Scales` to the size of the numbers whose difference is the figure, in the figure's unit.
     limited
         Whether a case file may limit the figure.
     presence
-        Where its column is.
+        In which runs and tables the column has a value.
     ideal
         The value of a run without any error.
     most
-        Function from the last instant of a run (s) to the largest value that the figure can have, in its unit; infinite where
+        Function from the last instant of a run (s) to the largest value that the figure can have, in its unit; infinite if
         there is none. A limit at or above it cannot fail.
     bounded_by
-        Name of the column with the bound of the truth's own error in the figure; empty where there is none.
+        Name of the column with the bound of the truth's own error in the figure; empty if there is none.
     of_truth
-        Whether the figure tells of the truth and not of the engine.
+        Whether the figure describes the truth and not the engine.
     jumps
-        Whether the figure is a difference of velocities, which jump at impacts: it is left out where run and truth have not had
-        the same ones.
+        Whether the figure is a difference of velocities, which jump at impacts: it is left out at instants at which run and
+        truth have not had the same impacts.
     revision
         The number of the figure's definition. It rises by 1 when the same run gets another value, so that values of baselines
         with different definitions are not compared.
     formerly
-        What the figure was by the revision before, in words.
+        The definition of the figure in the previous revision, in words.
     tabled, plotted
-        Whether a report has the figure in the table of a case, and draws it over time.
+        Whether a report shows the figure in the table of a case, and whether it plots the figure over time.
     """
 
     kind: Kind = "number"

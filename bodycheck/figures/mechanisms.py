@@ -1,4 +1,4 @@
-"""Figures of mechanisms: the coordinates of joints, what holds the bodies together, and the momenta that they conserve."""
+"""Figures of mechanisms: errors of joint coordinates, gaps of joints and loops, and drifts of conserved momenta."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,14 +13,14 @@ from bodycheck.reference.mechanisms.observables import MechanismObservables, flo
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
 
-#: An angular momentum that is no larger than this part of the largest that is possible is what rounding has left of zero.
+#: An angular momentum below this fraction of the largest possible is due to rounding of zero.
 ROUNDED = 1e-12
 
 
 def joint_position_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
-    """Return the largest difference (n,), rad, of the angles of joints from those of the truth; None if there are none.
+    """Return the largest difference (n,), rad, between joint angles of run and truth; None if no joint has an angle.
 
-    That of a ball, or of a free joint, is the angle of one rotation.
+    For a ball or a free joint, the difference is the angle of the single rotation between the two attitudes.
     """
     angles = [np.abs(one - other) for one, other in _pairs(mechanism, compared, "a")]
     turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, compared, "q")]
@@ -28,17 +28,17 @@ def joint_position_error(mechanism: Mechanism, compared: Comparison) -> Array | 
 
 
 def joint_slide_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
-    """Return the largest distance (n,), m, of the displacements of joints from those of the truth; None if there are none."""
+    """Return the largest distance (n,), m, between joint displacements of run and truth; None if no joint has any."""
     return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, compared, "l")])
 
 
 def constraint_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
-    """Return how far (n,), m, joints and loops have come apart; None if there are neither."""
+    """Return the largest gap (n,), m, of the joints and loops; None if there are neither."""
     return kinematics.gaps(mechanism, compared.trajectory) if mechanism.joints or mechanism.loops else None
 
 
 def momentum_drift(compared: Comparison) -> Array | None:
-    """Return how far (n,) the momenta are from their initial values, relative; None where neither is conserved."""
+    """Return the relative distance (n,) of the momenta from their initial values; None if no momentum is conserved."""
     mechanism, seen, expected = compared.mechanism, compared.seen, compared.expected
     if mechanism is None or not floats(mechanism):
         return None
@@ -51,18 +51,18 @@ def momentum_drift(compared: Comparison) -> Array | None:
 
 
 def momentum_size(mechanism: Mechanism, exact: Trajectory) -> float:
-    """Return the size (kg m/s) that a linear momentum is relative to: the mass of all times the largest speed of a body.
+    """Return the size (kg m/s) to which linear momenta are relative: the total mass times the largest speed of a body.
 
-    It is 1 kg m/s where nothing moves.
+    It is 1 kg m/s if nothing moves.
     """
     return float(masses(mechanism).sum() * np.linalg.norm(exact.velocity, axis=-1).max()) or 1.0
 
 
 def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: AnyObservables) -> float:
-    """Return the size (kg m^2/s) that an angular momentum about the centre of mass is relative to, from the truth's values.
+    """Return the size (kg m^2/s) to which angular momenta about the centre of mass are relative, from the truth.
 
-    It is the initial one or, where that is zero but for rounding, the one that the largest kinetic energy would give to all
-    mass at the largest distance of a body from the centre.
+    It is the initial angular momentum or, if that is zero up to rounding, the angular momentum of the total mass that moves
+    with the largest kinetic energy at the largest distance of a body from the centre; 1 kg m^2/s if that is zero too.
     """
     mass = masses(mechanism)[:, None, None]
     centre = (mass * exact.position).sum(axis=0) / mass.sum()
@@ -73,7 +73,7 @@ def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: Any
 
 
 def _pairs(mechanism: Mechanism, compared: Comparison, letter: str) -> Iterator[tuple[Array, Array]]:
-    """Yield the coordinates (n, k) of a run and of the truth that have a letter of `joint_types.LETTERS`, joint by joint."""
+    """Yield for each joint its coordinates (n, k), in the run and in the truth, of a kind in `joint_types.LETTERS`."""
     if not any(letter in joint.form.coordinates for joint in mechanism.joints):
         return
     one, other = compared.joints
@@ -91,7 +91,7 @@ Compute = Callable[[Mechanism, Comparison], Array | None]
 
 
 def _of_mechanisms(compute: Compute) -> Callable[[Comparison], Array | None]:
-    """Return a function that computes a figure of mechanisms alone."""
+    """Return a function that computes a figure of mechanisms, and returns None for other scenes."""
 
     def computed(compared: Comparison) -> Array | None:
         mechanism = compared.mechanism

@@ -1,6 +1,6 @@
-"""Figures of the motion: how far position, velocity, attitude and angular velocity are from the truth.
+"""Figures of the motion: the distances of position, velocity, attitude and angular velocity from the truth.
 
-Of the bodies of a mechanism, that which is farthest counts.
+For a mechanism, a figure is the largest value over its bodies.
 """
 
 import math
@@ -12,23 +12,23 @@ from bodycheck.reference.truths import distance
 
 
 def position_error(compared: Comparison) -> Array:
-    """Return the distance (n,), m, of the centre of mass from that of the truth."""
+    """Return the distance (n,), m, of the centre of mass in the run from the centre of mass in the truth."""
     return compared.of_bodies(distance(compared.trajectory.position, compared.truth.trajectory.position))
 
 
 def velocity_error(compared: Comparison) -> Array:
-    """Return the Euclidean distance (n,), m/s, of the velocity in the world frame from that of the truth."""
+    """Return the Euclidean distance (n,), m/s, between the velocities of run and truth in the world frame."""
     return compared.of_bodies(distance(compared.trajectory.velocity, compared.truth.trajectory.velocity))
 
 
 def attitude_error(compared: Comparison) -> Array:
-    """Return the angle (n,), rad, of the single rotation between the attitude of the run and that of the truth."""
+    """Return the angle (n,), rad, of the single rotation between the attitudes of run and truth."""
     turned = geodesic_angle(compared.truth.trajectory.quaternion, normalise(compared.trajectory.quaternion))
     return compared.of_bodies(turned)
 
 
 def angular_velocity_error(compared: Comparison) -> Array:
-    """Return the Euclidean distance (n,), rad/s, of the angular velocity in the body frame from that of the truth."""
+    """Return the Euclidean distance (n,), rad/s, between the angular velocities of run and truth in the body frame."""
     return compared.of_bodies(distance(compared.trajectory.angular_velocity, compared.truth.trajectory.angular_velocity))
 
 
@@ -85,7 +85,8 @@ ERRORS = (
     ),
 )
 
-#: It is measured before the adapter of an engine normalises its quaternions, as only normalised ones describe an attitude.
+#: The error is measured before the adapter of an engine normalises its quaternions, which must be normalised to describe an
+#: attitude.
 NORM = Figure(
     name="quaternion_norm_error",
     title="Quaternion norm error",

@@ -1,4 +1,4 @@
-"""Figures whose definition has changed, and what is said of numbers that were stored with another one."""
+"""Figures whose definition has changed, and notices about numbers stored with another definition."""
 
 from collections.abc import Collection, Mapping
 
@@ -9,14 +9,14 @@ REVISIONS: dict[str, int] = {name: figure.revision for name, figure in FIGURES.i
 
 
 def redefined(one: Mapping[str, int], other: Mapping[str, int] = REVISIONS) -> list[str]:
-    """Return the figures whose definitions differ between two sets of revisions, which lack those that are 1."""
+    """Return the figures whose definitions differ between two sets of revisions; a missing revision is 1."""
     return [name for name in FIGURES if one.get(name, 1) != other.get(name, 1)]
 
 
 def notices(stored: Mapping[str, int], names: Collection[str]) -> list[str]:
-    """Return a sentence, without its full stop, for each figure that is stored with another definition than the present one.
+    """Return a sentence, without its full stop, for each figure that was stored with a definition other than the present.
 
-    stored: the revisions of the stored figures. names: those of the figures that are stored.
+    stored: the revisions of the stored figures. names: the names of the stored figures.
     """
     return [_notice(name, stored.get(name, 1)) for name in redefined(stored) if name in names]
 

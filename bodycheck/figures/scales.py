@@ -1,8 +1,8 @@
-"""The sizes of the numbers that figures are differences of, by which the effect of rounding on a figure is estimated.
+"""The sizes of the numbers whose differences are figures, from which the effect of rounding on a figure is estimated.
 
-There are two, as they answer two questions. `in_run` measures the numbers that were rounded in a run. A size may be zero, for
-example for a body that stays at the origin, where rounding does nothing. `in_scene` is never zero: it serves the limits that
-are written into case files, and a limit of zero would fail on every other machine.
+Two functions answer two questions. `in_run` returns the sizes of the numbers that were rounded in a run. Such a size may be
+zero, for example for a body that stays at the origin, where rounding has no effect. The sizes of `in_scene` are never zero:
+they are used for limits written into case files, and a limit of zero would fail on every other machine.
 """
 
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ def in_run(truth: Truth, trajectory: Trajectory) -> Scales:
 
 
 def in_scene(truth: Truth) -> Scales:
-    """Return the sizes of the numbers in a truth, at least those of a body that turns by 1 rad and moves by its own size."""
+    """Return the sizes of the numbers in a truth, at least those for a turn by 1 rad and a motion by the body's size."""
     run, scene = in_run(truth, truth.trajectory), truth.scene
     length = max(run.length, _extent(scene) if isinstance(scene, Mechanism) else _gyration(scene.body.moments, scene.body.mass))
     rate = max(run.rate, 1 / run.duration)
@@ -60,7 +60,7 @@ def in_scene(truth: Truth) -> Scales:
 def _in_body(scene: Scene, truth: Truth, trajectory: Trajectory) -> tuple[float, float, float]:
     """Return the relative sizes of the energy, the rotational energy and the angular momentum of a single body."""
     seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
-    # What is rounded are the coordinates, which count from the origin.
+    # Rounding affects the coordinates, which are measured from the origin.
     weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
     return (
         float(np.fmax.reduce(seen.kinetic_energy + weighed)) / float(energy_size(reference)),
@@ -70,7 +70,10 @@ def _in_body(scene: Scene, truth: Truth, trajectory: Trajectory) -> tuple[float,
 
 
 def _in_mechanism(mechanism: Mechanism, truth: Truth, trajectory: Trajectory) -> tuple[float, float, float]:
-    """Return the relative sizes of the energy and the momenta of a mechanism, in which no rotational energy is a figure."""
+    """Return the relative sizes of the energy, the rotational energy and the momenta of a mechanism.
+
+    The size of the rotational energy is 0, because it is no figure of a mechanism.
+    """
     seen, reference = observe_mechanism(mechanism, trajectory), observe_mechanism(mechanism, truth.trajectory)
     mass = masses(mechanism)[:, None]
     weighed = (mass * mechanism.gravity * np.abs(trajectory.position[..., 2])).sum(axis=0)
@@ -89,10 +92,10 @@ def _extent(mechanism: Mechanism) -> float:
 
 
 def _gyration(moments: Sequence[float], mass: float) -> float:
-    """Return the largest radius of gyration (m) of moments (kg m^2) of a mass (kg)."""
+    """Return the largest radius of gyration (m) of a mass (kg) with given moments of inertia (kg m^2)."""
     return float(np.sqrt(max(moments) / mass))
 
 
 def largest(vectors: Array) -> float:
-    """Return the largest Euclidean length of vectors (..., k), of those that are known."""
+    """Return the largest Euclidean length of vectors (..., k), ignoring unknown vectors (NaN)."""
     return float(np.fmax.reduce(np.linalg.norm(vectors, axis=-1), axis=None))

@@ -1,7 +1,7 @@
 """Figures of bodies that roll, bounce, rest and tip: instants of events and the states after them, energy gained, and loads.
 
-Exact instants are those of the truth's events, and those of a run are measured from its samples; see
-`bodycheck.reference.contact.observables` and `impacts`. Of several bodies, the body that is farthest from the truth counts.
+The exact instants are the instants of the truth's events; the instants of a run are measured from its samples, see
+`bodycheck.reference.contact.observables` and `impacts`. For several bodies, a figure is the largest value over the bodies.
 """
 
 import math
@@ -19,10 +19,10 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: A face whose angle with the plane is no larger in the truth (rad) lies on it there.
+#: If the angle between a face and the plane in the truth does not exceed this (rad), the face lies on the plane.
 FLAT = 1e-9
 
-#: The part of a run, at its end, over which a body creeps whose motion mechanics does not give.
+#: The fraction of a run, at its end, over which creep is measured if mechanics does not determine the motion.
 LAST_PART = 0.1
 
 
@@ -46,24 +46,24 @@ def first_impacts(compared: Comparison) -> Iterator[tuple[Event, Impact | None, 
 
 
 def transition_time_error(compared: Comparison) -> float | None:
-    """Return the distance (s) of the instant at which rolling begins from the same instant of the truth."""
+    """Return the difference (s) between the instants at which rolling begins in the run and in the truth."""
     return max((abs(seen.time - exact.time) for exact, seen in transitions(compared)), default=None)
 
 
 def roll_speed_error(compared: Comparison) -> float | None:
-    """Return the distance (m/s) of the velocity when rolling begins from the velocity of the truth."""
+    """Return the distance (m/s) between the velocities at the start of rolling in the run and in the truth."""
     return max((math.dist(seen.velocity, exact.velocity) for exact, seen in transitions(compared)), default=None)
 
 
 def impact_time_error(compared: Comparison) -> float | None:
-    """Return the distance (s) of the first impact from the first impact of the truth; a run without one has it at its end."""
+    """Return the difference (s) between the first impacts in run and truth; for a run without impact, its end counts."""
     last = float(compared.trajectory.t[-1])
     errors = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
     return max(errors, default=None)
 
 
 def impact_speed_error(compared: Comparison) -> float | None:
-    """Return the distance (m/s) of the velocity just after the first impact from the velocity of the truth."""
+    """Return the distance (m/s) between the velocities just after the first impact in the run and in the truth."""
     pairs = [
         (exact, velocity)
         for exact, seen, body in first_impacts(compared)
@@ -73,7 +73,7 @@ def impact_speed_error(compared: Comparison) -> float | None:
 
 
 def bounce_ratio_error(compared: Comparison) -> float | None:
-    """Return the distance of the ratio of the speeds after and before an impact from the coefficient of restitution."""
+    """Return the largest difference between a ratio of speeds after and before an impact and the restitution."""
     errors = []
     for index, (body, _, events) in enumerate(_bodies(compared)):
         first = _first(events, "impact")
@@ -86,7 +86,7 @@ def bounce_ratio_error(compared: Comparison) -> float | None:
 
 
 def rest_time_error(compared: Comparison) -> float | None:
-    """Return the distance (s) of the instant from which on a body rests from the same instant of the truth."""
+    """Return the difference (s) between the instants from which on a body rests in the run and in the truth."""
     errors = []
     for index, (body, motion, events) in enumerate(_bodies(compared)):
         if events and events[-1].kind == "rest" and events[-1].time > 0:
@@ -95,10 +95,10 @@ def rest_time_error(compared: Comparison) -> float | None:
 
 
 def creep(compared: Comparison) -> float | None:
-    """Return the mean speed (m/s) along the plane of bodies that should rest; None where none should.
+    """Return the mean speed (m/s) along the plane of a body that should rest, the largest of several; None if none should.
 
-    It counts from the instant from which on the body rests in the run, or should rest, whichever is later; from the latter
-    where it never rests in the run. Where mechanics does not give the motion, it counts over the last tenth of the run.
+    The mean begins when the body comes to rest in the run or should come to rest, whichever is later; when it should, if it
+    never rests in the run. If mechanics does not determine the motion, the mean is over the last tenth of the run.
     """
     speeds = []
     for index, (body, motion, events) in enumerate(_bodies(compared)):
@@ -119,7 +119,7 @@ def creep(compared: Comparison) -> float | None:
 
 
 def settles(compared: Comparison, index: int) -> bool:
-    """Return whether a body falls and settles in a way that mechanics does not give: at most impacts are known of it."""
+    """Return whether a body falls and settles in a way that mechanics does not determine: at most its impacts are known."""
     _, exact = compared.motions[index]
     others = any(event.body == index and event.kind != "impact" for event in compared.events)
     return bool(np.isnan(exact.position[-1, 0])) and not others
@@ -134,7 +134,8 @@ def penetration(compared: Comparison) -> Array | None:
 def tilt(compared: Comparison) -> Array | None:
     """Return the largest angle (n,), rad, between the plane and the face of a body that should lie on it.
 
-    It is NaN where none does. A body whose motion mechanics does not give should lie on a face at the last instant.
+    The angle is NaN at instants at which no body should. A body whose motion mechanics does not determine should lie on a face
+    at the last instant.
     """
     angles = []
     for index, (body, motion, _) in enumerate(_bodies(compared)):
@@ -150,8 +151,8 @@ def tilt(compared: Comparison) -> Array | None:
 def energy_gain(compared: Comparison) -> Array | None:
     """Return by how much (n,) the mechanical energy, less the work of the pushes, exceeds its lowest value so far.
 
-    It is relative to the largest mechanical energy of the truth, or of the start where that is not known, with a potential
-    energy that is zero where the centre of mass is in the plane.
+    The excess is relative to the largest mechanical energy of the truth, where known, and of the start of the run, with zero
+    potential energy for a centre of mass in the plane.
     """
     if not compared.touching or isinstance(compared.scene, Scenes):
         return None
@@ -190,7 +191,7 @@ def load_error(compared: Comparison) -> float | None:
 
 
 def contact_losses(compared: Comparison) -> float | None:
-    """Return how often bodies that should bear each other lose contact."""
+    """Return the number of times that bodies that should bear each other lose contact; None if it was not measured."""
     if compared.interfaces is None or not compared.exact_interfaces:
         return None
     bearing = {interface.bodies for interface in compared.exact_interfaces if interface.load > 0}
@@ -204,12 +205,12 @@ def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[E
 
 
 def _first(events: list[Event], kind: EventKind) -> Event | None:
-    """Return the first event of a kind after the start; an impact counts if it is one on the plane."""
+    """Return the first event of a kind after the start; impacts count only on the plane."""
     return next((e for e in events if e.kind == kind and e.time > 0 and (kind != "impact" or e.normal_speed > 0)), None)
 
 
 def _known(event: Event) -> bool:
-    """Return whether mechanics gives the state after an event."""
+    """Return whether mechanics determines the state after an event."""
     return not math.isnan(event.velocity[0])
 
 
@@ -219,13 +220,13 @@ def _gravity(compared: Comparison) -> float:
 
 
 def _would_bounce(hit: Impact, body: Touching, compared: Comparison) -> bool:
-    """Return whether the bounce after an impact would be seen if it were exact."""
+    """Return whether the samples would show the bounce after an impact if the bounce were exact."""
     fall = _gravity(compared) * body.normal[2]
     return body.restitution > 0 and 2 * body.restitution * hit.before >= 2 * hit.shortest * fall
 
 
 def _after(hit: Impact, body: Touching, compared: Comparison) -> Array | None:
-    """Return the velocity (3,), m/s, after an impact, or None where the samples are too coarse to tell."""
+    """Return the velocity (3,), m/s, after an impact; None if the samples are too coarse to determine it."""
     if hit.seen:
         return hit.velocity
     normal = np.array(body.normal)

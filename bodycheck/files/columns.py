@@ -1,6 +1,6 @@
-"""Columns of Arrow tables, made from values and turned into arrays without pandas.
+"""Convert values to columns of Arrow tables, and columns to arrays, without pandas.
 
-PyArrow's own conversions import pandas where it is installed, which takes as long as all else that most commands need.
+PyArrow's own conversions import pandas if it is installed, which takes as long as all other imports of most commands.
 """
 
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 
 def of_numbers(numbers: NDArray[np.float64]) -> Any:
-    """Return the column of numbers (n,)."""
+    """Return a column with numbers (n,)."""
     values = np.ascontiguousarray(numbers, dtype=np.float64)
     return pa.Array.from_buffers(pa.float64(), len(values), [None, pa.py_buffer(values)])
 
 
 def of_values(values: Sequence[Any], kind: Any) -> Any:
-    """Return the column of values of a type, one of booleans, 64-bit integers, 64-bit floats and strings. None is missing."""
+    """Return a column with values of a type: booleans, 64-bit integers, 64-bit floats or strings; None if missing."""
     missing = np.array([value is None for value in values], dtype=bool)
     validity = pa.py_buffer(np.packbits(~missing, bitorder="little")) if missing.any() else None
     if kind == pa.string():
@@ -31,7 +31,7 @@ def of_values(values: Sequence[Any], kind: Any) -> Any:
 
 
 def numbers_of(column: Any) -> NDArray[np.float64]:
-    """Return the numbers (n,) of a column of 64-bit floats, none of which is missing. The array cannot be written."""
+    """Return the numbers (n,) of a column of 64-bit floats without missing values, as a read-only array."""
     parts = [
         np.frombuffer(chunk.buffers()[1], np.float64, len(chunk), chunk.offset * np.dtype(np.float64).itemsize)
         for chunk in column.chunks

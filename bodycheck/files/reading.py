@@ -1,7 +1,7 @@
-"""Read files that may come from strangers: regular files of a limited size, whose reading cannot wait for ever.
+"""Read files that may come from strangers: only regular files of limited size, so that reading never blocks forever.
 
-A symbolic link that the user names is followed. Inside a results folder no link is followed, because whoever made the folder
-chose where it leads.
+A symbolic link that the user names is followed. Inside a results folder no link is followed, because the maker of the folder
+chose its target.
 """
 
 import os
@@ -14,7 +14,8 @@ from bodycheck.errors import BadFolder
 #: Most bytes that are read from a file at once.
 CHUNK_BYTES = 1 << 20
 
-#: Flags of `open` that some systems lack. A pseudo-file without content, as some in /proc, fails instead of waiting.
+#: Flags of `open` that some systems lack. They make opening a pseudo-file without content, such as some in /proc, fail instead
+#: of wait.
 NO_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 
@@ -25,7 +26,7 @@ class Refused(OSError):
     Attributes
     ----------
     reason
-        Why, without the name of the file.
+        The reason, without the name of the file.
     """
 
     def __init__(self, path: Path, reason: str) -> None:
@@ -57,7 +58,7 @@ def content(path: Path, limit: int, follow: bool = False) -> bytes:
     try:
         status = os.fstat(descriptor)
         _check_kind(path, status.st_mode)
-        chunks, room = [], 0 if status.st_size > limit else limit + 1  # what is too large is not read at all
+        chunks, room = [], 0 if status.st_size > limit else limit + 1  # a file that is too large is not read at all
         while room > 0 and (chunk := os.read(descriptor, min(room, CHUNK_BYTES))):
             chunks.append(chunk)
             room -= len(chunk)
@@ -69,7 +70,7 @@ def content(path: Path, limit: int, follow: bool = False) -> bytes:
 
 
 def names_in(folder: Path) -> list[str]:
-    """Return the names of everything in a folder, none if it does not exist. Raises `BadFolder` if it cannot be read."""
+    """Return the names of all entries of a folder, none if it does not exist. Raises `BadFolder` if it cannot be read."""
     try:
         return os.listdir(folder) if folder.exists() else []
     except OSError as error:
@@ -100,12 +101,12 @@ def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
 
 
 def check_regular(path: Path) -> None:
-    """Raise `Refused` unless a path that the user named leads to a regular file, and `OSError` if it leads nowhere."""
+    """Raise `Refused` unless a path named by the user leads to a regular file, and `OSError` if it does not exist."""
     _check_kind(path, os.stat(path).st_mode)
 
 
 def _check_kind(path: Path, mode: int) -> None:
-    """Raise `Refused` unless the mode is that of a regular file."""
+    """Raise `Refused` unless the mode is the mode of a regular file."""
     if stat.S_ISLNK(mode):
         raise Refused(path, "is a symbolic link, and none is followed here; put the file itself there")
     if not stat.S_ISREG(mode):

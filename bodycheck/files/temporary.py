@@ -1,7 +1,7 @@
-"""A folder for what a command needs only while it runs. What a command that was killed has left is removed by the next one.
+"""Temporary folders of commands. Each command first removes the folders that killed commands have left.
 
-The process that uses a folder holds a lock of it, which ends with the process. On Windows there is no such lock, and nothing is
-removed but one's own.
+The process that uses a folder holds a lock of it, which ends with the process. On Windows there is no such lock, and a process
+removes only its own folder.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ def temporary_folder() -> Iterator[Path]:
 
 
 def _made() -> tuple[Path, int | None]:
-    """Make a folder and lock it. One that another process took for left before it was locked is made again."""
+    """Make a folder and lock it; make a new one if another process removed it before it was locked."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX))
         if sys.platform == "win32":
@@ -52,7 +52,7 @@ def _made() -> tuple[Path, int | None]:
 
 
 def _remove_left() -> None:
-    """Remove the folders of processes that have ended: those of this user, closed to others, that no process has locked."""
+    """Remove the folders of processes that have ended: folders of this user, closed to others, without a lock."""
     if sys.platform == "win32":
         return
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):

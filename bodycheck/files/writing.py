@@ -1,8 +1,8 @@
-"""Write files whole or not at all: under another name in the same folder, which then takes the place of the file.
+"""Write files completely or not at all: a new file with another name in the same folder then replaces the old file.
 
-So a file that was there, or that a hard link shares with another folder, is never written through, and a full disk leaves it as
-it was. A symbolic link is refused inside a results folder, whose maker chose where it leads, and followed where the user names
-the file.
+An existing file, which a hard link may share with another folder, is therefore never overwritten in place, and a full disk
+leaves it unchanged. A symbolic link is refused inside a results folder, because the maker of the folder chose its target. It is
+followed if the user names the file.
 """
 
 import contextlib
@@ -14,10 +14,10 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 
-#: Beginning and end of the names under which files are written before they take their place.
+#: Beginning and end of the temporary names of files while they are written.
 PART_PREFIX, PART_SUFFIX = ".bodycheck-", ".part"
 
-#: A new file, which no other process has and to which no link leads.
+#: Flags of `open` for a new file: opening fails if a file or link of this name exists.
 NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
@@ -26,7 +26,7 @@ class NotWritten(BadInput):
 
 
 def write(path: Path, content: bytes, inside: Path | None = None) -> None:
-    """Write a file of a results folder, in place of any that is there.
+    """Write a file of a results folder, replacing an existing file.
 
     Parameters
     ----------
@@ -35,8 +35,8 @@ def write(path: Path, content: bytes, inside: Path | None = None) -> None:
     content
         Its content.
     inside
-        The results folder, which may be a symbolic link, while nothing below it may. Folders between it and the file are made.
-        The folder of the file if None.
+        The results folder, which may itself be a symbolic link, but must not contain any. Missing folders between it and the
+        file are made. If None, it is the folder of the file.
 
     Raises
     ------
@@ -52,9 +52,9 @@ def write(path: Path, content: bytes, inside: Path | None = None) -> None:
 
 
 def write_named(path: Path, content: bytes) -> None:
-    """Write a file that the user named, in place of any that is there. A symbolic link is followed.
+    """Write a file that the user named, replacing an existing file. A symbolic link is followed.
 
-    What is not a regular file, such as /dev/stdout, is written to. Raises `NotWritten`.
+    A path that is not a regular file, such as /dev/stdout, is written to directly. Raises `NotWritten` if writing fails.
     """
     with failing(path):
         target = path.resolve()
@@ -66,7 +66,7 @@ def write_named(path: Path, content: bytes) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder that the user named, and those that it is in. Raises `NotWritten`."""
+    """Make a folder that the user named, and its parents. Raises `NotWritten` if that fails."""
     with failing(path):
         path.mkdir(parents=True, exist_ok=True)
 
@@ -87,12 +87,12 @@ def failing(path: Path) -> Iterator[None]:
 
 
 def is_part(path: Path) -> bool:
-    """Return whether a file is what a process that was killed left of `write`."""
+    """Return whether a file is an unfinished file of `write` that a killed process has left."""
     return path.name.startswith(PART_PREFIX) and path.name.endswith(PART_SUFFIX)
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a file under another name, and give it its name. A file that was there passes on its permissions."""
+    """Write a file under another name, and then rename it. The new file gets the permissions of an existing file."""
     part = path.with_name(f"{PART_PREFIX}{secrets.token_hex(8)}{PART_SUFFIX}")
     descriptor = os.open(part, NEW_FILE, 0o666)
     try:
@@ -115,7 +115,7 @@ def _write_all(descriptor: int, content: bytes) -> None:
 
 
 def _below(inside: Path | None, folder: Path) -> list[Path]:
-    """Return the folders from a results folder, which is left out, down to another one in it."""
+    """Return the folders below a results folder down to `folder`, which is inside it; empty if `inside` is None."""
     if inside is None:
         return []
     names = folder.relative_to(inside).parts

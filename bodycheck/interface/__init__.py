@@ -1,11 +1,11 @@
-"""The Python interface: `bodycheck.run`, and what it shares with `.tradeoff`, `.recommend` and `.extremes`.
+"""The Python interface: `bodycheck.run`, and the code that it shares with `.tradeoff`, `.recommend` and `.extremes`.
 
-The functions have the arguments of the commands of these names, with their defaults, and raise `BadInput` with their texts.
+The functions have the arguments, defaults and `BadInput` messages of the commands with the same names.
 
-- `runs` has `bodycheck.run` and its results. The other functions are in the folders of their studies, in `interface`.
-- `results`: the properties of all results: a headline, tables as data frames, plots, and a part of a page for a notebook.
-  `plots`: a chart of the report, which a notebook shows.
-- `arguments`: cases, names and numbers as Python gives them.
+- `runs` has `bodycheck.run` and its results. The other functions are in the module `interface` of their studies.
+- `results` defines the properties of all results: a headline, tables as data frames, plots, and HTML for a notebook. `plots`
+  defines a chart of the report, which a notebook shows.
+- `arguments` reads cases, names and numbers that Python code gives.
 
 >>> import bodycheck
 >>> for timestep in (0.004, 0.002, 0.001):

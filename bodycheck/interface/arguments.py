@@ -1,4 +1,4 @@
-"""Turn the arguments of the Python interface into those of the command line, and refuse bad ones with the same texts."""
+"""Convert the arguments of the Python interface to the form of the command line, with the same messages for bad ones."""
 
 from collections.abc import Iterable, Sequence
 from numbers import Real
@@ -17,10 +17,10 @@ OneCase: TypeAlias = str | Path | Case
 #: One or several cases.
 Cases: TypeAlias = OneCase | Iterable[OneCase]
 
-#: What stands for a case, in words.
+#: A description of the values that are accepted as a case.
 A_CASE = "a name, a path or what bodycheck.load returns"
 
-#: One or several names, such as those of engines.
+#: One or several names, such as names of engines.
 Names: TypeAlias = str | Iterable[str]
 
 #: One or several numbers, such as time steps (s).
@@ -28,7 +28,7 @@ Numbers: TypeAlias = float | Iterable[float]
 
 
 def listed(cases: Cases) -> tuple[OneCase, ...]:
-    """Return cases, given one or several. Raises `BadInput` for anything that is no case."""
+    """Return one or several cases as a tuple. Raises `BadInput` for anything that is no case."""
     each = (cases,) if isinstance(cases, str | Path | Case) else _several("CASE", cases, f"{A_CASE}, or several")
     for one in each:
         if not isinstance(one, str | Path | Case):
@@ -37,10 +37,10 @@ def listed(cases: Cases) -> tuple[OneCase, ...]:
 
 
 def given_cases(each: Sequence[OneCase]) -> Given:
-    """Return the cases that arguments stand for; all shipped cases for none.
+    """Return the cases that arguments stand for; all shipped cases if there are no arguments.
 
     Raises `CaseFaults` with the faults of all files, and `BadInput` for a folder or a pattern that stands for no case file, for
-    two cases of one name, and for a loaded case that was changed.
+    two different cases with the same name, and for a case that was changed after it was loaded.
     """
     loaded = [one for one in each if isinstance(one, Case)]
     texts = [str(one) for one in each if not isinstance(one, Case)]
@@ -54,7 +54,7 @@ def given_cases(each: Sequence[OneCase]) -> Given:
 
 
 def one_case(case: OneCase) -> Case:
-    """Return the one case that an argument stands for. Raises as `given_cases`, and `BadInput` if it stands for several."""
+    """Return the one case that an argument stands for. Raises as `given_cases`, and `BadInput` for several cases."""
     (one,) = listed((case,))
     if not isinstance(one, Case):
         return load_case(str(one))
@@ -63,31 +63,31 @@ def one_case(case: OneCase) -> Case:
 
 
 def names(option: str, given: Names) -> tuple[str, ...]:
-    """Return names, given one or several. Raises `BadInput` that names the option for anything else."""
+    """Return one or several names as a tuple. For anything else, raise `BadInput` that names the option."""
     each = (given,) if isinstance(given, str) else _several(option, given, "a text, or several")
     return tuple(conversion.name(option, value) for value in each)
 
 
 def numbers(option: str, given: Numbers) -> tuple[float, ...]:
-    """Return numbers, given one or several. Raises `BadInput` that names the option for anything else."""
+    """Return one or several numbers as a tuple. For anything else, raise `BadInput` that names the option."""
     each = (given,) if isinstance(given, str | Real) else _several(option, given, "a number, or several")
     return tuple(conversion.number(option, value) for value in each)
 
 
 def path(option: str, given: object) -> Path | None:
-    """Return a path, or None for None. Raises `BadInput` that names the option for anything else."""
+    """Return a path, or None for None. For anything else, raise `BadInput` that names the option."""
     if given is None or isinstance(given, str | Path):
         return None if given is None else Path(given)
     raise BadInput(f'Invalid value for {option}: unable to convert "{given}" into Path.')
 
 
 def jobs_of(given: object) -> int:
-    """Return the number of processes; the number of processors for None. Raises `BadInput` for anything but a number from 1."""
+    """Return the number of processes; for None, the number of processors. Raises `BadInput` unless it is at least 1."""
     return processes(None if given is None else conversion.whole_number("--jobs", given))
 
 
 def command(function: str, cases: Sequence[OneCase], **options: object) -> list[str]:
-    """Return the call of a function of the interface, for the header of its results. Options that are empty are left out."""
+    """Return the call of a function of the interface as text, for the header of its results. Empty options are left out."""
     shown = [repr(one.name if isinstance(one, Case) else str(one)) for one in cases]
     if len(shown) != 1:
         shown = [f"[{', '.join(shown)}]"] if shown else []
@@ -102,7 +102,7 @@ def _several(option: str, given: object, allowed: str) -> tuple[object, ...]:
 
 
 def _distinct(cases: list[Case]) -> list[Case]:
-    """Return different cases once each. Raises `BadInput` for two different ones of one name."""
+    """Return cases without repetitions. Raises `BadInput` for two different cases with the same name."""
     by_name: dict[str, Case] = {}
     for case in cases:
         if by_name.setdefault(case.name, case) != case:
@@ -111,7 +111,7 @@ def _distinct(cases: list[Case]) -> list[Case]:
 
 
 def _check_unchanged(case: Case) -> None:
-    """Raise `BadInput` for a case that differs from the text of its file, which is stored with results and read from there."""
+    """Raise `BadInput` for a case that differs from the text of its file: results store the text, and are read with it."""
     if parse_stored(case.text, case.name) != case:
         raise BadInput(
             f"{case.name}: was changed after it was loaded; a study stores the text of the case file, so that the change must "

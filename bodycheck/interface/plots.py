@@ -1,4 +1,4 @@
-"""A chart of a report that stands alone, which a notebook shows and a script saves."""
+"""A single chart of a report, which a notebook shows and a script saves."""
 
 import json
 import struct
@@ -12,18 +12,18 @@ from bodycheck.reports import plot_files
 from bodycheck.reports.charts import Spec
 from bodycheck.suggestion import did_you_mean
 
-#: Where the width and the height of a PNG are, as two integers of four bytes.
+#: The bytes of a PNG that contain its width and height, as two integers of four bytes.
 SIZE_IN_PNG = slice(16, 24)
 
 
 @dataclass(frozen=True)
 class Plot:
-    """A chart. A notebook shows it where it is the last value of a cell.
+    """A chart. A notebook shows it if it is the last value of a cell.
 
     Attributes
     ----------
     case
-        The case, or the part of the report, that the chart is of.
+        The case, or the part of the report, that the chart belongs to.
     title
         The title of the chart in the report.
     specification
@@ -35,7 +35,7 @@ class Plot:
     specification: Spec = field(repr=False)
 
     def save(self, path: str | Path) -> None:
-        """Write the chart into a file, whose ending tells the format: .svg, .png, or .json for the specification.
+        """Write the chart into a file. The ending sets the format: .svg, .png, or .json for the specification.
 
         Raises `BadInput` for another ending, and `bodycheck.files.writing.NotWritten` if the file cannot be written.
         """
@@ -56,7 +56,7 @@ class Plot:
 
 
 def chosen(plots: Sequence[Plot], quantity: str, case: str) -> Plot:
-    """Return the first plot whose title begins with a quantity, of a case; an empty text stands for any.
+    """Return the first plot of a case whose title begins with a quantity; an empty text stands for any case or quantity.
 
     Raises `BadInput` if there is none.
     """

@@ -20,25 +20,25 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Units of columns: none.
+#: Units for tables without units.
 NO_UNITS: Mapping[str, str] = MappingProxyType({})
 
 
-#: Most rows of a table that are shown, and the significant digits of its numbers.
+#: The largest number of rows of a table that are shown, and the significant digits of its numbers.
 MOST_ROWS, DIGITS = 12, 4
 
 
 def shown(
     headline: str, sentences: Iterable[str], rows: Sequence[Mapping[str, Any]], columns: Sequence[str], units: Mapping[str, str]
 ) -> str:
-    """Return HTML.
+    """Return HTML for a notebook with the statements of results and a table.
 
     Parameters
     ----------
     headline, sentences
-        What the results say.
+        The statements of the results.
     rows, columns
-        The table, and the columns of it that are shown where any row has a value.
+        The rows of the table, and its columns; a column is shown if any row has a value.
     units
         The units of columns.
     """
@@ -73,9 +73,9 @@ class Table:
     columns
         The names of all columns, in order.
     numbers
-        Those of the columns that hold numbers which are not integers.
+        The names of the columns with numbers that are not integers.
     units
-        The units of the columns that have one.
+        The units of the columns that have a unit, by name.
     shown
         The columns that a notebook shows.
     """
@@ -95,7 +95,7 @@ class Table:
         described
             The description of the table.
         rows
-            The rows, as the description says.
+            The rows, in the form that the description expects.
         units
             The units of columns whose unit depends on the rows.
         """
@@ -110,7 +110,7 @@ class Table:
         )
 
     def to_frame(self) -> "pd.DataFrame":
-        """Return the table as a data frame with the units in `attrs["units"]`. Raises `BadInput` if pandas is missing."""
+        """Return the table as a data frame; `attrs["units"]` has its units. Raises `BadInput` if pandas is missing."""
         try:
             import pandas as pd  # it is large, and nothing else needs it
         except ModuleNotFoundError as error:
@@ -122,7 +122,7 @@ class Table:
 
 
 class Results(ABC):
-    """The results of a function of the Python interface: what they say, their tables and their plots."""
+    """The results of a function of the Python interface: their statements, tables and plots."""
 
     @property
     @abstractmethod

@@ -37,13 +37,13 @@ class _Kept:
     stack: ExitStack
 
     def keep_for(self, owner: object) -> None:
-        """Keep the folder until `owner` is garbage-collected or this process ends."""
+        """Keep a temporary folder until `owner` is garbage-collected or this process ends."""
         weakref.finalize(owner, self.stack.pop_all().close)
 
 
 @contextmanager
 def _kept(out: Path | None) -> Iterator[_Kept]:
-    """Provide a folder. A temporary one is removed at the end of the context, unless it is kept with an object."""
+    """Provide a folder: `out`, or a temporary one that the end of the context removes unless it is kept for an object."""
     with ExitStack() as stack:
         yield _Kept(out or stack.enter_context(temporary_folder()), stack)
 
@@ -52,15 +52,15 @@ def _kept(out: Path | None) -> Iterator[_Kept]:
 class RunResults(Results):
     """The runs of some cases, with their verdicts.
 
-    The trajectories of runs, and of their truths, are read from a folder when they are needed. Without `out` it is a temporary
-    one, which exists as long as this object.
+    The trajectories of runs, and of their truths, are read from a folder when they are needed. Without `out`, this is a
+    temporary folder, which exists as long as this object.
 
     Attributes
     ----------
     found
         The results and the verdicts on them.
     passed
-        Whether all expectations hold, and no engine failed that was named or of which something is expected.
+        Whether all expectations hold, and no engine failed that was named or that a case has expectations of.
     """
 
     found: ResultSet
@@ -88,7 +88,7 @@ class RunResults(Results):
         return {"results": Table.of(RESULTS, judgement.records(self.verdicts))}
 
     def to_frame(self, table: str = "") -> "pd.DataFrame":
-        """Return the table of runs, whose name is `results`, with the columns and types of results.parquet.
+        """Return the table of runs, named `results`, with the columns and types of results.parquet.
 
         The units of the columns are in `attrs["units"]`. Raises `BadInput` for another name, or if pandas is not installed.
         """
@@ -128,7 +128,7 @@ class RunResults(Results):
         return reports.brief([self.found])
 
     def _plots_of(self, case: str) -> tuple[Plot, ...]:
-        """Return the charts of one case, for which the trajectories of its runs are read."""
+        """Return the charts of one case. This reads the trajectories of its runs."""
         from bodycheck.reports.runs import plots
         from bodycheck.reports.runs.contents import gather
 
@@ -154,26 +154,26 @@ def run(
     ----------
     cases
         One or several of: names of shipped cases, paths of case files, folders of them, patterns, and cases that
-        `bodycheck.load` returned; all shipped cases for none.
+        `bodycheck.load` returned. By default, all shipped cases.
     engine
-        Names of engines, each `NAME` or `NAME@VERSION`; all installed engines for none.
+        Names of engines, each `NAME` or `NAME@VERSION`. By default, all installed engines.
     integrator
-        Spellings of methods; all that each engine offers for none.
+        Names of methods, as each engine spells them. By default, all methods of each engine.
     timestep
-        Time steps (s); 2 ms and those of the expectations for none.
+        Time steps (s). By default, 2 ms and the time steps of the expectations.
     out
-        A folder for the tables, the recorded runs and the report, which continues what was interrupted there.
+        A folder for the tables, the recorded runs and the report. Runs that were interrupted there are continued.
     jobs
         The number of processes; None for the number of processors.
     allow_missing
-        Whether expectations of engines that are not installed do not count as failed.
+        Whether missing engines are tolerated: expectations of engines that are not installed then do not count as failed.
 
     Raises
     ------
     BadInput
-        If a case, an engine, a method or a number cannot be used; the text is that of the command line.
+        If a case, an engine, a method or a number cannot be used; the message is the same as on the command line.
     Failed
-        If all engines that are named fail when they are loaded.
+        If all named engines fail when they are loaded.
     """
     each = arguments.listed(cases)
     given = arguments.given_cases(each)

@@ -10,20 +10,20 @@ from bodycheck.casefile.expectation import Limit
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.judgement import Judged, Verdict
 
-#: Stands in a command for a release that bodycheck does not know.
+#: A placeholder in a command for a release that bodycheck does not know.
 EARLIER = "EARLIER_VERSION"
 
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do. why: its purpose, as a phrase; what: a command, or text for the case file."""
+    """One next step. why: its purpose, as a phrase; what: a command, or text for the case file."""
 
     why: str
     what: str
 
 
 def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[Step]:
-    """Yield what to do about an expectation that does not hold.
+    """Yield the next steps for an expectation that does not hold.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[S
     limits = [limit for limit in judged.expectation.limits if limit.name in FIGURES]
     broken = {breach.name for breach in judged.breaches}
     figures = [limit for limit in limits if limit.name in broken]
-    # A run that fails exceeds every limit, so that any of them finds the release in which it began to fail.
+    # A run that fails exceeds every limit, so any limit finds the release in which the run began to fail.
     bisectable = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
     if bisectable and judged.expectation.version != verdict.run.version:
         yield Step("to find the release of the engine that changed it", _bisect(verdict, judged, bisectable[0], file))
@@ -57,14 +57,14 @@ def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[S
 
 
 def of_run(verdict: Verdict, file: str) -> tuple[Step, ...]:
-    """Return what to do about all expectations of a run that do not hold; file: as `steps` takes it."""
+    """Return the next steps for all expectations of a run that do not hold. file: as for `steps`."""
     broken = [judged for judged in verdict.judged if not judged.held]
     advised = [step for judged in broken for step in steps(verdict, judged, file, f"its [[expect]] in {file}")]
     return tuple(dict.fromkeys(advised))
 
 
 def lines(verdict: Verdict, file: str) -> list[str]:
-    """Return what `of_run` returns, a line for each step."""
+    """Return the result of `of_run` as text, one line per step."""
     return [f"{step.why}: {step.what}" for step in of_run(verdict, file)]
 
 

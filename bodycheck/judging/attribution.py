@@ -1,6 +1,6 @@
 """Attribute the errors of a run with contact to the form of the model, the contact constraint, and the time step.
 
-The engine's contacts imply a friction law, for example that of four corners whose loads balance the tipping moment. It may
+The engine's contacts imply a friction law, for example the law of four corners whose loads balance the tipping moment. It may
 differ from the law of the case. Both laws have exact truths, whose difference is the *model form* error. The limit of the
 engine's results for vanishing time steps may differ from the truth of its own law; this is the *constraint* error. The
 remaining error at a given step, which vanishes with it, is the *time step* error. The sum of the three is the total error.
@@ -81,16 +81,16 @@ PARTS = table_of(
     filled=("case", "engine", "version", "integrator", "timestep", "quantity"),
 )
 
-#: The same table with the results of several sets.
+#: The same table for several sets of results.
 PARTS_OF_SETS: Table[Mapping[str, Any]] = Table(
     PARTS.name, PARTS.title, None, (RESULTS.by_name[LABEL], *PARTS.columns), (LABEL, *PARTS.key), PARTS.filled
 )
 
 
 def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution]:
-    """Return the parts of the errors of every completed run on a plane in whose truth the body stops.
+    """Return the parts of the errors of every completed run on a plane, if the body stops in the truth.
 
-    The stops under the laws of friction are read from the results. Interrupted results and those of earlier versions lack
+    The stops under the laws of friction are read from the results. Interrupted results and results of earlier versions lack
     these records; their stops are computed here, once for each case and law.
 
     The limit for vanishing time steps is extrapolated from a method's two smallest steps by Richardson's method for errors of
@@ -137,8 +137,8 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
 def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path, origins: Origins) -> None:
     """Write attribution.csv into a folder if there are any attributions.
 
-    They are given by the label of their set of results, which is a column of the table if there are several sets. The origins
-    say where the numbers come from.
+    Attributions are given by the label of their set of results, which is a column of the table if there are several sets.
+    origins: the origins of the numbers, which are written too.
     """
     if len(attributions) > 1:
         rows = [{LABEL: label} | asdict(part) for label, parts in attributions.items() for part in parts]

@@ -1,4 +1,4 @@
-"""The public comparison of a run with a truth, which is computed at the instants of the run if it is at others."""
+"""The public comparison of a run with a truth, which is recomputed at the instants of the run if needed."""
 
 from bodycheck.judging import discrepancy
 from bodycheck.judging.discrepancy import Discrepancy
@@ -6,15 +6,15 @@ from bodycheck.reference.truth import at
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
 
-#: The functions that return what is compared.
+#: The functions that return the compared objects.
 MADE_BY = {Truth: "truth", Run: "simulate"}
 
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
     """Return the discrepancy of a completed run from the truth of its case, at the run's own instants.
 
-    Where the truth is at other instants, it is first computed at those of the run, which may integrate equations of motion;
-    `bodycheck.judging.discrepancy.compare` never does.
+    If the truth is at other instants, it is first computed at the instants of the run, which may integrate equations of motion.
+    `bodycheck.judging.discrepancy.compare` never integrates.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     TypeError
         If the truth is no `Truth`, or the run no `Run`.
     ValueError
-        If the run has no trajectory, or is of another scene than the truth.
+        If the run has no trajectory, or its scene differs from the scene of the truth.
     bodycheck.reference.errors.OutOfReach
         If the truth cannot be computed at the instants of the run.
     """

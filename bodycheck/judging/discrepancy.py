@@ -19,16 +19,16 @@ class Summary:
     Attributes
     ----------
     largest
-        The largest value of every column, and the figures that are one number, by their names.
+        The largest value of every series, and the figures that are single numbers, by their names.
     instants
-        When each series first reaches its largest value (s), by the name of its column.
+        The instant (s) at which each series first reaches its largest value, by the name of its column.
     """
 
     largest: Mapping[str, float]
     instants: Mapping[str, float]
 
     def maxima(self) -> dict[str, float]:
-        """Return the largest value of every column, and the figures that are one number, by their names."""
+        """Return the largest value of every series, and the figures that are single numbers, by their names."""
         return dict(self.largest)
 
 
@@ -41,10 +41,10 @@ class Discrepancy:
     t
         The n instants of the run (n,), s.
     series
-        Figures with a value at each instant (n,), never negative, in the units of their columns. A value is NaN where
-        mechanics gives no motion to compare with; a figure that has no other value is left out.
+        Figures with a value at each instant (n,), never negative, in the units of their columns. A value is NaN at instants at
+        which mechanics does not determine the motion; a figure with only such values is left out.
     figures
-        Figures that are one number.
+        Figures that are single numbers.
     """
 
     t: Array
@@ -52,19 +52,19 @@ class Discrepancy:
     figures: Mapping[str, float]
 
     def maxima(self) -> dict[str, float]:
-        """Return the largest value of every series, and the figures that are one number, by their names."""
+        """Return the largest value of every series, and the figures that are single numbers, by their names."""
         return {name: float(np.nanmax(values)) for name, values in self.series.items()} | dict(self.figures)
 
     def summary(self) -> Summary:
-        """Return the figures without the series, whose size does not depend on the number of instants."""
+        """Return the summary of the figures, whose size does not depend on the number of instants."""
         return Summary(self.maxima(), {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()})
 
 
 def compare(truth: Truth, run: Run, names: Collection[str] = FIGURES) -> Discrepancy:
     """Return the errors of a completed run against the truth of its case at the same instants: the figures with these names.
 
-    Nothing is integrated here; `bodycheck.judging.comparison.compare` also takes a truth at other instants. Raises
-    `ValueError` for a run that has no trajectory, and for a truth that is not at the instants of the run.
+    This integrates nothing; `bodycheck.judging.comparison.compare` also accepts a truth at other instants. Raises `ValueError`
+    if the run has no trajectory, or the truth is not at the instants of the run.
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to compare, its status is {run.outcome.status}: {run.outcome.reason}")

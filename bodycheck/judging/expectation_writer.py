@@ -1,7 +1,8 @@
-"""Expectations set from what was measured, in a case file that is left as it was in everything else.
+"""Set the expectations in a case file from measurements, and leave the rest of the file unchanged.
 
-A limit is a margin times what was measured, rounded down to two digits. What is nothing but rounding differs between machines:
-such a figure is taken for its floor. A comment behind each limit says what was measured, with which version, and the margin.
+A limit is a margin times the measured figure, rounded down to two digits. A figure that is only rounding error differs between
+machines; it is replaced by its floor. A comment behind each limit states the measured figure, the version of the engine, and
+the margin.
 """
 
 import json
@@ -38,17 +39,18 @@ from bodycheck.running import plan as planned
 from bodycheck.running.plan import Task
 from bodycheck.suggestion import did_you_mean
 
-#: A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is.
+#: A figure below this fraction of the numbers whose difference it is counts as rounding error, like a figure below the bound of
+#: the truth's own error.
 ROUNDING = 1e-12
 
 DIGITS = 2
-#: Rounding down to two digits takes at most an eleventh.
+#: Rounding down to two digits reduces a number by at most one eleventh.
 SMALLEST_MARGIN = 1.1
 
-#: Column, counted from 0, of a comment on a line that has none yet.
+#: Column, counted from 0, of a new comment on a line.
 COMMENT_COLUMN = 45
 
-#: A comment that `_limit` wrote, which is renewed with the number; any other one stays.
+#: The pattern of comments that `_limit` writes. Such a comment is renewed with the number; any other comment stays.
 COMMENT_ON_LIMIT = re.compile(r"# \S+ x .*measured with .*")
 
 
@@ -63,9 +65,9 @@ class Measurement:
     figures
         The figures to be limited, by name.
     floors
-        What they are rounding below, by name.
+        The values below which the figures count as rounding error, by name.
     most
-        The largest values that they can have, by name.
+        The largest possible values of the figures, by name.
     """
 
     verdict: Verdict
@@ -76,7 +78,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Limited:
-    """A limit as it is written. number: its digits; comment: what was measured; idle: why it cannot fail; empty if it can."""
+    """A limit for a case file. number: its digits; comment: the measurement; idle: why it cannot fail; empty if it can."""
 
     number: str
     comment: str
@@ -85,7 +87,7 @@ class Limited:
 
 @dataclass(frozen=True)
 class Change:
-    """The effect of a measurement on the file, in words. done: whether the file agrees with it now."""
+    """The effect of a measurement on the file, in words. done: whether the file now agrees with the measurement."""
 
     verdict: Verdict
     text: str
@@ -93,7 +95,7 @@ class Change:
 
 
 def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = ()) -> Measurement:
-    """The figures of a run, none where it is not ok.
+    """Return the measured figures of a run; none if the run has no figures or there is no truth.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = (
     truth
         The truth of its scene, at its instants.
     asked
-        The names of the figures; all that a case may limit if it is empty.
+        The names of the figures; if empty, all figures that a case may limit.
     """
     if verdict.discrepancy is None or isinstance(truth, NoTruth):
         return Measurement(verdict, {}, {}, {})
@@ -112,14 +114,14 @@ def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = (
 
 
 def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
-    """Return the possible sizes of rounding errors in figures, in their units."""
+    """Return the values below which figures count as rounding error, by name, in their units."""
     scales = in_scene(truth)
     bounds = {name: float(np.fmax.reduce(bound)) for name, bound in truth_bounds(truth).items()}
     return {name: max(ROUNDING * FIGURES[name].scale(scales), bounds.get(name, 0.0)) for name in names}
 
 
 def check_margin(margin: float) -> None:
-    """Raises `BadInput` for a margin that rounding would bring below 1."""
+    """Raise `BadInput` for a margin that the rounding of a limit could bring below 1."""
     if not SMALLEST_MARGIN <= margin < math.inf:
         raise BadInput(f"--margin {margin:g}: must be at least {SMALLEST_MARGIN:g}, as limits are rounded down to two digits")
 
@@ -133,10 +135,10 @@ def check_figures(names: Sequence[str]) -> None:
 
 
 def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
-    """The files that cases came from, each given once or more, by the cases' names.
+    """Return the files of cases by the names of the cases. files: the paths as given, possibly repeated.
 
-    Raises `BadInput` where there are none, for the name of a shipped case, and for a file in which expectations are an array of
-    inline tables, to which none can be added.
+    Raises `BadInput` if there are no files, for the name of a shipped case, and for a file whose expectations are an array of
+    inline tables, to which no table can be added.
     """
     if not files:
         raise BadInput("expect: give at least one case file")
@@ -154,7 +156,7 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Return the runs to measure: those of `running.plan.plan`, without the finer steps that only serve to measure an order.
+    """Return the runs to measure: all of `running.plan.plan`, without the finer steps that only serve to measure orders.
 
     Raises `BadInput` as `running.plan.plan` does.
     """
@@ -173,9 +175,9 @@ def write(
     margin: float,
     figures: Sequence[str] = (),
 ) -> list[Change]:
-    """Set the expectations in the files of cases, by their names, from results that were judged; of some figures, or all.
+    """Set the expectations in the files of cases from judged results, for some figures or all, and return the changes.
 
-    Raises `BadInput`.
+    places: the files by the names of the cases. Raises `BadInput` if a file has changed, or a new text is no valid case.
     """
     changes = []
     by_case: dict[str, list[Verdict]] = defaultdict(list)
@@ -199,10 +201,11 @@ def write(
 
 
 def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> tuple[str, list[Change]]:
-    """The text of a case's file with its expectations set, and what was done.
+    """Return the text of a case's file with its expectations set, and the changes.
 
-    Where something is expected of a method already, its numbers and its version are renewed; ranges, orders, statuses and what
-    is known to fail stay. Of others all figures are limited, in tables at the end. A limit that cannot fail is not written.
+    If the case already has expectations of a method, their numbers and version are renewed; ranges, orders, statuses and known
+    discrepancies stay. For other methods, all measured figures get limits in new tables at the end. A limit that cannot fail is
+    not written.
     """
     newline = "\r\n" if "\r\n" in file_text(case) else "\n"
     lines = file_text(case).split("\n")
@@ -223,7 +226,7 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
 
 
 def _table(measurement: Measurement, margin: float) -> tuple[list[str], Change]:
-    """The lines of an expectation of a method of which nothing is expected yet, and what was done."""
+    """Return the lines of a new expectation of a method without expectations, and the change."""
     verdict = measurement.verdict
     run, outcome = verdict.run, verdict.outcome
     if isinstance(outcome, Crashed | TimedOut):
@@ -242,9 +245,9 @@ def _table(measurement: Measurement, margin: float) -> tuple[list[str], Change]:
 
 
 def _renew(lines: list[str], case: Case, index: int, measurement: Measurement, margin: float) -> Change:
-    """Renew the numbers of one of a case's expectations in the lines of its file, and return what was done.
+    """Renew the numbers of one of a case's expectations in the lines of its file, and return the change.
 
-    Lines are edited one by one because tomlkit moves the tables of an array together where others stand between them, as in a
+    Lines are edited one by one, because tomlkit moves the tables of an array together if other tables are between them, as in a
     file to which `rewrite` has added tables.
     """
     verdict, expectation = measurement.verdict, case.expectations[index]
@@ -271,15 +274,15 @@ def _renew(lines: list[str], case: Case, index: int, measurement: Measurement, m
 
 
 def _numbers(case: Case, index: int) -> set[str]:
-    """The names of the figures that one of a case's expectations limits by a number, and not by a range."""
+    """Return the names of the figures that one of a case's expectations limits by a number, and not by a range."""
     table = tomllib.loads(file_text(case))["expect"][index]
     return {name for name in FIGURES if isinstance(table.get(name), int | float)}
 
 
 def _set_version(lines: list[str], version: Position | None, timestep: Position, value: str) -> None:
-    """Set the version in an expectation; version, timestep: the positions of these keys.
+    """Set the version in an expectation. version, timestep: the positions of these keys.
 
-    Where there is no version, its line is added to that of the time step, so that the lines after it keep their numbers.
+    If there is no version, its line is appended to the line of the time step, so that later lines keep their numbers.
     """
     if version is not None:
         lines[version.line - 1] = _with_value(lines[version.line - 1], "version", tomlkit.string(value))
@@ -290,9 +293,9 @@ def _set_version(lines: list[str], version: Position | None, timestep: Position,
 
 
 def _with_value(line: str, name: str, value: Item, comment: str = "") -> str:
-    """Return a line of a case file with another value of its key, and a comment in the column of the one that is there.
+    """Return a line of a case file with a new value of its key, and a comment in the column of the previous comment.
 
-    A comment that is not from this module stays.
+    A previous comment that was not written by this module stays.
     """
     document = tomlkit.parse(f"{line}\n")  # a carriage return is valid only before a line feed
     trivia = cast(Item, document.item(name)).trivia
@@ -300,12 +303,12 @@ def _with_value(line: str, name: str, value: Item, comment: str = "") -> str:
     if trivia.comment and not COMMENT_ON_LIMIT.fullmatch(trivia.comment):
         comment = trivia.comment
     document[name] = value
-    cast(Item, document.item(name)).trivia.comment = ""  # it is taken over from the value before
+    cast(Item, document.item(name)).trivia.comment = ""  # it was copied from the previous value
     return _with_comment(document.as_string().rstrip(), comment, column) + ("\r" if line.endswith("\r") else "")
 
 
 def _with_comment(text: str, comment: str, column: int = COMMENT_COLUMN) -> str:
-    """Return a line of a case file with a comment, if there is one, in a column that is counted from 0."""
+    """Return a line of a case file with a comment, unless it is empty, at a column that is counted from 0."""
     return f"{text:<{column - 1}} {comment}" if comment else text
 
 
@@ -314,7 +317,7 @@ def _quoted(text: str) -> str:
 
 
 def _limit(measurement: Measurement, name: str, margin: float) -> Limited:
-    """The limit of a figure, and the comment on it."""
+    """Return the limit of a figure, with its comment."""
     value, floor, run = measurement.figures[name], measurement.floors[name], measurement.verdict.run
     measured = f"{value:.3g} measured with {in_words(run.engine, run.version)}"
     number, comment = _rounded_down(margin * value), f"# {margin:g} x {measured}"

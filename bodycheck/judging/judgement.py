@@ -29,8 +29,8 @@ from bodycheck.results.store import Results
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The columns of every table of results. The columns of `FURTHER` that any run has follow, then those of the case, and then
-#: those of the limits and margins that any run has.
+#: The columns of every table of results. They are followed by the columns of `FURTHER` that any run has, the columns of the
+#: case, and the columns of the limits and margins that any run has.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *ALWAYS_TABLED,
@@ -77,7 +77,7 @@ class Judged:
     breaches
         The parts of the expectation that do not hold.
     held
-        Whether the expectation counts as held; it does if a known discrepancy is still tolerated.
+        Whether the expectation counts as held; this includes a known discrepancy that is still tolerated.
     text
         A message for the user; never empty for a known discrepancy.
     """
@@ -90,7 +90,7 @@ class Judged:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """A run and its judgement. The verdict on a stored run keeps figures and no series over time.
+    """A run and its judgement. The verdict on a stored run keeps its figures, but no series over time.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Verdict:
     passed
         Whether every expectation holds; None if there are no expectations for the run.
     reason
-        Why the run is not ok, which expectation does not hold, or which discrepancy is known.
+        The reason why the run is not ok, the expectation that does not hold, or the known discrepancy.
     known
         Whether a discrepancy was known.
     judged
@@ -127,7 +127,7 @@ class Verdict:
 
     @property
     def margins(self) -> tuple[Margin, ...]:
-        """The margins of the figures to the limits that are expected of them."""
+        """The margins of the figures to their expected limits."""
         return margins((one.expectation for one in self.judged), self.discrepancy)
 
     @property
@@ -136,7 +136,7 @@ class Verdict:
         return replace(self.run.key, label=self.label)
 
     def row(self) -> dict[str, Any]:
-        """Return the run's row of results. Columns that the run has no value for are absent."""
+        """Return the run's row of results. Columns without a value for the run are absent."""
         method = self.run.method
         row: dict[str, Any] = {
             **({LABEL: self.label} if self.label else {}),
@@ -162,7 +162,7 @@ class Verdict:
 
 
 class Compared:
-    """The figures of runs that were compared with their truths while they were made, by the key of the run."""
+    """The figures of runs that were compared with their truths during a campaign, by the key of the run."""
 
     def __init__(self) -> None:
         self.summaries: dict[RunKey, Summary] = {}
@@ -175,9 +175,9 @@ class Compared:
 def judge(results: Results, today: date | None = None, compared: Compared | None = None) -> list[Verdict]:
     """Return the verdicts on all runs of a results folder, in the order of the plan, as of a day.
 
-    The cost grows with the number of runs: each truth is read once, each trajectory once, and again where the order of a
-    coarser run is expected. One truth and the trajectories of one run are in memory at a time. Nothing is read for a run that
-    was compared already, unless its order is expected.
+    The cost grows with the number of runs. Each truth and each trajectory is read once; a trajectory is read again if the order
+    of a coarser run is expected. Only one truth and the trajectories of one run are in memory at a time. Nothing is read for a
+    run that was already compared, unless its order is expected.
     """
     known = compared.summaries if compared is not None else {}
     groups: dict[tuple[str, float], list[tuple[int, Run]]] = defaultdict(list)
@@ -204,7 +204,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     case
         The case of the run, with its expectations.
     truth
-        The truth of the case at the instants of the run, or why there is none.
+        The truth of the case at the instants of the run, or the reason why there is none.
     run
         The run.
     finer
@@ -266,7 +266,7 @@ def settled(
 
 
 def _without_truth(missing: NoTruth) -> Outcome:
-    """Return how a run ends whose truth is missing: unsupported, unless the computation of the truth was stopped or failed."""
+    """Return the outcome of a run without a truth: unsupported, unless computing the truth was stopped or failed."""
     if missing.limit is not None:
         return TimedOut(missing.limit, missing.reason)
     return Crashed(missing.reason) if missing.crashed else Unsupported(missing.reason)
@@ -288,7 +288,7 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
     Raises `BadInput` if pandas is not installed.
     """
     try:
-        import pandas as pd  # nothing else needs it, and it is large
+        import pandas as pd  # it is large, and nothing else needs it
     except ModuleNotFoundError as error:
         raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
     nullable = {pa.float64(): pd.Float64Dtype(), pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
@@ -297,7 +297,7 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
 
 
 def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
-    """Return the rows of `records` as a table of PyArrow, whose columns have the same types whatever values they have."""
+    """Return the rows of `records` as a table of PyArrow. The types of its columns do not depend on the values."""
     rows = records(verdicts)
     names = list(rows[0]) if rows else list(COLUMNS)
     types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}
@@ -330,7 +330,7 @@ def broken(
     order
         The observed order; None if the runs with smaller time steps are missing.
     bounds
-        The bounds of the truth's own errors, by the column of the figure.
+        The bounds of the truth's own errors, by the columns of the figures.
     """
     if outcome.status != expectation.status:
         return (Breach("status", outcome.status, expectation.status, (outcome.reason,) if outcome.reason else ()),)
@@ -358,7 +358,7 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
 
 
 def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, run: Run) -> Judged:
-    """Decide whether an expectation with the given breaches in a run counts as held on a date."""
+    """Return the judgement on an expectation with the given breaches in a run: whether it counts as held on a date."""
     written = in_words(run.engine, expectation.version)
     then = f"it was written with {written}, this is {run.version}" if expectation.version else ""
     text = "; ".join((*(breach.text for breach in breaches), *([then] if breaches and then else [])))

@@ -1,4 +1,4 @@
-"""The margins of figures to the limits that are expected of them."""
+"""The margins of figures to their expected limits."""
 
 import math
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from bodycheck.judging.discrepancy import Summary
 
 @dataclass(frozen=True)
 class Margin:
-    """A figure of a run and the range that is expected of it.
+    """A figure of a run and its expected range.
 
     Attributes
     ----------
@@ -30,39 +30,39 @@ class Margin:
 
     @property
     def limit(self) -> float:
-        """The largest allowed value, or the smallest one of a figure that has no largest."""
+        """The largest allowed value; if there is none, the smallest."""
         end = self.at_least if self.at_most is None else self.at_most
         assert end is not None
         return end
 
     @property
     def factor(self) -> float | None:
-        """The limit divided by the measured value; None if that is zero or no finite number.
+        """The limit divided by the measured value; None if the measured value is zero or not finite.
 
-        It is at least 1 where a figure is no larger than allowed, and at most 1 where it must not be smaller and is not.
+        For a largest allowed value that holds, it is at least 1; for a smallest allowed value that holds, at most 1.
         """
         return self.limit / self.measured if self.measured and math.isfinite(self.measured) else None
 
     @property
     def range(self) -> Limit:
-        """The range that is expected."""
+        """The expected range."""
         return Limit(self.name, self.at_least, self.at_most)
 
     @property
     def room(self) -> float:
-        """The factor by which the figure may change before it leaves its range; below 1 if it has left it already."""
+        """The factor by which the figure may change before it leaves its range; below 1 if it is outside the range."""
         above = math.inf if self.at_most is None else _quotient(self.at_most, self.measured)
         below = math.inf if self.at_least is None else _quotient(self.measured, self.at_least)
         return min(above, below)
 
     def columns(self) -> dict[str, float]:
-        """Return the values of the columns of the limit and, if there is one, the margin."""
+        """Return the values of the columns of the limit and, if the margin exists, of the margin, by name."""
         columns = {self.name + LIMIT: self.limit}
         return columns if self.factor is None else columns | {self.name + MARGIN: self.factor}
 
 
 def margins(expectations: Iterable[Expectation], discrepancy: Summary | None) -> tuple[Margin, ...]:
-    """Return the margins of a run, in the order of `FIGURES`; of several limits of a figure the narrowest range counts.
+    """Return the margins of a run, in the order of `FIGURES`; if a figure has several limits, the narrowest range counts.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Judge the runs of many members of an ensemble with one method: one value of every column for each member.
 
-A member has the status, the reason, the judgement and the figures that its run has where `judgement.verdict` judges it alone.
+The status, the reason, the judgement and the figures of a member are the same as if `judgement.verdict` judged its run alone.
 Members in free flight are judged together. Only runs that may not have completed, and runs that may break an expectation, are
-looked at one by one.
+examined one by one.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -32,7 +32,7 @@ from bodycheck.running import simulation
 from bodycheck.running.members import blocks
 from bodycheck.running.members.blocks import Flown, NormError
 
-#: Members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
+#: The number of members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
 AT_ONCE = 100
 
 #: Values (m,) by the names of columns. "status" and "reason" are texts, "passed" is true, false or None, and a figure that was
@@ -59,7 +59,7 @@ def judged(
     method
         The method of the runs.
     expectations
-        The expectations of the case; those that concern other methods do not count.
+        The expectations of the case; expectations of other methods are ignored.
     today
         The day from which on a known discrepancy may no longer be tolerated; by default the present day (UTC).
     """
@@ -84,7 +84,7 @@ def judged(
 def one_by_one(cases: Sequence[Case], truths: Sequence[Truth | NoTruth], flown: Flown, today: date | None = None) -> Columns:
     """Return the same columns as `judged` for the runs of cases, each with its truth at the instants of its run.
 
-    The runs are those of these cases, or those of scenes that the cases have.
+    The runs in `flown` are the runs of these cases, or of the scenes of these cases.
     """
     rows = []
     for index, (case, truth) in enumerate(zip(cases, truths, strict=True)):
@@ -112,9 +112,9 @@ class _Measured:
     Attributes
     ----------
     largest
-        The figures (m,) by name, of series over time the largest values; NaN where there is none.
+        The figures (m,) by name; for series over time, their largest values. NaN for a missing value.
     instants
-        When the series that are limited first reach their largest values (m,), s, by name.
+        The instants (m,), s, at which limited series first reach their largest values, by name.
     doubtful
         Which runs (m,) may not have completed.
     """
@@ -137,10 +137,10 @@ def _exact(scenes: Scenes, truth: Flights, part: slice) -> _Exact:
 
 
 def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]) -> _Measured:
-    """Return what is computed of some of the members. limited: the names of the figures whose instants count."""
+    """Return the quantities of some of the members. limited: the names of the figures whose instants are needed."""
     trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[part])
     largest, instants = {}, {}
-    with np.errstate(all="ignore"):  # states that cannot be may overflow, and errors too large for a number are infinite
+    with np.errstate(all="ignore"):  # impossible states may overflow; too large errors are infinite
         off = blocks.norm_deviations(trajectory)
         compared = Comparison(exact, trajectory, None, np.maximum(off.max(axis=-1), flown.norm_error[part]))
         for name, figure in FIGURES.items():
@@ -154,7 +154,7 @@ def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]
 
 
 def _together(parts: Sequence[_Measured]) -> _Measured:
-    """Return what was computed of all members."""
+    """Return the quantities of all members, joined from parts."""
 
     def column(columns_of: Callable[[_Measured], Mapping[str, Array]], name: str) -> Array:
         return np.concatenate([columns_of(part).get(name, np.full(len(part.doubtful), np.nan)) for part in parts])
@@ -168,7 +168,7 @@ def _together(parts: Sequence[_Measured]) -> _Measured:
 
 
 def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -> dict[int, Outcome]:
-    """Return how the runs ended that have not completed, by the places of their scenes."""
+    """Return the outcomes of the runs that have not completed, by the indices of their scenes."""
     outcomes = dict(flown.ended)
     for index in np.flatnonzero(doubtful).tolist():
         if index not in outcomes and not isinstance(outcome := _outcome(flown, index, scenes.scene(index)), Completed):
@@ -177,7 +177,7 @@ def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -
 
 
 def _outcome(flown: Flown, index: int, scene: AnyScene) -> Outcome:
-    """Return how the run of a member ended, whose scene is given."""
+    """Return the outcome of the run of a member with a given scene."""
     if index in flown.ended:
         return flown.ended[index]
     seconds, normalised = flown.wall_time / len(flown), NormError(float(flown.norm_error[index]))
@@ -195,7 +195,7 @@ def _settle(
     others: Mapping[int, Outcome],
     today: date,
 ) -> None:
-    """Fill in whether the runs meet the expectations that concern them, and what is said of those that do not."""
+    """Fill in the columns "passed" and "reason": whether runs meet expectations, and the reasons for runs that do not."""
     met = _surely_met(columns["status"], measured.largest, expectations)
     columns["passed"][met] = True
     for index in np.flatnonzero(~met).tolist():
@@ -211,7 +211,7 @@ def _settle(
 
 
 def _surely_met(status: NDArray[Any], largest: Mapping[str, Array], expectations: Sequence[Expectation]) -> NDArray[np.bool_]:
-    """Return which runs (m,) meet all expectations, with nothing to be said of them."""
+    """Return which runs (m,) certainly meet all expectations, so that they need no reason."""
     met = np.asarray(status == OK, dtype=bool)
     for expectation in expectations:
         met &= expectation.status == OK and not expectation.known
@@ -221,7 +221,7 @@ def _surely_met(status: NDArray[Any], largest: Mapping[str, Array], expectations
 
 
 def _within(limit: Limit, values: Array) -> NDArray[np.bool_]:
-    """Return which values are in the range of a limit, as `Limit.holds` does for one."""
+    """Return which values are in the range of a limit, as `Limit.holds` does for one value."""
     above = -np.inf if limit.at_least is None else limit.at_least
     below = np.inf if limit.at_most is None else limit.at_most
     return np.asarray((values >= above) & (values <= below))

@@ -1,4 +1,4 @@
-"""Sets of results with their verdicts, from which reports of one set or of several compared sets are made."""
+"""Sets of results with their verdicts, for reports on one set or on several compared sets."""
 
 import io
 from collections import defaultdict
@@ -38,7 +38,7 @@ class ResultSet:
     parts
         The parts of the errors of runs with contact.
     label
-        Distinguishes the set from others in the same report; empty if there is only one.
+        A text that distinguishes the set from others in the same report; empty if there is only one set.
     """
 
     results: Results
@@ -62,12 +62,12 @@ class ResultSet:
 
     @cached_property
     def classes(self) -> Mapping[Kind, tuple[MethodClass, ...]]:
-        """The methods that are the same algorithm, by the kind of scene. Their motions are read from the results."""
+        """The classes of methods that are one algorithm, by the kind of scene. Motions are read from the results."""
         return classes_of(self.results, [verdict.run for verdict in self.verdicts if verdict.discrepancy is not None])
 
     @cached_property
     def parts_by_case(self) -> Mapping[str, Sequence[Attribution]]:
-        """The parts of the discrepancies of contact of each case, by its name."""
+        """The parts of the errors of runs with contact, by the name of the case."""
         by_case: dict[str, list[Attribution]] = defaultdict(list)
         for part in self.parts:
             by_case[part.case].append(part)
@@ -75,7 +75,7 @@ class ResultSet:
 
 
 def judged(results: Results, label: str = "", compared: Compared | None = None) -> ResultSet:
-    """Judge results, and return them with a label. compared: the runs that were compared while they were made."""
+    """Judge results, and return them with a label. compared: the figures of runs that are already compared."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
         verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results, compared=compared)]
         parts = attribution.attribute(results, verdicts)
@@ -83,7 +83,7 @@ def judged(results: Results, label: str = "", compared: Compared | None = None) 
 
 
 def labels(folders: Sequence[Path]) -> list[str]:
-    """Return labels that distinguish folders of results: the shortest ends of their paths that differ; empty for one folder.
+    """Return labels that distinguish folders of results: the shortest differing ends of their paths; empty for one folder.
 
     Raises `BadInput` for a folder that is given twice.
     """
@@ -101,7 +101,7 @@ def labels(folders: Sequence[Path]) -> list[str]:
 def write(sets: Sequence[ResultSet], folder: Path) -> None:
     """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder.
 
-    All of them say where their numbers come from; beside a CSV file is a file with its metadata. Raises `NotWritten`.
+    All files state the origins of their numbers: beside a CSV file is a file with its metadata. Raises `NotWritten`.
     """
     origins = [origin.stored(one.results.header, one.label) for one in sets]
     verdicts = [verdict for one in sets for verdict in one.verdicts]

@@ -1,6 +1,7 @@
 """Worker processes. Nothing here knows mechanics, cases or results.
 
-- `pool` calls functions in worker processes; `worker` is what such a process executes. They talk through a `channel`.
-- `interpreter`: the Python that a process runs in. `limits` restricts its memory and lifetime, and `guard` ends what it starts.
-- `process_state` shows whether a call has changed its process. `failures`: the outcomes of a call that fails.
+- `pool` calls functions in worker processes; `worker` is the program of such a process. They communicate through a `channel`.
+- `interpreter` starts processes in a Python interpreter. `limits` restricts their memory and lifetime, and `guard` ends the
+  processes that they start.
+- `process_state` shows whether a call has changed its process. `failures` defines the outcomes of calls that fail.
 """

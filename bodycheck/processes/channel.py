@@ -2,7 +2,8 @@
 
 An engine in the worker may write into any descriptor, also into this one. Every message therefore begins with a mark that the
 two processes share, with the number of the call that it belongs to, and with its length and checksum; whatever else arrives is
-recognised as foreign. The parent reads and writes only what the socket has or takes at once, so that no worker makes it wait.
+recognised as foreign. The parent reads and writes only as much as the socket has or accepts at once, so that no worker makes it
+wait.
 """
 
 import secrets
@@ -14,7 +15,7 @@ from collections.abc import Iterator
 #: Mark, number of the call, length and checksum of a message.
 HEADER = struct.Struct(">16sQQI")
 
-#: Largest number of bytes that are read at once.
+#: The largest number of bytes that are read at once.
 CHUNK_BYTES = 1 << 20
 
 
@@ -51,7 +52,7 @@ class Parent:
         return bool(self._unsent)
 
     def send(self, number: int, message: bytes) -> None:
-        """Send a message, or as much of it as the socket takes now; `read` sends the rest."""
+        """Send a message, or as much of it as the socket accepts now; `read` sends the rest."""
         self._unsent += _framed(self._mark, number, message)
         self._flush()
 
@@ -69,7 +70,7 @@ class Parent:
         return bool(chunk)
 
     def messages(self) -> Iterator[tuple[int, bytes]]:
-        """Yield the complete messages that have arrived, each with the number of its call. Raises `Damaged`."""
+        """Yield the complete messages that have arrived, with their calls' numbers. Raises `Damaged` for other data."""
         while len(self._received) >= HEADER.size:
             mark, number, length, checksum = HEADER.unpack_from(self._received)
             if mark != self._mark:
@@ -94,7 +95,7 @@ class Parent:
                 del self._unsent[: self.socket.send(self._unsent)]
         except (BlockingIOError, InterruptedError):
             return
-        except OSError:  # the worker is gone, which reading will tell
+        except OSError:  # the worker has ended, which reading will show
             self._unsent.clear()
 
 
@@ -103,10 +104,10 @@ class Worker:
 
     def __init__(self, theirs: socket.socket, mark: bytes) -> None:
         self._socket, self._mark = theirs, mark
-        theirs.set_inheritable(False)  # what an engine starts does not get it
+        theirs.set_inheritable(False)  # processes that an engine starts do not inherit it
 
     def send(self, number: int, message: bytes) -> None:
-        """Send a message. Raises `OSError`."""
+        """Send a message. Raises `OSError` if the parent has closed its end."""
         self._socket.sendall(_framed(self._mark, number, message))
 
     def receive(self) -> tuple[int, bytes]:

@@ -1,4 +1,4 @@
-"""The outcomes of a call in a worker process that fails: it crashed, or it exceeded its time limit."""
+"""The outcomes of a failed call in a worker process: it crashed, or it exceeded its time limit."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -17,7 +17,7 @@ class Crashed:
 
 @dataclass(frozen=True)
 class TimedOut:
-    """The run, or the computation of its truth, was stopped after its time limit (s); the reason says so if none is given."""
+    """The run, or the computation of its truth, was stopped at its time limit (s), as the default reason says."""
 
     limit: float
     reason: str = ""

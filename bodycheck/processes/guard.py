@@ -1,8 +1,8 @@
-"""The guard of a worker process, which ends everything that the worker has started, however the worker or its parent ends.
+"""The guard of a worker process, which ends all processes that the worker started, however the worker or its parent ends.
 
-On Linux the started process forks before it imports what is slow. The child is the worker. The process itself is the guard: it
-adopts every descendant whose own parent has ended, also those that have left the worker's group and session, and ends with
-the exit code or the signal of the worker. On other systems there is no guard, and only the worker's group ends with it.
+On Linux the started process forks before it imports slow modules. The child is the worker. The process itself is the guard: it
+adopts every descendant whose own parent has ended, even outside the worker's group and session, and ends with the exit code or
+the signal of the worker. On other systems there is no guard, and only the worker's group ends with it.
 """
 
 import contextlib
@@ -22,20 +22,20 @@ if sys.platform != "win32":
 #: Whether worker processes have guards.
 GUARDED = sys.platform == "linux"
 
-#: Time limit for the end of killed processes. Those of a program that has changed its user cannot be killed.
+#: Time limit for the end of killed processes (s). Processes of a program that has changed its user cannot be killed.
 ENDING_S = 5.0
 
 #: Polling interval while descendants are being killed (s).
 INTERVAL_S = 0.002
 
-#: What wakes the guard: a process of its own has ended, or it is to end itself.
+#: The signals that wake the guard: a child has ended, or the guard itself must end.
 WAKING = {signal.SIGCHLD, signal.SIGTERM} if GUARDED else set()
 
 
 def guarded(parent: int, descriptor: int | str) -> None:
-    """Return in a worker process, whose guard is the process that this one was.
+    """Fork this process, if the system has guards, and return in the child, the worker; this process becomes its guard.
 
-    parent: the identifier of the process that started this one. descriptor: that of the worker's end of the channel.
+    parent: the identifier of the process that started this one. descriptor: the descriptor of the worker's end of the channel.
     """
     if GUARDED:
         limits.end_with(parent, signal.SIGTERM)
@@ -43,7 +43,7 @@ def guarded(parent: int, descriptor: int | str) -> None:
 
 
 def stop(process: "subprocess.Popen[bytes]", patience: float) -> None:
-    """Kill a worker process and what it has started; a guard that does not end within its patience (s) is killed."""
+    """Kill a worker process and the processes that it started, and its guard if that does not end within `patience` (s)."""
     if GUARDED:
         process.terminate()
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -54,12 +54,12 @@ def stop(process: "subprocess.Popen[bytes]", patience: float) -> None:
 
 
 def _fork(descriptor: int) -> None:
-    """Return in a new process, the worker. This one is its guard and ends here."""
+    """Fork and return in the new process, the worker. The calling process becomes its guard and ends in this function."""
     limits.adopt_descendants()
     signal.pthread_sigmask(signal.SIG_BLOCK, WAKING)
     guard = os.getpid()
     with warnings.catch_warnings():
-        # A program may have threads that it began when its main module was imported; the worker does not use them.
+        # The import of a program's main module may have started threads; the worker does not use them.
         warnings.simplefilter("ignore", DeprecationWarning)
         worker = os.fork()
     if worker:
@@ -78,7 +78,7 @@ def _ending(worker: int) -> int:
     while status is None and signal.sigwaitinfo(WAKING).si_signo != signal.SIGTERM:
         status = _reaped().get(worker)
     deadline = time.monotonic() + ENDING_S
-    with contextlib.suppress(ChildProcessError):  # none is left
+    with contextlib.suppress(ChildProcessError):  # no child is left
         while time.monotonic() < deadline:
             status = _reaped().get(worker, status)
             for child in _children():
@@ -89,28 +89,28 @@ def _ending(worker: int) -> int:
 
 
 def _reaped() -> dict[int, int]:
-    """The statuses of the children that have ended. Raises `ChildProcessError` if there is none, ended or not."""
+    """Return the statuses of the children that have ended. Raises `ChildProcessError` if there are no children at all."""
     statuses = dict([os.waitpid(-1, os.WNOHANG)])
     while 0 not in statuses:
         try:
             statuses.update([os.waitpid(-1, os.WNOHANG)])
-        except ChildProcessError:  # those were all
+        except ChildProcessError:  # no more children
             break
     return statuses
 
 
 def _children() -> list[int]:
-    """The processes whose parent is this one, those that have been adopted included."""
+    """Return the processes whose parent is this process, including adopted ones."""
     guard, children = str(os.getpid()), []
     for process in Path("/proc").iterdir():
-        with contextlib.suppress(OSError):  # gone meanwhile
+        with contextlib.suppress(OSError):  # it has ended meanwhile
             if process.name.isdigit() and (process / "stat").read_bytes().rpartition(b")")[2].split()[1] == guard.encode():
                 children.append(int(process.name))
     return children
 
 
 def _end_as(status: int) -> None:
-    """End as the worker has ended."""
+    """End with the exit code or the signal of the worker."""
     if os.WIFSIGNALED(status):
         number = os.WTERMSIG(status)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # there is nothing to find in the memory of the guard

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.util import cache_from_source
 from pathlib import Path
 
-#: What a worker process does first: it reads what it is told, imports from where it is told, and keeps bytecode there.
+#: The first code of a worker process: it reads its instructions, and sets the paths of imports and the folder of bytecode.
 BOOT = """
 import json, sys
 told = json.loads(sys.stdin.buffer.readline())
@@ -46,8 +46,8 @@ class Interpreter:
     def start(self, theirs: socket.socket, mark: bytes, memory: int, watched: bool) -> "subprocess.Popen[bytes]":
         """Start `bodycheck.processes.worker.main` in a new process, and return the process.
 
-        The process leads a session of its own, so that an interruption from the terminal does not reach it. It has no
-        descriptor of this process but that of the socket, and what it prints goes to stderr, because stdout is for results.
+        The process leads its own session, so that an interruption from the terminal does not reach it. It inherits no
+        descriptor of this process but the socket. Its output goes to stderr, because stdout is for results.
 
         Parameters
         ----------
@@ -88,14 +88,14 @@ class Interpreter:
 
 
 def bytecode_folder() -> str | None:
-    """Return the folder in the cache in which worker processes keep bytecode; None if they use what lies beside the modules.
+    """Return the folder in the cache for the bytecode of worker processes; None if bytecode is beside the modules.
 
-    Where Python is told to write no bytecode, and modules were not compiled when they were installed, every worker would parse
-    them again. The folder is not used if anybody else can read or change it.
+    If Python is configured to write no bytecode, and modules were not compiled when they were installed, every worker would
+    otherwise parse them again. The folder is not used if anybody else can read or change it.
     """
     if not sys.dont_write_bytecode or os.path.exists(cache_from_source(__file__)):
         return None
-    from bodycheck.environments import privacy, user_cache  # workers import this module too, and need neither
+    from bodycheck.environments import privacy, user_cache  # workers import this module too, but need neither
 
     folder = user_cache.folder() / "bytecode"
     try:
@@ -106,18 +106,18 @@ def bytecode_folder() -> str | None:
 
 
 def _shared(theirs: socket.socket, process: int) -> int | str:
-    """Return what `inherited` makes the socket of in a process: a descriptor, or on Windows an encoded description."""
+    """Return the argument for `inherited` in a process: a descriptor, or on Windows an encoded description."""
     if sys.platform == "win32":
         return base64.b64encode(theirs.share(process)).decode("ascii")
     return theirs.fileno()
 
 
 def inherited(descriptor: int | str) -> socket.socket:
-    """Return the socket that this process has from the one that started it."""
+    """Return the socket that this process inherited from the process that started it."""
     if sys.platform == "win32":
         return socket.fromshare(base64.b64decode(descriptor))
     return socket.socket(fileno=int(descriptor))
 
 
-#: The interpreter of this process, whose workers import from where this process does.
+#: The interpreter of this process. Its workers import from the same folders as this process.
 HERE = Interpreter(Path(sys.executable), apart=False)

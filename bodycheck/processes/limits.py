@@ -1,6 +1,6 @@
 """Operating-system limits for worker processes: a memory cap (RLIMIT_DATA) and termination with the parent (Linux).
 
-On other systems memory is not limited, and a process that outlives its parent ends after its present call.
+On other systems memory is not limited, and a process that outlives its parent ends after its current call.
 """
 
 import contextlib
@@ -57,7 +57,7 @@ def keeps_much() -> bool:
 
 
 def shortage() -> str:
-    """Return the error message for a MemoryError."""
+    """Return the error message for a `MemoryError`."""
     return (
         f"it ran out of its memory of {_allowance_bytes / (1 << 30):g} GiB"
         if _allowance_bytes is not None
@@ -66,7 +66,7 @@ def shortage() -> str:
 
 
 def end_with(parent: int, number: signal.Signals) -> None:
-    """Let the operating system send this process a signal when the thread of its parent that started it ends for any reason."""
+    """Let the system send this process a signal when the parent's thread that started it ends for any reason."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
         if os.getppid() != parent:  # the parent ended before the request took effect
@@ -80,7 +80,7 @@ def adopt_descendants() -> None:
 
 
 def kill_group(leader: int) -> None:
-    """Kill the processes of a leader's group that are left, after or before the end of the leader."""
+    """Kill the remaining processes of a leader's group, before or after the end of the leader."""
     if sys.platform != "win32":
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(leader, signal.SIGKILL)

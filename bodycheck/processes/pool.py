@@ -1,8 +1,8 @@
 """Call functions in worker processes, so that a call that crashes, exits, hangs or exhausts memory affects nothing else.
 
-A worker process makes one call after another, all of them of one group, so that an engine shares no process with another
-engine or with the truth. Every worker has its own channel, so that the failure of one does not affect others, and answers carry
-the number of their call. A process whose state a call has changed makes no other call, and what an engine starts ends with its
+A worker process makes one call after another, all from one group, so that an engine shares no process with another engine or
+with the truth. Every worker has its own channel, so that its failure does not affect others, and each answer carries the number
+of its call. A process whose state a call has changed makes no other call. Processes that an engine starts end with their
 worker.
 """
 
@@ -26,16 +26,17 @@ from bodycheck.processes.interpreter import HERE, Interpreter
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
 
-#: Interval at which silent processes are checked for being alive.
+#: Interval (s) at which silent processes are checked for being alive.
 POLL_INTERVAL_S = 1.0
 
-#: Time for which the first worker of a group is alone. A start costs more than a few short calls, which it makes meanwhile.
+#: Time (s) for which the first worker of a group is alone. To start another costs more time than the few short calls that the
+#: first can make meanwhile.
 ALONE_S = 1.0
 
-#: Interval at which the rest of a message is sent that a socket did not take at once.
+#: Interval (s) at which the rest of a message is sent that a socket did not accept at once.
 SENDING_INTERVAL_S = 0.01
 
-#: Time limit for the end of a process.
+#: Time limit (s) for the end of a process.
 SHUTDOWN_TIMEOUT_S = 10.0
 
 
@@ -48,13 +49,13 @@ class Home:
     interpreter
         The interpreter of the processes.
     prepare
-        Called with the group, once in each process before the first call, such as to import an engine; None for nothing. What
-        it changes in the process stays. If it fails, all calls of the group have its failure as their result.
+        Function that is called with the group once in each process before the first call, for example to import an engine; None
+        for nothing. Its changes of the process stay. If it fails, its failure is the result of all calls of the group.
     limit
         The time limit of the preparation (s).
     watched
-        Whether a process in which a call leaves a thread makes no other call. The libraries that compute truths start threads
-        when they are first needed, which later calls do not notice.
+        Whether a process makes no other call after a call that leaves a thread. It is False for truths, whose libraries start
+        threads when they are first needed; these do not affect later calls.
     """
 
     interpreter: Interpreter = HERE
@@ -64,11 +65,11 @@ class Home:
 
 
 def _one_group(argument: object) -> None:
-    """Return the group of all calls."""
+    """Return the same group for all calls."""
 
 
 def _here(group: object) -> Home:
-    """Return this interpreter as the home of all processes."""
+    """Return this interpreter as the home of every group."""
     return Home()
 
 
@@ -78,7 +79,7 @@ class Cancelled(Exception):
 
 @dataclass(eq=False)
 class Workers(Generic[Argument, Result]):
-    """Worker processes that call one function. They end with the context that this is.
+    """Worker processes that call one function. As a context manager, it ends them at the end of the context.
 
     The result of a call that raises an exception, including `SystemExit`, or whose process dies is `Crashed`. If a process dies
     after earlier calls, the last call is repeated in a new process, because an earlier call may have caused the failure.
@@ -100,8 +101,8 @@ class Workers(Generic[Argument, Result]):
     home
         The interpreter and the preparation of the processes of a group.
     kept
-        Whether each group has one process, which lives until the context ends. Otherwise a group has as many as there are free,
-        and a process ends when `map` has no further calls for it.
+        Whether each group has a single process, which lives until the context ends. Otherwise a group uses any number of free
+        processes, and a process ends when `map` has no further calls for it.
     cancelled
         An event that another thread sets when the calls are not needed any more.
     """
@@ -130,7 +131,7 @@ class Workers(Generic[Argument, Result]):
             self._idle.popitem()[1].stop()
 
     def call(self, argument: Argument) -> Result | Crashed | TimedOut:
-        """Call the function. Raises `Cancelled`."""
+        """Call the function and return its result. Raises `Cancelled` if `cancelled` is set."""
         ((_, result),) = self.map([argument])
         return result
 
@@ -151,7 +152,7 @@ class Workers(Generic[Argument, Result]):
             self._stop_busy()
 
     def _step(self, queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
-        """Start workers that calls lack, wait for answers, and yield the index of each call that is done with its result."""
+        """Start missing workers, wait for answers, and yield the index and the result of each finished call."""
         yield from self._staff(queue)
         wait([worker.channel.socket for worker in self._busy], _poll_timeout(self._busy))
         for worker in tuple(self._busy):
@@ -159,7 +160,7 @@ class Workers(Generic[Argument, Result]):
                 yield from self._settle(worker, answer, queue)
 
     def _staff(self, queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
-        """Add workers to the busy ones while calls lack them, and yield the calls for which no process can be started."""
+        """Add busy workers while calls need them. Yield the calls for which no process can be started, as failed."""
         while len(self._busy) < self.jobs and queue.wants(self._busy):
             group = queue.group_for(self._busy)
             if group in self._idle:
@@ -173,7 +174,7 @@ class Workers(Generic[Argument, Result]):
                 yield from ((index, failure) for index in queue.take(group))
 
     def _settle(self, worker: "_Worker", answer: "_Answer", queue: "_Queue[Argument]") -> Iterator[tuple[int, Any]]:
-        """Let a worker that has answered make its next call or dismiss it, and yield the calls that are done thereby."""
+        """Let a worker that has answered make its next call, or dismiss it. Yield the calls that this answer ends."""
         index = worker.index
         if not (answer.reusable and self._continue(worker, queue)):
             self._busy.remove(worker)
@@ -190,7 +191,7 @@ class Workers(Generic[Argument, Result]):
             yield index, answer.result
 
     def _continue(self, worker: "_Worker", queue: "_Queue[Argument]") -> bool:
-        """Let a worker make the next call that it may make; return whether there is one."""
+        """Let a worker make its next allowed call; return whether there is one."""
         if (index := queue.following(worker)) is None:
             return False
         worker.call(index, self.function, queue.arguments[index], self.limit)
@@ -204,7 +205,7 @@ class Workers(Generic[Argument, Result]):
 class _Queue(Generic[Argument]):
     """The indices of the calls to be made, by group, and of the calls to be repeated in a fresh process.
 
-    A group is served by at most `most` workers at the same time, and by one in the first `ALONE_S`.
+    A group has at most `most` workers at the same time, and only one in its first `ALONE_S`.
     """
 
     def __init__(self, arguments: Sequence[Argument], group: Callable[[Argument], Hashable], most: int) -> None:
@@ -223,7 +224,7 @@ class _Queue(Generic[Argument]):
         return any(self._lacks(group, workers) for group in (*self._suspects, *self._waiting))
 
     def group_for(self, workers: "Sequence[_Worker]") -> Hashable:
-        """Return the group that a new worker is to serve: the first of the groups that have the fewest workers."""
+        """Return the group for a new worker: the first of the groups that lack workers and have the fewest."""
         served = Counter(worker.group for worker in workers)
         wanting = [group for group in (*self._suspects, *self._waiting) if self._lacks(group, workers)]
         return min(wanting, key=lambda group: served[group])
@@ -239,7 +240,7 @@ class _Queue(Generic[Argument]):
         return None
 
     def repeat(self, index: int) -> None:
-        """Put a call back, to be made in a fresh process."""
+        """Put a call back, so that it is made in a fresh process."""
         self._suspects.setdefault(self._groups[index], deque()).append(index)
 
     def take(self, group: Hashable) -> list[int]:
@@ -267,7 +268,7 @@ class _Worker:
     """A worker process of a group and this end of its channel.
 
     `index` is the index of the argument of its present call; None while it starts and is prepared. `number` is the number of
-    the message that it is to answer, and `calls` is the number of calls that it was given.
+    the message that it has to answer, and `calls` is the number of calls that it was given.
     """
 
     process: "subprocess.Popen[bytes]"
@@ -322,13 +323,13 @@ def _poll_timeout(workers: Sequence[_Worker]) -> float:
 
 
 def _answer(worker: _Worker) -> _Answer | None:
-    """Return the answer to a worker's call, or that it is prepared; None while it is busy. It does not wait."""
+    """Return the answer of a worker to its call or preparation; None while it is busy. This does not wait."""
     ended = worker.process.poll() is not None  # checked first, so that an answer sent before the end is still read
     try:
         while True:
             more = worker.channel.read()
             for number, message in worker.channel.messages():
-                if number == worker.number:  # another number is that of an earlier call, which was answered twice
+                if number == worker.number:  # another number belongs to an earlier call, which was answered twice
                     if worker.to_prepare:
                         worker.prepare()
                         return None

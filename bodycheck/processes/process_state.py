@@ -1,4 +1,4 @@
-"""The state of a process that one call in it can leave behind for the next one."""
+"""The state of a process that one call can change for the next call."""
 
 import os
 import random
@@ -10,31 +10,31 @@ from pathlib import Path
 
 import numpy as np
 
-#: Pairs whose quotients are others if rounding is directed, and one whose quotient is zero if small numbers are flushed.
+#: Pairs whose quotients differ if rounding is directed, and a pair whose quotient is zero if small numbers are flushed to zero.
 _ROUNDED, _SMALL = ((1.0, 3.0), (-1.0, 3.0)), ((sys.float_info.min, 3.0),)
 
-#: All signals, in one order.
+#: All signals, in a fixed order.
 _SIGNALS = tuple(sorted(signal.valid_signals()))
 
-#: The mask of these signals; that of signal n is the bit n - 1.
+#: The mask of these signals, in which bit n - 1 stands for signal n.
 _USABLE = sum(1 << (number - 1) for number in _SIGNALS)
 
 
 def rounding() -> Hashable:
-    """Return numbers that tell how floating-point numbers are rounded."""
+    """Return numbers that depend on the rounding mode of floating-point arithmetic."""
     return tuple(one / other for one, other in _ROUNDED)
 
 
-#: What `rounding` returns where numbers are rounded to the nearest, as they are when a process begins.
+#: The result of `rounding` for rounding to nearest, which is the mode when a process begins.
 TO_NEAREST = rounding()
 
 
 def state() -> tuple[Hashable, ...]:
-    """Return what a call may have changed and the next one would notice; it is equal where nothing was changed.
+    """Return the state that a call may change for the next call; the states are equal if nothing was changed.
 
-    These are the paths of imports, the environment, the working directory, the arithmetic of floating point and how its faults
-    are handled, the handlers of signals, the global generators of random numbers, and the number of Python's threads. For other
-    threads see `threads`.
+    The state consists of the paths of imports, the environment, the working directory, the mode of floating-point arithmetic
+    and the handling of its errors, the handlers of signals, the global generators of random numbers, and the number of Python's
+    threads. For other threads see `threads`.
     """
     return (
         tuple(sys.path),
@@ -53,9 +53,9 @@ def state() -> tuple[Hashable, ...]:
 
 
 def threads() -> int:
-    """Return the number of all threads of the process, those that libraries start in C included (Linux, else 0).
+    """Return the number of all threads of the process, including threads of C libraries (on Linux; otherwise 0).
 
-    The first call in a process may add some, because many libraries keep the threads that they start when they are imported.
+    The first call in a process may add threads, because many libraries keep the threads that they start when they are imported.
     """
     try:
         return len(os.listdir("/proc/self/task"))
@@ -66,7 +66,7 @@ def threads() -> int:
 def _working_directory() -> str | None:
     try:
         return os.getcwd()
-    except OSError:  # it was removed
+    except OSError:  # the directory was removed
         return None
 
 
@@ -80,9 +80,9 @@ def _numpy_generator() -> tuple[Hashable, ...]:
 
 
 def _masks_of_signals() -> tuple[str, ...]:
-    """Return which signals are blocked, ignored and handled, also in C; empty where the system does not say it.
+    """Return which signals are blocked, ignored and handled, also by C code; empty if the system does not report it.
 
-    Signals that the C library keeps for itself are left out: it begins to handle one when a process starts its first thread.
+    Signals that the C library reserves are left out: it begins to handle such a signal when a process starts its first thread.
     """
     try:
         lines = Path("/proc/self/status").read_text("ascii", "replace").splitlines()

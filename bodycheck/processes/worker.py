@@ -1,4 +1,4 @@
-"""The program of a worker process: it says that it has started, and answers one call after another."""
+"""The program of a worker process: it reports that it has started, and answers one call after another."""
 
 import math
 import os
@@ -14,14 +14,14 @@ from bodycheck.processes.process_state import state, threads
 def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
     """Answer the calls of the process that started this one until it closes the channel.
 
-    A call is a function, its argument, and whether it prepares the process for the calls that follow, as the import of an
-    engine does. A preparation may change the state of the process. After any other call that does, the process is not used
+    A call consists of a function, its argument, and whether it prepares the process for further calls, for example by importing
+    an engine. A preparation may change the state of the process. After any other call that changes it, the process is not used
     again.
 
     Parameters
     ----------
     descriptor
-        What `bodycheck.processes.interpreter.inherited` makes the socket of.
+        The argument from which `bodycheck.processes.interpreter.inherited` makes the socket.
     mark
         The mark of messages, in hexadecimal digits.
     memory
@@ -36,7 +36,7 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
         os.register_at_fork(after_in_child=served.close)
     limits.allow_memory(memory)
     before = state()
-    allowed: float = math.inf  # threads, until the first call after a preparation has ended
+    allowed: float = math.inf  # number of threads, until the first call after a preparation has ended
     try:
         served.send(0, pickle.dumps((None, True)))
         while True:
@@ -51,11 +51,11 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
             allowed = threads() if watched and not preparing else math.inf
             served.send(number, _pickled(result, reusable=not changed and not limits.keeps_much()))
     except (EOFError, ConnectionError):
-        return  # the parent is gone
+        return  # the parent has ended
 
 
 def _made(message: bytes) -> tuple[Any, bool]:
-    """Make a call, and return its result and whether it prepares the process."""
+    """Make the call in a message, and return its result and whether it prepares the process."""
     preparing = False
     try:
         function, argument, preparing = pickle.loads(message)

@@ -1,8 +1,8 @@
 """Tables as CSV files.
 
-A file is UTF-8 text with a header line. Lines end in a line feed, decimal numbers have all the digits that identify them, truth
-values are `True` and `False`, and an entry without a value (None or NaN) is empty. A text that a spreadsheet would take for a
-formula has an apostrophe before it, which `read` removes.
+A file is UTF-8 text with a header line. Lines end in a line feed, decimal numbers have all digits that are needed to identify
+them, truth values are `True` and `False`, and an entry without a value (None or NaN) is empty. A text that a spreadsheet would
+read as a formula is written with an apostrophe before it, which `read` removes.
 """
 
 import csv
@@ -16,7 +16,7 @@ from bodycheck.files import reading, writing
 from bodycheck.results.origin import BESIDE, Origins, beside
 from bodycheck.results.tables import Row, Table
 
-#: What a text begins with that spreadsheets take for a formula.
+#: The beginnings of texts that spreadsheets read as formulas.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 #: The largest size of a table that is read, in bytes.
@@ -26,7 +26,7 @@ MAX_BYTES = 1 << 28
 def write(
     folder: Path, table: Table[Row], rows: Sequence[Row], origins: Origins = (), columns: Sequence[str] | None = None
 ) -> None:
-    """Write a table, and beside it a file with the units of its columns and where its numbers come from; see `origin`.
+    """Write a table, and beside it a file with the units of its columns and the origins of its numbers; see `origin`.
 
     Parameters
     ----------
@@ -35,11 +35,11 @@ def write(
     table
         The description of the table.
     rows
-        The rows. An entry is empty where a row has no value for its column.
+        The rows. An entry is empty if a row has no value for its column.
     origins
-        Where the numbers come from.
+        The origins of the numbers.
     columns
-        The names of the columns, in their order; those of the rows if it is None, see `Table.names`.
+        The names of the columns, in their order; if it is None, the columns of the rows, see `Table.names`.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def write(
 def read(folder: Path, table: Table[Row]) -> list[dict[str, Any]]:
     """Return the records of a table, each with its values by column.
 
-    An empty entry is None, except in columns of texts. A column that the description does not have holds numbers.
+    An empty entry is None, except in columns of texts. A column that is not in the description contains numbers.
 
     Parameters
     ----------
@@ -96,19 +96,19 @@ def read(folder: Path, table: Table[Row]) -> list[dict[str, Any]]:
 
 
 def entry(value: Any) -> Any:
-    """Return what a table has for a value: nothing for NaN, and an apostrophe before a text that looks like a formula."""
+    """Return the entry of a table for a value: None for NaN, and an apostrophe before a text that looks like a formula."""
     if isinstance(value, str):
         return f"'{value}" if _is_formula(value) else value
     return value if value == value else None  # NaN is the only value that differs from itself
 
 
 def _is_formula(text: str) -> bool:
-    """Return whether an apostrophe belongs before a text, which may have some of its own."""
+    """Return whether an apostrophe belongs before a text, which may already begin with apostrophes."""
     return text.lstrip("'").startswith(FORMULA)
 
 
 def _truth_value(text: str) -> bool:
-    """Return the truth value that `write` writes as this text. Raises `ValueError` for any other text."""
+    """Return the truth value that `write` writes as a text. Raises `ValueError` for any other text."""
     if text not in ("True", "False"):
         raise ValueError(f"{text!r:.60} is neither True nor False")
     return text == "True"

@@ -4,7 +4,7 @@ from typing import Annotated, NotRequired, TypedDict, get_type_hints
 
 
 class Header(TypedDict):
-    """The origin of a set of results; the descriptions are those of the JSON Schema of results.json."""
+    """The origin of a set of results. The descriptions of its entries are also in the JSON Schema of results.json."""
 
     bodycheck: Annotated[str, "Version of bodycheck."]
     command: Annotated[list[str], "Words of the command that made the results."]
@@ -41,7 +41,7 @@ LATER: dict[str, dict[str, dict[str, str]]] = {
 class StoredCase(TypedDict):
     """A case in the header of a results folder: its name, and the text of its file when it was run.
 
-    file: the path that was given; empty for a shipped case. Results of earlier versions have none.
+    file: the path that was given; empty for a shipped case. Results of earlier versions lack it.
     """
 
     name: str
@@ -61,7 +61,7 @@ class StoredUnchecked(TypedDict):
 
 
 class StoredHeader(Header):
-    """The header of a results folder, with the cases that were run, what could not be checked, and the revisions of figures.
+    """The header of a results folder, with the cases, the unchecked expectations, and the revisions of figures.
 
     Results of earlier versions lack the latter two.
     """
@@ -71,7 +71,7 @@ class StoredHeader(Header):
     revisions: NotRequired[dict[str, int]]
 
 
-#: The entries of a header, with a description of each.
+#: The entries of a header, each with a description.
 DESCRIPTIONS: dict[str, str] = {
     name: hint.__metadata__[0] for name, hint in get_type_hints(Header, include_extras=True).items()
 }

@@ -1,12 +1,13 @@
-"""Journals: files of JSON lines that record work while it is done, so that work that was interrupted can be resumed.
+"""Journals: files of JSON lines that record work while it is done, so that interrupted work can be resumed.
 
-A journal has a header, a record for each thing that was done, and a footer. Without its footer it tells of interrupted work. A
-last line that is incomplete, because its writer was killed or the disk was full, does not count.
+A journal has a header, a record for each finished part of the work, and a footer. A journal without its footer records
+interrupted work. An incomplete last line, left because its writer was killed or the disk was full, is ignored.
 
-Each line ends with a checksum of the rest of it, so that a changed record is seen. Journals of earlier versions have none.
+Each line ends with a checksum of the rest of it, so that a changed record is detected. Journals of earlier versions have no
+checksums.
 
 While a journal is written, a lock file beside it, `NAME.lock`, keeps other processes from writing it. The lock ends with its
-process. The lock file of a process that was killed is left, locks nothing, and is removed after the work is resumed.
+process. The lock file of a killed process remains, but locks nothing, and is removed after the work is resumed.
 """
 
 import json
@@ -28,7 +29,7 @@ Record = dict[str, Any]
 #: The largest size of a journal in bytes.
 MAX_BYTES = 1 << 28
 
-#: The key of a line's checksum, the number of its hexadecimal digits, and a line that has one.
+#: The key of a line's checksum, the number of its hexadecimal digits, and the pattern of a line with a checksum.
 CHECK, DIGITS = "check", 16
 CHECKED_LINE = re.compile(rb'(\{.*), "%s": "([0-9a-f]{%d})"\}' % (CHECK.encode(), DIGITS))
 
@@ -44,9 +45,9 @@ class Contents:
     Attributes
     ----------
     header
-        What the work is.
+        The description of the work.
     records
-        What was done, in the order in which it was done.
+        The finished parts of the work, in the order in which they were finished.
     complete
         Whether the journal has its footer.
     """
@@ -57,12 +58,12 @@ class Contents:
 
 
 class Journal:
-    """A journal that is being written. As a context it writes its footer at the end, unless that is an exception.
+    """A journal that is being written. As a context manager, it writes its footer at the end, except after an exception.
 
     Attributes
     ----------
     records
-        The records that were there when it was opened.
+        The records that it had when it was opened.
     """
 
     def __init__(self, path: Path, lock: BaseFileLock, records: tuple[Record, ...] = ()) -> None:
@@ -83,7 +84,7 @@ class Journal:
             _release(self._lock)
 
     def add(self, record: Record) -> None:
-        """Write a record; when this returns, the operating system has it, and the end of this process does not lose it.
+        """Write a record. When this returns, the operating system has it, so that it survives the end of this process.
 
         Raises `NotWritten`, for example if the disk is full; the work is then resumed after the last whole record.
         """
@@ -95,9 +96,9 @@ class Journal:
 
 
 def begin(path: Path, header: Record) -> Journal:
-    """Begin a journal, in place of any that is there.
+    """Begin a journal, replacing an existing journal.
 
-    Raises `BadJournal` if another process is writing that one, and `NotWritten` if it cannot be written.
+    Raises `BadJournal` if another process is writing the existing journal, and `NotWritten` if it cannot be written.
     """
     return _opened(path, _lock(path), header, ())
 
@@ -110,9 +111,9 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
     path
         The file.
     header
-        What the work is. Work is the same if the `identity` in the headers is equal.
+        The description of the work. Work is the same if the `identity` in the headers is equal.
     renewed
-        The entries of the header that resumed work takes from this header, and not from the one that is there.
+        The entries of the header that resumed work takes from this header, and not from the existing journal.
 
     Raises
     ------
@@ -121,7 +122,7 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
     NotWritten
         The journal cannot be written.
     """
-    lock = _lock(path)  # from here on no other process adds to it
+    lock = _lock(path)  # from here on, no other process writes to it
     try:
         contents = read(path)
     except BadJournal:
@@ -133,7 +134,7 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
 
 
 def read(path: Path) -> Contents:
-    """Return the contents of a journal. Raises `BadJournal`."""
+    """Return the contents of a journal. Raises `BadJournal` if it is not a journal."""
     try:
         content = reading.content(path, MAX_BYTES)
         lines = content[: content.rfind(b"\n") + 1].splitlines()
@@ -150,7 +151,7 @@ def read(path: Path) -> Contents:
 
 
 def header(path: Path) -> Record:
-    """Return the header of a journal, of which nothing else is read. Raises `BadJournal`."""
+    """Return the header of a journal, without reading the rest. Raises `BadJournal` if it is not a journal."""
     try:
         line = reading.content(path, MAX_BYTES).partition(b"\n")[0]
         record = _record(line, 1, CHECKED_LINE.fullmatch(line) is not None)
@@ -162,7 +163,7 @@ def header(path: Path) -> Record:
 
 
 def _lock(path: Path) -> BaseFileLock:
-    """Lock a journal, in a folder that is made if need be. Raises `BadJournal` if another process has locked it."""
+    """Lock a journal, and make its folder if it is missing. Raises `BadJournal` if another process has locked it."""
     writing.make_folder(path.parent)
     file = path.with_name(f"{path.name}.lock")
     if file.is_symlink() or (file.exists() and (not file.is_file() or file.stat().st_size > 0)):
@@ -179,8 +180,8 @@ def _lock(path: Path) -> BaseFileLock:
 def _release(lock: BaseFileLock) -> None:
     """Release a lock and remove its file."""
     if isinstance(lock, UnixFileLock):
-        # This kind leaves its file, unlike the others. Removed before the release, it cannot be that of another process; a
-        # process that has opened it already finds that it is gone, and takes no lock on it.
+        # Unlike other kinds, this lock leaves its file. Removed before the release, the file cannot belong to another process;
+        # a process that has already opened it finds that it is gone, and takes no lock on it.
         Path(lock.lock_file).unlink(missing_ok=True)
     lock.release()
 
@@ -188,7 +189,7 @@ def _release(lock: BaseFileLock) -> None:
 def _opened(path: Path, lock: BaseFileLock, header: Record, records: tuple[Record, ...]) -> Journal:
     """Write a journal with a header and the records that are kept, and open it to add further ones.
 
-    It takes the place of the file that was there, which may share its content with another one through a hard link.
+    The journal replaces an existing file, which may share its content with another file through a hard link.
     """
     try:
         writing.write(path, b"".join(map(_line, ({"record": "header", **header}, *records))))
@@ -202,13 +203,13 @@ def _line(record: Record) -> bytes:
     """Return the line of a record, with its checksum at the end."""
     try:
         text = json.dumps(record, ensure_ascii=False).encode("utf-8")
-    except UnicodeEncodeError:  # a file name that is not UTF-8, in the command
+    except UnicodeEncodeError:  # the command contains a file name that is not UTF-8
         text = json.dumps(record).encode("ascii")
     return b'%s, "%s": "%s"}\n' % (text[:-1], CHECK.encode(), _checksum(text[:-1]))
 
 
 def _record(line: bytes, number: int, checked: bool) -> Record:
-    """Return the record in a line. Raises `ValueError` if its checksum is wrong, or missing although it must be there."""
+    """Return the record in a line. Raises `ValueError` if its checksum is wrong, or missing although it is required."""
     match = CHECKED_LINE.fullmatch(line)
     if checked and (match is None or _checksum(match[1]) != match[2]):
         raise ValueError(f"line {number} was changed after it was written: its checksum is wrong")

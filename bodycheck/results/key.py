@@ -33,14 +33,14 @@ class RunKey:
         """Return the key of a row of any table with the columns case, engine, integrator and timestep (s).
 
         Rows of earlier versions of bodycheck, which spelled some methods differently, are accepted. Raises `BadInput` if the
-        column `integrator` does not contain the spelling of a method, or `engine` no name of an engine.
+        column `integrator` contains no spelling of a method, or `engine` no name of an engine.
         """
         engine = checked_name(row["engine"], "engine")
         return cls(row["case"], engine, Method.parse(current(row["integrator"]), float(row["timestep"])), label)
 
     @classmethod
     def of_method(cls, engine: str, spelling: str, timestep: float = 0.0, label: str = "") -> "RunKey":
-        """Return the key of a method over all cases; without a time step (s), with any.
+        """Return the key of a method over all cases, and over all time steps if no time step (s) is given.
 
         Raises `BadInput` for text that is no spelling of a method.
         """

@@ -1,9 +1,9 @@
-"""The origin of the numbers of a table, for the tables themselves: versions, machine, command, and a hash of each case.
+"""The origin of the numbers of a table, which is stored with the table: versions, machine, command, and case hashes.
 
-Parquet files have it in the metadata of their schema, with the unit and the meaning of each column in the metadata of its
-field. A CSV file has no place for it: a comment before the header, or a second header with units, is taken for data by most
-readers. It has a file beside it instead, in the form and under the name of the W3C's "Metadata Vocabulary for Tabular Data"
-(https://www.w3.org/TR/tabular-metadata/), which readers that know it find by themselves and all others ignore.
+Parquet files contain the origin in the metadata of their schema, and the unit and the meaning of each column in the metadata of
+its field. A CSV file has no place for the origin: most readers would read a comment before the header, or a second header with
+units, as data. The origin is therefore in a separate file, with the form and the name of the W3C's "Metadata Vocabulary for
+Tabular Data" (https://www.w3.org/TR/tabular-metadata/), which readers that support it find by themselves and all others ignore.
 """
 
 import json
@@ -24,7 +24,7 @@ BESIDE = "-metadata.json"
 #: The key of the origin in the metadata of a Parquet file.
 KEY = "bodycheck"
 
-#: The types of columns, as the W3C calls them; truth values are written as `csv_tables` does.
+#: The types of columns in the W3C's terms; truth values are written as in `csv_tables`.
 TYPES: dict[str, Any] = {
     "string": "string",
     "integer": "integer",
@@ -32,12 +32,12 @@ TYPES: dict[str, Any] = {
     "boolean": {"base": "boolean", "format": "True|False"},
 }
 
-#: Where numbers come from: an object for each set of results, as `origin` returns it.
+#: The origins of numbers: an object for each set of results, as `origin` returns it.
 Origins = Sequence[Mapping[str, Any]]
 
 
 def origin(header: Header, cases: Mapping[str, str], label: str = "") -> dict[str, Any]:
-    """Return where numbers come from.
+    """Return the origin of the numbers of a set of results, as a JSON object.
 
     Parameters
     ----------
@@ -54,14 +54,14 @@ def origin(header: Header, cases: Mapping[str, str], label: str = "") -> dict[st
 
 
 def stored(header: StoredHeader, label: str = "") -> dict[str, Any]:
-    """Return where the numbers of a results folder come from."""
+    """Return the origin of the numbers of a results folder."""
     return origin(header, {case["name"]: case["text"] for case in header["cases"]}, label)
 
 
 def beside(table: Table[Any], columns: Sequence[str], origins: Origins) -> bytes:
     """Return the content of the file beside a CSV file: its columns with their units and meanings, and the origins.
 
-    columns: the names of the columns that the file has, in their order.
+    columns: the names of the columns of the file, in their order.
     """
     described = {
         "@context": ["http://www.w3.org/ns/csvw", {"@language": "en"}],
@@ -84,7 +84,7 @@ def with_origin(table: Any, origins: Origins) -> Any:
 
 
 def _column(column: Column) -> dict[str, Any]:
-    """Return what the metadata of a CSV file says of a column."""
+    """Return the description of a column in the metadata of a CSV file."""
     described = {
         "name": column.name,
         "titles": column.name,

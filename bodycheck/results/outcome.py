@@ -30,17 +30,17 @@ class Completed:
     Attributes
     ----------
     states
-        The trajectory of a run made in this process, or where that of stored results can be read.
+        The trajectory of a run made in this process, or the place from which a stored trajectory can be read.
     steps
         Number of steps taken.
     wall_time
         Wall time of stepping alone (s).
     load
-        The load of the contact; None in free flight, and where the engine does not report it.
+        The load of the contact; None in free flight, and if the engine does not report it.
     quaternion_norm_error
         The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
     interfaces
-        The loads between bodies that rest; None where none do, and where the engine does not tell them.
+        The loads between bodies at rest; None if no bodies rest, or the engine does not report the loads.
     """
 
     states: Trajectory | Stored
@@ -55,13 +55,13 @@ class Completed:
 
     @property
     def trajectory(self) -> Trajectory:
-        """The states at the sampled instants; those of stored results are read from disk each time and not kept."""
+        """The states at the sampled instants; stored states are read from disk each time, and not kept."""
         return self.states if isinstance(self.states, Trajectory) else self.states.read()
 
 
 @dataclass(frozen=True)
 class Unsupported:
-    """The engine cannot model what the scene requires; also the outcome of a run that has no truth to be compared with."""
+    """The engine cannot model what the scene requires; also the outcome of a run without a truth for comparison."""
 
     reason: str
     status: ClassVar[str] = "unsupported"
@@ -70,16 +70,16 @@ class Unsupported:
 
 @dataclass(frozen=True)
 class Diverged:
-    """The states are not numbers, have an impossible energy or never change, or the engine stopped or reset the simulation.
+    """The states are not finite, have an impossible energy or never change, or the engine stopped or reset the simulation.
 
     Attributes
     ----------
     reason
-        What happened, and when.
+        The event, and its time.
     signal
-        Whether the engine itself reported nothing, that it gave up, or that it reset the simulation.
+        The signal of the engine itself: nothing, that it gave up, or that it reset the simulation.
     trajectory
-        The states up to the event and the first one after it, if the engine returned any.
+        The states up to the event and the first state after it, if the engine returned any.
     """
 
     reason: str
@@ -103,10 +103,10 @@ class Run:
     outcome
         The outcome.
     contact_law
-        The friction that the engine's contacts would produce on the scene's plane if they were rigid; None without a plane,
-        and if the reference has no such law.
+        The friction that the engine's contacts would produce on the scene's plane if they were rigid; None without a plane, or
+        if the reference has no such law.
     scene
-        The scene that was run; None where it is not known, as of a run whose process died.
+        The scene that was run; None if it is not known, for example if the process of the run died.
     """
 
     case: str

@@ -1,6 +1,7 @@
 """The required contents of the records of saved results.
 
-Records are checked when they are read, since a folder may come from anyone."""
+Records are checked when they are read, because a folder may come from anyone.
+"""
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
@@ -38,13 +39,13 @@ Spelling = Annotated[Printable, AfterValidator(_spelling)]
 Timestep = Annotated[Finite, Field(gt=0)]
 Duration = Annotated[Finite, Field(ge=0)]
 Count = Annotated[int, Field(strict=True, ge=0)]
-#: The place of a body, or -1, that of the world.
+#: The index of a body, or -1 for the world.
 Place = Annotated[int, Field(strict=True, ge=-1)]
 
 
 @dataclass(frozen=True)
 class HeaderRecord:
-    """The origin of results, which every report tells; see `bodycheck.results.header`."""
+    """The origin of results, which every report states; see `bodycheck.results.header`."""
 
     bodycheck: Printable
     command: list[str]
@@ -91,7 +92,7 @@ class CasesRecord:
 
 @dataclass(frozen=True)
 class RevisionsRecord:
-    """The revisions of the figures in a journal whose definition had ever changed. Those of earlier versions have none."""
+    """The revisions of the figures in a journal whose definition had ever changed. Earlier versions stored none."""
 
     revisions: dict[Printable, int] = field(default_factory=dict)
 
@@ -125,7 +126,7 @@ class LoadRecord:
 
 @dataclass(frozen=True)
 class EventRecord:
-    """An event of bodies that touch; what mechanics does not give of the state after it is null."""
+    """An event of bodies in contact. Values of the state after it that mechanics does not determine are null."""
 
     kind: EventKind
     time: Duration
@@ -170,7 +171,7 @@ class TruthRecord:
 
 @dataclass(frozen=True)
 class NoTruthRecord:
-    """Why there is no truth of a case for a time step."""
+    """The reason why there is no truth of a case for a time step."""
 
     case: Name
     timestep: Timestep
@@ -227,7 +228,7 @@ class StoppedRecord:
     stop: StopRecord | None
 
 
-#: What the record of a run must hold, by the status of the run.
+#: The required contents of the record of a run, by the status of the run.
 RUNS: dict[str, type[RunRecord]] = {
     Completed.status: CompletedRecord,
     TimedOut.status: TimedOutRecord,
@@ -236,7 +237,7 @@ RUNS: dict[str, type[RunRecord]] = {
 
 
 def typed(kind: type[T], values: Any) -> T:
-    """Return an instance of a dataclass with the values of a JSON object. Raises `ValueError` naming what does not fit."""
+    """Return an instance of a dataclass with the values of a JSON object. Raises `ValueError` that names invalid values."""
     try:
         instance: T = _adapter(cast(Hashable, kind)).validate_python(values)
     except ValidationError as error:
@@ -248,7 +249,7 @@ def typed(kind: type[T], values: Any) -> T:
 
 
 def check(record: dict[str, Any]) -> None:
-    """Raise `ValueError` unless a record of a truth, a run or a stop has what is read of it."""
+    """Raise `ValueError` unless a record of a truth, a run or a stop has the required contents."""
     match record.get("record"):
         case "truth":
             typed(NoTruthRecord if "reason" in record else TruthRecord, record)

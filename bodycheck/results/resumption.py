@@ -1,4 +1,4 @@
-"""Resume interrupted work: the digest that identifies the work, and the journal of what was done."""
+"""Resume interrupted work: the digest that identifies the work, and the journal of its finished parts."""
 
 import sys
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ def versions(head: Header) -> list[Any]:
 def identity(*work: object) -> str:
     """Return a digest of everything that determines results, regardless of the machine and the command.
 
-    Work is the same if the `repr` of everything that is given here is the same.
+    Work is the same if the `repr` of all arguments is the same.
     """
     return sha256(repr(work).encode("utf-8")).hexdigest()
 
@@ -27,7 +27,7 @@ def identity(*work: object) -> str:
 def opened(path: Path, head: Header, *work: object, what: str = "study", **entries: Mapping[str, Any]) -> Journal:
     """Return the journal of some work.
 
-    If the file is the journal of the same work, which was interrupted, its records are kept, and a message says so.
+    If the file is the journal of the same work, and this was interrupted, its records are kept, and a message says so.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def opened(path: Path, head: Header, *work: object, what: str = "study", **entri
     head
         The header of the results.
     work
-        Everything that determines the results besides the versions in the header.
+        Everything that determines the results in addition to the versions in the header.
     what
         The word for the work in the message.
     entries

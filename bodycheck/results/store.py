@@ -38,15 +38,15 @@ from bodycheck.results.unchecked import Unchecked
 FORMAT = 1
 #: The file with the records.
 RECORDS = "run.jsonl"
-#: The files of cases that all are shipped.
+#: The files of the cases if all cases are shipped.
 NO_FILES: Mapping[str, Path] = {}
 
 
 class Writer:
-    """Writes a results folder. It is a context manager, whose regular end writes the footer.
+    """Writer of a results folder. It is a context manager, which writes the footer at a regular end of the context.
 
-    Continues a folder in which the same work was interrupted, which it recognises by the `identity` in the header. Any other
-    results are replaced.
+    If the same work was interrupted in the folder, as shown by the `identity` in the header, it is continued. Any other results
+    are replaced.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class Writer:
         self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **truth_records.told(truth)})
 
     def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
-        """Record why there is no truth for the runs of a case with a time step (s)."""
+        """Record the reason why there is no truth for the runs of a case with a time step (s)."""
         self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **asdict(missing)})
 
     def add_run(self, run: Run, place: int) -> None:
@@ -132,7 +132,7 @@ class Writer:
         self.journal.add(record)
 
     def add_stop(self, case: str, law: Plane, stop: Stop | None, reason: str = "") -> None:
-        """Record where a case's body stops if a law of friction acts on its plane.
+        """Record the stop of a case's body under a law of friction on its plane.
 
         Parameters
         ----------
@@ -141,9 +141,9 @@ class Writer:
         law
             The plane with the law of friction.
         stop
-            Where and when the body stops; None if it does not, or if the reference has no truth under this law.
+            Where and when the body stops; None if it does not stop, or if the reference has no truth under this law.
         reason
-            Why there is no stop, if the computation failed.
+            The reason why there is no stop, if the computation failed.
         """
         record = {"record": "stop", "case": case, "law": asdict(law), "stop": None if stop is None else asdict(stop)}
         self.journal.add(record | ({"reason": reason} if reason else {}))
@@ -164,7 +164,7 @@ class Results:
     complete
         Whether the work was completed.
     known
-        Cases by name, which need not be made of their texts again where these are the same.
+        Known cases by name. A case with the same text is taken from here, instead of being read from its text again.
     """
 
     folder: Path
@@ -183,7 +183,7 @@ class Results:
         return cases
 
     def only(self, names: Collection[str]) -> "Results":
-        """Return the results of the cases with some names alone."""
+        """Return the results restricted to the cases with some names."""
         header = self.header | {
             "cases": [entry for entry in self.header["cases"] if entry["name"] in names],
             "unchecked": [entry for entry in self.header.get("unchecked", ()) if entry["case"] in names],
@@ -202,18 +202,18 @@ class Results:
         return tuple(Unchecked(**entry) for entry in self.header.get("unchecked", ()))
 
     def runs(self) -> Sequence[Run]:
-        """Return all runs in the order of the plan; their trajectories are read from disk each time that they are needed."""
+        """Return all runs in the order of the plan; their trajectories are read from disk whenever they are needed."""
         return self._runs
 
     def run(self, key: RunKey) -> Run | None:
-        """Return the run with a key, or None if there is none; its time step may differ by the rounding of a quotient."""
+        """Return the run with a key, or None if there is none; its time step may differ by rounding."""
         steps, runs = self._by_method.get(key.over_steps, ((), ()))
         index = bisect_left(steps, key.method.timestep)
         near = range(max(index - 1, 0), min(index + 1, len(steps)))
         return next((runs[at] for at in near if key.method.is_at(steps[at])), None)
 
     def truth(self, case: str, timestep: float) -> Truth | NoTruth:
-        """Return the truth for the runs of a case with one time step (s), read from disk, or why there is none.
+        """Return the truth for the runs of a case with a time step (s), read from disk, or the reason for its absence.
 
         Raises `BadFolder` if its file is missing or damaged.
         """
@@ -221,7 +221,7 @@ class Results:
         if record is None:
             return NoTruth("the reference was interrupted")
         if "reason" in record:
-            # Earlier versions recorded the reason alone.
+            # Earlier versions recorded only the reason.
             return NoTruth(record["reason"], record.get("limit"), record.get("crashed", False))
         scene = self.cases[case].scene
         trajectory, bounds, growth = trajectory_files.read_truth(self.folder / _path_of(record), _bodies(scene))
@@ -229,15 +229,16 @@ class Results:
         return Truth(scene, trajectory, bounds, **truth_records.ways(record), joints=moved, growth=growth)
 
     def ways(self, case: str, timestep: float) -> dict[str, Any] | None:
-        """Return how the truth for the runs of a case with a time step (s) was found, which needs no trajectory.
+        """Return how the truth for the runs of a case with a time step (s) was found, without reading its trajectory.
 
-        It is what `Truth` has besides its scene, trajectory and bounds, by name; None where there is no truth.
+        The result contains the attributes of `Truth` other than scene, trajectory and bounds, by name; None if there is no
+        truth.
         """
         record = self._truths.get((case, timestep), {"reason": ""})
         return None if "reason" in record else truth_records.ways(record)
 
     def stop_of(self, case: str) -> Stop | None:
-        """Return where and when the body of a case stops, by its truths; None if it still moves at their last instants."""
+        """Return where and when the body of a case stops, from its truths; None if it still moves at their ends."""
         records = [record for (name, _), record in self._truths.items() if name == case]
         return next((truth_records.stop(record["stop"]) for record in records if record.get("stop") is not None), None)
 
@@ -245,7 +246,8 @@ class Results:
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
         """The stop of the body of a case under a law of friction, by the case's name and the plane with the law.
 
-        An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
+        An entry is None if the reference finds no stop. Interrupted results lack some entries, and results of earlier versions
+        all.
         """
         return {_law_of(record): truth_records.stop(record["stop"]) for record in self.records if record["record"] == "stop"}
 
@@ -265,7 +267,7 @@ class Results:
 
     @cached_property
     def _by_method(self) -> dict[RunKey, tuple[list[float], list[Run]]]:
-        """The time steps (s) of each method on each case, ascending, and the runs with them."""
+        """The time steps (s) of each method on each case, in ascending order, with the runs."""
         runs_by_method: dict[RunKey, list[Run]] = defaultdict(list)
         for run in sorted(self._runs, key=lambda run: run.method.timestep):
             runs_by_method[run.key.over_steps].append(run)
@@ -297,7 +299,7 @@ def read(folder: Path) -> Results:
         if contents.header.get("format") != FORMAT:
             raise ValueError(f"its format is {contents.header.get('format')!r}, not {FORMAT}")
         _check(contents.header, contents.records)
-        # If a run was repeated because its trajectory was lost, its later record is the valid one.
+        # If a run was repeated because its trajectory was lost, its later record is valid.
         latest = {_identity_of(record): record for record in contents.records}
     except (journal.BadJournal, ValueError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
@@ -305,7 +307,7 @@ def read(folder: Path) -> Results:
 
 
 def _check(header: dict[str, Any], entries: Sequence[dict[str, Any]]) -> None:
-    """Raise `ValueError` unless the header and the records of a results folder have what is read of them."""
+    """Raise `ValueError` unless the header and the records of a results folder have the required contents."""
     records.typed(records.HeaderRecord, header)
     names = {case.name for case in records.typed(records.CasesRecord, header).cases}
     for record in entries:
@@ -315,7 +317,7 @@ def _check(header: dict[str, Any], entries: Sequence[dict[str, Any]]) -> None:
 
 
 def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
-    """Return what a record is about; of two records about the same, the later one is valid."""
+    """Return the subject of a record; of two records about the same subject, the later is valid."""
     return _law_of(record) if record["record"] == "stop" else _path_of(record)
 
 
@@ -330,14 +332,14 @@ def _bodies(scene: AnyScene | None) -> tuple[str, ...]:
 
 
 def _path_of(record: dict[str, Any]) -> Path:
-    """Return the path of a record's trajectory, whose name contains the method as it was spelled when it was written."""
+    """Return the path of a record's trajectory, whose name contains the spelling of the method at the time of writing."""
     if record["record"] == "truth":
         return truth_path(record["case"], record["timestep"])
     return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
 def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequence[str]]) -> bool:
-    """Return whether the trajectory of a record can be read; True if the record has none. bodies: by the names of cases."""
+    """Return whether the trajectory of a record can be read; True if the record has none. bodies: by case."""
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
     return trajectory_files.is_readable(folder / _path_of(record), bodies[record["case"]])
@@ -349,7 +351,7 @@ def _shown(file: Path | None) -> str:
 
 
 def _refuse_other_things(folder: Path) -> None:
-    """Raise `BadFolder` for a path that is no folder, and for a folder that has other files than results, or a link."""
+    """Raise `BadFolder` for a path that is no folder, and for a folder that contains links or files other than results."""
     if folder.exists() and not folder.is_dir():
         raise BadFolder(f"{folder}: is not a folder")
     if reading.names_in(folder) and not (folder / RECORDS).is_file():
@@ -358,7 +360,7 @@ def _refuse_other_things(folder: Path) -> None:
 
 
 def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
-    """Delete trajectory files that no journal record refers to, and what a process that was killed left unfinished.
+    """Delete trajectory files that no journal record refers to, and unfinished files of killed processes.
 
     The folder must not contain any symbolic link.
     """
@@ -370,5 +372,5 @@ def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
             for path in (Path(subfolder, name) for name in names):
                 if path.relative_to(folder) not in kept:
                     path.unlink()
-            with contextlib.suppress(OSError):  # it is not empty
+            with contextlib.suppress(OSError):  # the folder is not empty
                 os.rmdir(subfolder)

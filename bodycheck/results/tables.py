@@ -1,7 +1,7 @@
-"""Tables: the file, the columns and the rows of each, described once beside the rows.
+"""Descriptions of tables: their files, columns and rows, each described once together with the type of the rows.
 
-What writes, reads, prints, checks, publishes or documents a table takes names, types, units and meanings from its description.
-A field of a row is described by a `Meaning` in its type, or by the column of results that has its name.
+All code that writes, reads, prints, checks, publishes or documents a table takes names, types, units and meanings from its
+description. A field of a row is described by a `Meaning` in its type, or by the column of results that has its name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,16 +18,16 @@ Row = TypeVar("Row")
 
 @dataclass(frozen=True)
 class Meaning:
-    """The meaning of a field of a row, which stands in the type of the field: `Annotated[float, Meaning(...)]`.
+    """The meaning of a field of a row, which is part of the type of the field: `Annotated[float, Meaning(...)]`.
 
     Attributes
     ----------
     title, meaning, unit, counts, signed
-        Those of a `Column`.
+        See `Column`.
     words
-        The texts that the field may have; empty for those of its type, or for any text.
+        The texts that the field may have; if empty, the texts of its type, or any text.
     column
-        The name of the column; that of the field if it is empty.
+        The name of the column; if it is empty, the name of the field.
     """
 
     title: str
@@ -48,7 +48,7 @@ class Table(Generic[Row]):
     name
         The name of its file without ".csv".
     title
-        What it contains, as a phrase for readers.
+        The contents of the table, as a phrase for readers.
     row
         The dataclass of its rows, whose fields are the columns; None if rows are mappings from column to value.
     columns
@@ -58,7 +58,7 @@ class Table(Generic[Row]):
     filled
         The columns that have an entry in every row.
     shown
-        The columns that a notebook shows; all if it is empty.
+        The columns that a notebook shows; if it is empty, all columns.
     later
         The columns that tables of earlier versions lack.
     """
@@ -83,7 +83,10 @@ class Table(Generic[Row]):
         return {column.name: column for column in self.columns}
 
     def names(self, rows: Sequence[Row]) -> list[str]:
-        """Return the names of the columns of some rows: of mappings, those that the first row has, or all without any row."""
+        """Return the names of the columns of rows.
+
+        For mappings, these are the keys of the first row, or the names of all columns if there is no row.
+        """
         return list(cast(Mapping[str, Any], rows[0])) if self.row is None and rows else list(self.by_name)
 
     def records(self, rows: Sequence[Row]) -> list[dict[str, Any]]:
@@ -100,7 +103,7 @@ class Table(Generic[Row]):
 
     @cached_property
     def _renamed(self) -> dict[str, str]:
-        """The names of the columns of fields that have another name."""
+        """The names of the columns, by field, for fields whose column has a different name."""
         named = zip(fields(cast(Any, self.row)), self.columns, strict=True)
         return {field.name: column.name for field, column in named if field.name != column.name}
 
@@ -115,9 +118,9 @@ def table_of(
     shown: Sequence[str] = (),
     later: Sequence[str] = (),
 ) -> Table[Row]:
-    """Return the description of a table whose rows are a dataclass; the other parameters are those of `Table`.
+    """Return the description of a table whose rows are a dataclass. For the other parameters see `Table`.
 
-    Raises `KeyError` for a field that has no `Meaning` and is no column of results.
+    Raises `KeyError` for a field that has no `Meaning` and is not the name of a column of results.
     """
     return Table(name, title, row, tuple(_columns(row)), tuple(key), tuple(filled), tuple(shown), tuple(later))
 
@@ -136,7 +139,7 @@ def _columns(row: type) -> Iterator[Column]:
 
 
 def _alternatives(hint: Any) -> tuple[Any, ...]:
-    """Return the types that a union joins; a type alone for any other one."""
+    """Return the types of a union; for any other type, the type itself."""
     return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
 
 
@@ -147,18 +150,18 @@ def _words(hint: Any) -> Iterator[str]:
             yield from get_args(part)
 
 
-#: The kinds of values, of which the first one that the values of a column may have is the kind of the column.
+#: The kinds of values. The kind of a column is the first of these kinds that its values may have.
 KINDS: tuple[Kind, ...] = ("string", "number", "integer", "boolean")
 
 
 def _kind(hint: Any) -> Kind:
-    """Return the kind of the values of a type. A column of numbers and texts is one of texts."""
+    """Return the kind of the values of a type. A column of numbers and texts is a column of texts."""
     kinds: dict[Any, Kind] = {str: "string", bool: "boolean", int: "integer", float: "number"}
     parts = ["string" if get_origin(part) is Literal else kinds.get(part) for part in _alternatives(hint)]
     return next(kind for kind in KINDS if kind in parts)
 
 
-#: The columns that identify a run in a table of several cases and engines, and that every run has.
+#: The columns that every run has, and that identify a run in a table of several cases and engines.
 RUN = ("case", "engine", "integrator", "timestep")
 RUN_FILLED = ("case", "engine", "version", "integrator", "timestep", "status")
 

@@ -18,19 +18,19 @@ from bodycheck.reference.trajectory import Array, Trajectory
 #: Name of the folder of all trajectory files, inside a results folder.
 TRAJECTORIES = "trajectories"
 
-#: Most bodies of a mechanism.
+#: The largest number of bodies of a mechanism.
 MAX_BODIES = 200
 
 #: The largest size of a trajectory file in bytes, which leaves room for the bounds of later versions.
 MAX_BYTES = 64 * 8 * MAX_SAMPLES * MAX_BODIES
 
-#: The column of a truth with the growth of an error, of mechanisms.
+#: The column with the growth of an error, in truths of mechanisms.
 GROWTH_COLUMN = "truth_growth"
 
 #: Columns of a state: position (m), quaternion w x y z (body to world), velocity (m/s), angular velocity, body frame (rad/s).
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
 
-#: What stands between the name of a body of a mechanism and that of a column of its states, as in "pole.x".
+#: The separator between the name of a body of a mechanism and the name of a column of its states, as in "pole.x".
 OF_BODY = "."
 
 #: Columns of the bounds of a truth's own errors, in the order and the units of `Bounds`.
@@ -41,7 +41,7 @@ BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
 class StoredTrajectory:
     """The trajectory in a file, which is read each time it is needed and is not kept in memory.
 
-    bodies: the names of the bodies, if it is the trajectory of a mechanism.
+    bodies: the names of the bodies if the trajectory is of a mechanism.
     """
 
     file: Path
@@ -64,7 +64,7 @@ def run_path(case: str, engine: str, spelling: str, timestep: float) -> Path:
     timestep
         Time step (s).
     """
-    # The spelling may come from a case file of unknown origin: quoted, it cannot lead out of the folder.
+    # The spelling may come from a case file of unknown origin. It is quoted, so that the path cannot lead out of the folder.
     return _path(case, "-".join(filter(None, (engine, spelling, f"{timestep!r}s"))))
 
 
@@ -74,20 +74,20 @@ def truth_path(case: str, timestep: float) -> Path:
 
 
 def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, Array], bodies: Sequence[str] = ()) -> None:
-    """Write a trajectory into a file, which appears whole or not at all.
+    """Write a trajectory into a file, completely or not at all.
 
     Parameters
     ----------
     folder
         The results folder.
     path
-        Path of the file relative to it.
+        Path of the file, relative to the folder.
     trajectory
         A trajectory of n instants.
     more
         Further columns (n,) by their names.
     bodies
-        The names of the bodies, if it is the trajectory of a mechanism; each is a prefix of the columns of the body's state.
+        The names of the bodies if the trajectory is of a mechanism; each name is a prefix of the columns of the body's state.
 
     Raises
     ------
@@ -99,13 +99,13 @@ def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, A
     named = {"t": trajectory.t, **dict(zip(_columns_of(bodies), states, strict=True)), **more}
     table = pa.table({name: columns.of_numbers(values) for name, values in named.items()})
     content = pa.BufferOutputStream()
-    # LZ4 takes half the time of zstd, and leaves a few per cent more.
+    # LZ4 takes half the time of zstd, and its files are a few per cent larger.
     pq.write_table(table, content, compression="lz4", use_dictionary=False, use_byte_stream_split=True)
     writing.write(folder / path, content.getvalue().to_pybytes(), folder)
 
 
 def read(file: Path, bodies: Sequence[str] = ()) -> Trajectory:
-    """Return the trajectory in a file, of a single body, or of the bodies of a mechanism with these names.
+    """Return the trajectory in a file, of a single body, or of a mechanism whose bodies have these names.
 
     Raises `BadFolder` if the file is missing or damaged.
     """
@@ -113,10 +113,9 @@ def read(file: Path, bodies: Sequence[str] = ()) -> Trajectory:
 
 
 def read_truth(file: Path, bodies: Sequence[str] = ()) -> tuple[Trajectory, Bounds, Array | None]:
-    """Return the trajectory of a truth at n instants, the bounds of its errors, and the growth (n,) of an error if it has it.
+    """Return the trajectory of a truth at n instants, the bounds of its errors, and the growth (n,) of an error or None.
 
-    Bounds that an earlier version of bodycheck did not write are not a number. Raises `BadFolder` if the file is missing or
-    damaged.
+    Bounds that an earlier version of bodycheck did not write are NaN. Raises `BadFolder` if the file is missing or damaged.
     """
     columns = _columns(file, bodies, (*BOUND_COLUMNS, GROWTH_COLUMN))
     unknown = np.full(len(columns["t"]), np.nan)
@@ -125,7 +124,7 @@ def read_truth(file: Path, bodies: Sequence[str] = ()) -> tuple[Trajectory, Boun
 
 
 def is_readable(file: Path, bodies: Sequence[str] = ()) -> bool:
-    """Return whether a trajectory file exists and is whole."""
+    """Return whether a trajectory file exists and is complete."""
     try:
         _columns(file, bodies, ())
     except BadFolder:
@@ -161,7 +160,7 @@ def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict
 
 
 def _columns_of(bodies: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of the states of the bodies of a mechanism, or of a single body where there are no names."""
+    """Return the columns of the states of the bodies of a mechanism, or of a single body if there are no names."""
     return tuple(body + OF_BODY + name for body in bodies for name in STATE_COLUMNS) if bodies else STATE_COLUMNS
 
 

@@ -10,12 +10,12 @@ from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.truths import Truth
 
-#: The vectors of an event of bodies that touch.
+#: The vectors of an event of bodies in contact.
 EVENT_VECTORS = ("position", "velocity", "spin")
 
 
 def told(truth: Truth) -> dict[str, Any]:
-    """Return what a record says of a truth; what it does not have is left out."""
+    """Return the entries of a truth for a record; values that the truth does not have are left out."""
     record: dict[str, Any] = {"model": truth.model, "why": truth.reason}
     record |= {"backend": truth.backend, "witnesses": truth.witnesses}
     if truth.stop is not None:
@@ -30,7 +30,7 @@ def told(truth: Truth) -> dict[str, Any]:
 
 
 def ways(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how the truth of a record was found, by the names of `Truth`."""
+    """Return the attributes of `Truth` in a record, which say how the truth was found, by name."""
     return {
         "model": record["model"],
         "reason": record["why"],
@@ -44,7 +44,7 @@ def ways(record: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def stop(record: Mapping[str, Any] | None) -> Stop | None:
-    """Return the stop in a record of a truth or of a stop."""
+    """Return the stop in a record of a truth or of a stop; None for None."""
     return None if record is None else Stop(record["time"], tuple(record["position"]), record["yaw"])
 
 
@@ -60,6 +60,6 @@ def _event(record: Mapping[str, Any]) -> Event:
 
 
 def _event_told(event: Event) -> dict[str, Any]:
-    """Return an event for a record, in which what mechanics does not give is null."""
+    """Return an event for a record. Values that mechanics does not determine are null."""
     record = asdict(event)
     return record | {name: [None if math.isnan(one) else one for one in record[name]] for name in EVENT_VECTORS}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.content import Case
 
-#: Why an expectation that was not checked does not count as failed.
+#: The reasons why an unchecked expectation does not count as failed.
 ALLOWED, SHIPPED = "--allow-missing", "in a shipped case"
 
 
@@ -20,9 +20,9 @@ class Unchecked:
     case, engine, integrator, timestep
         The names of the case and of the engine, the spelling of the method without its time step, and the time step (s).
     reason
-        Why the engine cannot be used.
+        The reason why the engine cannot be used.
     tolerated
-        Why it does not count as failed; empty if it does.
+        The reason why the expectation does not count as failed; empty if it does.
     """
 
     case: str
@@ -34,18 +34,18 @@ class Unchecked:
 
     @property
     def failed(self) -> bool:
-        """True if it counts as failed."""
+        """True if the expectation counts as failed."""
         return not self.tolerated
 
     @property
     def text(self) -> str:
-        """The fate of the expectation, and the reason."""
+        """A sentence with the consequence for the expectation, and the reason."""
         return f"not checked{f' ({self.tolerated})' if self.tolerated else ''}: {self.reason}"
 
 
 @dataclass(frozen=True)
 class Absence:
-    """Why the engine of an expectation cannot be used. broken: whether it is installed but fails, which is never tolerated."""
+    """The reason why an engine cannot be used. broken: whether it is installed but fails, which is never tolerated."""
 
     reason: str
     broken: bool = False
@@ -58,16 +58,16 @@ def unchecked(
     integrators: Sequence[str] = (),
     timesteps: Sequence[float] = (),
 ) -> Iterator[Unchecked]:
-    """Yield the methods of which cases expect something that cannot be checked, each once.
+    """Yield the expectations of cases that cannot be checked, once for each method.
 
     Parameters
     ----------
     cases
         The cases.
     absence
-        Returns why an engine of this name cannot be used; None if it can, or if it was not selected.
+        Function that returns why an engine cannot be used; None if it can be used, or was not selected.
     tolerated
-        Returns why a missing engine is tolerated in a case; an empty text if it is not.
+        Function that returns why a missing engine is tolerated in a case; an empty text if it is not.
     integrators, timesteps
         The selected spellings of methods and time steps (s); all if they are empty.
     """
@@ -81,7 +81,7 @@ def unchecked(
 
 
 def sentences(unchecked: Iterable[Unchecked]) -> list[str]:
-    """Return a sentence for each engine and reason: how many expectations were not checked, and what they count as."""
+    """Return a sentence for each engine and reason: the number of unchecked expectations, and whether they fail."""
     amounts = Counter((one.engine, one.tolerated, one.reason) for one in unchecked)
     return [_sentence(amount, *about) for about, amount in amounts.items()]
 

@@ -1,7 +1,7 @@
 """The vocabulary of verdicts: words, marks and meanings that the terminal, reports, studies and the site share.
 
-The keys are the values that files have, or what follows from them. A mark stands for a verdict in a cell that has no number.
-Colours are in the styles of the pages, whose classes have the names of the verdicts.
+The keys are the values in files, or derived from them. A mark stands for a verdict in a cell without a number. Colours are in
+the styles of the pages, whose classes have the names of the verdicts.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ class Word:
     Parameters
     ----------
     mark
-        The sign that stands for it where there is no number; empty if it has none.
+        The sign that stands for the verdict in a cell without a number; empty if it has none.
     title
         Its name.
     meaning
@@ -31,20 +31,20 @@ class Word:
     meaning: str
 
 
-#: How a run ends: the values of the column "status".
+#: The ways in which a run may end: the values of the column "status".
 ENDS: Final = tuple(outcome.status for outcome in (Completed, Unsupported, Diverged, Crashed, TimedOut))
 
-#: The sign before a bound that stands for an error within the truth's own; some terminals know ASCII alone.
+#: The sign before a bound that stands for an error within the truth's own; some terminals support only ASCII.
 WITHIN, WITHIN_ASCII = "≤", "<="
 
-#: The signs of engines and files that agree, differ, are refused, fail, do what they should not, lack something, are unknown.
+#: The signs of engines and files that agree, differ, are refused, fail, do something forbidden, lack something, or are unknown.
 AGREES, DIFFERS, REFUSED, FAILED, AMISS, MISSING, UNKNOWN = "=", "≠", "⊘", "✗", "!", "–", "·"
 
-#: The signs of a change: a larger error of the shown method, a smaller one, and a change of another method.
+#: The signs of a change: a larger error of the shown method, a smaller error, and a change of another method.
 WORSE, BETTER, OTHER = "▲", "▼", "◆"
 
-#: The verdicts on an engine in a scene: its error is within the truth's own, or there is an error, which is the number shown;
-#: or a run breaks an expectation, or it has no number.
+#: The verdicts on an engine in a scene: its error is within the truth's own error, it has an error, which is the number shown,
+#: a run breaks an expectation, or there is no number.
 Verdict = Literal["exact", "error", "broken", "failed", "refused", "unsupported", "not run"]
 
 SCENES: Mapping[Verdict, Word] = {
@@ -57,15 +57,15 @@ SCENES: Mapping[Verdict, Word] = {
     "not run": Word(UNKNOWN, "not run", "Nothing is known: there is no run of this scene in this engine."),
 }
 
-#: The expectations of a run: held, broken, or none. The terminal has another word for each, in ASCII.
+#: The verdicts on the expectations of a run: held, broken, or none. The terminal has another word for each, in ASCII.
 EXPECTATIONS: Mapping[bool | None, str] = {True: "held", False: "failed", None: MISSING}
 PASSED: Mapping[bool | None, str] = {True: "passed", False: "FAILED", None: "-"}
 
-#: The word for expectations that are broken in a way that the case lists as known.
+#: The word for broken expectations that the case lists as known discrepancies.
 KNOWN = "known"
 
-#: The verdicts on an engine and a robot model, or on one of its quantities: the statuses of parity, the first that holds first,
-#: and that there is none.
+#: The verdicts on an engine and a robot model, or on one of its quantities: the statuses of parity, of which the first that
+#: holds counts, and the lack of a status.
 RobotVerdict = Literal["refused", "differs", "accepted-unphysical", "not-modelled", "agrees", "not compared"]
 
 ROBOTS: Mapping[RobotVerdict, Word] = {

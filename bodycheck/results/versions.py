@@ -1,6 +1,6 @@
 """The machine and the versions of packages on which results depend.
 
-Versions must be the same wherever chunks of an ensemble are carried out, and times are comparable on equal machines.
+Versions must be the same wherever chunks of an ensemble are carried out; times are comparable only between equal machines.
 """
 
 import os
@@ -12,26 +12,26 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 
-#: The packages that the numbers of results depend on; those that are installed are in their header.
+#: The packages that the numbers of results depend on; the header of results lists the installed packages.
 PACKAGES = ("numpy", "scipy", "heyoka", "pyarrow")
 
 
 class OtherVersion(BadInput):
-    """A worker has another version of something than the command; the text says which."""
+    """A worker has another version of a package than the command; the text says which."""
 
 
 def here() -> dict[str, str]:
-    """Return the versions of bodycheck and of those packages that are installed here, by name."""
+    """Return the versions of bodycheck and of the installed packages among `PACKAGES`, by name."""
     return {"bodycheck": version("bodycheck"), **packages()}
 
 
 def packages() -> dict[str, str]:
-    """Return the versions of those packages that are installed here, by name."""
+    """Return the versions of the installed packages among `PACKAGES`, by name."""
     return {name: version(name) for name in PACKAGES if find_spec(name)}
 
 
 def check(wanted: Mapping[str, str], present: Mapping[str, str], where: str) -> None:
-    """Raise `OtherVersion` unless versions are equal. where: the place of the present ones, such as "the worker A"."""
+    """Raise `OtherVersion` unless versions are equal. where: the place of the present versions, such as "the worker A"."""
     for name in sorted(wanted.keys() | present.keys()):
         ours, theirs = wanted.get(name), present.get(name)
         if ours != theirs:

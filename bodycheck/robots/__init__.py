@@ -1,8 +1,8 @@
-"""Robot models: URDF and MJCF files from strangers, read as data, and robot models written as such files.
+"""Robot models: reading URDF and MJCF files from strangers as data, and writing robot models as such files.
 
-- `elements`: an XML file as elements that know their lines, of a limited size and without document type definitions.
-- `urdf`, `urdf_parts`, `attributes`, `orientations`: a URDF as its specification says, which is the truth of it.
-- `faults`: what the specification refuses in a file.
-- `checked`: the copy of a file that engines get, in which nothing leads to another file. `mjcf_copy` and `mjcf_meshes` make
-  that of an MJCF file; `named_files` finds the files that it may read, and takes out what names files.
+- `elements` reads an XML file of limited size, without document type definitions, as elements that know their lines.
+- `urdf`, `urdf_parts`, `attributes` and `orientations` read a URDF as its specification says, which gives the true model.
+- `faults` defines violations of the specification in a file.
+- `checked` writes the copy of a file that engines get, which refers to no files but copied ones. `mjcf_copy` and `mjcf_meshes`
+  make the copy of an MJCF file; `named_files` finds the files that may be read, and removes references to all others.
 """

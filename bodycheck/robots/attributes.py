@@ -1,6 +1,6 @@
-"""Numbers, positions and rotations that stand in attributes of URDF. What cannot be read is a fault, and the default is taken.
+"""Read numbers, positions and attitudes from attributes of URDF. An unreadable value is a fault, and its default is used.
 
-Numbers are the doubles nearest to what is written, as every engine reads them. What is computed of them is exact.
+Numbers are the doubles nearest to the written decimals, as every engine reads them. All computation with them is exact.
 """
 
 import math
@@ -12,16 +12,16 @@ from bodycheck.robots.elements import Element, quoted
 from bodycheck.robots.faults import About, FaultyQuantity
 from bodycheck.robots.orientations import euler
 
-#: A decimal number. `float` would also take 1_000, nan, infinity and digits of other scripts.
+#: A decimal number. `float` would also accept 1_000, nan, infinity and digits of other scripts.
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
-#: What C's `strtod`, and so many readers, take for numbers too, of which no body is made.
+#: Words that C's `strtod`, and so many readers, accept as numbers, but that are not finite.
 NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 
 #: Most characters of an attribute that holds numbers.
 MAX_CHARACTERS = 2000
 
-#: Space in an attribute of XML. `str.split` would also take that of other scripts.
+#: Space in an attribute of XML. `str.split` would also accept the white space of other scripts.
 SPACE = " \t\r\n"
 
 #: The default of positions and angles.
@@ -29,9 +29,9 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def read_numbers(text: str) -> tuple[float, ...] | None:
-    """Return the numbers in the text of an attribute, which may be NaN or infinite.
+    """Return the numbers in the text of an attribute; they may be NaN or infinite.
 
-    Returns None if the text is empty, too long, or has anything but numbers.
+    Return None if the text is empty or too long, or contains anything but numbers.
     """
     words = text.strip(SPACE)
     if not 0 < len(words) <= MAX_CHARACTERS:
@@ -41,16 +41,16 @@ def read_numbers(text: str) -> tuple[float, ...] | None:
 
 
 def count_in_words(count: int) -> str:
-    """Return how many numbers an attribute has, as messages say it."""
+    """Return a phrase for messages that says how many numbers an attribute has."""
     return "one number" if count == 1 else f"{count} numbers separated by spaces"
 
 
 def numbers(
     about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: tuple[float, ...]
 ) -> tuple[float, ...]:
-    """Return the numbers of an attribute, as many as the default has, which is returned where it is missing or unreadable.
+    """Return the numbers of an attribute, as many as `default` has; the default if the attribute is missing or unreadable.
 
-    A number that is not finite is a fault, and returned as it is.
+    An attribute that is unreadable or has a number that is not finite is a fault; such a number is returned as it is.
     """
     text = element.attributes.get(attribute)
     if text is None:
@@ -69,21 +69,22 @@ def number(about: About, quantity: FaultyQuantity, element: Element, attribute: 
 
 
 def required(about: About, quantity: FaultyQuantity, element: Element, attribute: str) -> float:
-    """Return the number of an attribute, as `numbers` does; 0 and a fault where it is missing."""
+    """Return the number of an attribute, as `numbers` does; 0 and a fault if it is missing."""
     if attribute not in element.attributes:
         about.add(quantity, element, attribute, "is missing; allowed: one number")
     return number(about, quantity, element, attribute)
 
 
 def position(about: About, quantity: FaultyQuantity, origin: Element | None) -> Vector3:
-    """Return the position (m) of an <origin>, which is 0 where there is none."""
+    """Return the position (m) of an <origin>; 0 if it is None or gives no position."""
     return vector(ZERO if origin is None else numbers(about, quantity, origin, "xyz", ZERO))
 
 
 def attitude(about: About, quantity: FaultyQuantity, origin: Element | None) -> Quaternion4:
     """Return the attitude of an <origin>: a unit quaternion (w, x, y, z) from its axes to those around it.
 
-    It is `rpy`, turns about the fixed axes x, y and z in this order (rad), or `quat_xyzw` where the version of the file has it.
+    The attitude is given by `rpy`, rotations about the fixed axes x, y and z in this order (rad), or by `quat_xyzw` if the
+    version of the file allows it.
     """
     if origin is None:
         return IDENTITY
@@ -100,5 +101,5 @@ def attitude(about: About, quantity: FaultyQuantity, origin: Element | None) -> 
 
 
 def _value(word: str) -> float | None:
-    """Return the number that a word is; None if it is none."""
+    """Return the number that a word represents; None if it is not a number."""
     return float(word) if NUMBER.fullmatch(word) or NOT_FINITE.fullmatch(word) else None

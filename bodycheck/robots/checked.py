@@ -1,7 +1,8 @@
-"""Write the copy of a robot model that engines get, from which nothing leads to another file than those written beside it.
+"""Write the copy of a robot model that engines get, which refers to no files but the copies written beside it.
 
-A robot model comes from a stranger, and the readers of engines open whatever a model names. So engines get no file of a
-stranger but one written anew from its elements: without document type definition, in UTF-8, and without what names files.
+A robot model comes from a stranger, and the readers of engines open whatever a model names. Engines therefore get a file that
+is written anew from the elements of the stranger's file: in UTF-8, without a document type definition, and without references
+to other files.
 """
 
 from collections.abc import Sequence
@@ -15,8 +16,8 @@ from bodycheck.robots import elements, mjcf_copy
 from bodycheck.robots.elements import MAX_DEPTH, Element, refuse
 from bodycheck.robots.named_files import Removed, folders, local, remove
 
-#: Elements that are left out of the copy of a URDF: shapes to be seen, and what names or holds other files. Shapes for
-#: collisions stay where they have sizes of their own.
+#: Elements that are left out of the copy of a URDF: visual shapes, and elements that name or contain other files. Collision
+#: shapes stay if they state their sizes.
 UNWANTED = {
     "visual", "material", "mesh", "texture", "deformable", "reduced_deformable", "include", "plugin", "script", "size", "sdf",
     "uri", "url", "file", "filename",
@@ -24,9 +25,10 @@ UNWANTED = {
 
 
 def written(root: Element) -> bytes:
-    """Return the content of an XML file with an element and everything in it.
+    """Return the content of an XML file that contains an element and everything in it.
 
-    Raises `BadInput` if elements are nested more than `MAX_DEPTH` deep, as they may be after files have been put into others.
+    Raises `BadInput` if elements are nested more than `MAX_DEPTH` deep, as they may be after files have been included in
+    others.
     """
     parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
     left: list[tuple[Element | str, int]] = [(root, 1)]
@@ -57,7 +59,7 @@ class Checked:
     file
         The copy.
     removed
-        What of the model is not in it, as phrases.
+        Phrases for the parts of the model that the copy lacks.
     """
 
     file: RobotFile
@@ -67,7 +69,8 @@ class Checked:
 def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
     """Write a copy of a robot model for engines.
 
-    A URDF loses its meshes, and an MJCF those that carry no inertia. An MJCF file holds all files that it includes.
+    The copy of a URDF has no meshes, and the copy of an MJCF file only the meshes that carry inertia. The copy of an MJCF file
+    contains all files that the original includes.
 
     Parameters
     ----------
@@ -76,13 +79,13 @@ def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
     packages
         Folders of packages.
     into
-        A folder for the copy, which is this model's alone.
+        A folder for the copy, which no other model uses.
 
     Raises
     ------
     BadInput
-        The file is not there, too large, no XML or no robot model, or an MJCF file needs another file that is not inside the
-        folder of the model or those of packages.
+        The file does not exist, is too large, or is no XML or no robot model, or an MJCF file needs another file that is not
+        inside the folder of the model or the folders of packages.
     NotWritten
         The copy cannot be written.
     """
@@ -102,7 +105,7 @@ def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
 
 
 def _unwanted(element: Element) -> bool:
-    """Return whether an element of a URDF is left out: one of `UNWANTED`, or a shape for collisions that has one in it."""
+    """Return whether an element of a URDF is left out: an element of `UNWANTED`, or a collision shape that contains one."""
     if local(element.tag) in UNWANTED:
         return True
     return element.tag == "collision" and any(local(inner.tag) in UNWANTED for inner in element.everything())

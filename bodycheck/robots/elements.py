@@ -1,4 +1,4 @@
-"""Read an XML file from a stranger as elements that know their lines. Document type definitions and entities are refused."""
+"""Read an XML file from a stranger as elements that know their lines; refuse document type definitions and entities."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ class Element:
     Attributes
     ----------
     text
-        The pieces of its own text, without those that are only space.
+        The pieces of text directly in the element, except pieces of white space alone.
     """
 
     tag: str
@@ -60,12 +60,12 @@ class Element:
 
 
 def read(path: Path) -> Element:
-    """Return the root of an XML file. Raises `BadInput` if it is not there, too large, or not such a file."""
+    """Return the root of an XML file. Raises `BadInput` if the file does not exist, is too large, or is not XML."""
     return parsed(content(path), path.name)
 
 
 def content(path: Path) -> bytes:
-    """Return the content of a file that the user named. Raises `BadInput` if it is not there, too large, or no file."""
+    """Return the content of a file that the user named. Raises `BadInput` if it is missing, too large, or no file."""
     try:
         return reading.content(path, MAX_BYTES, follow=True)
     except reading.Refused as error:
@@ -77,12 +77,12 @@ def content(path: Path) -> bytes:
 
 
 def parsed(content: bytes, file: str) -> Element:
-    """Return the root of the content of an XML file. file: its name. Raises `BadInput` if it is no such file."""
+    """Return the root element of the content of an XML file named `file`. Raises `BadInput` if the content is not XML."""
     return _Reader(quoted(file)[1:-1]).read(content)
 
 
 class _Reader:
-    """Builds elements as expat finds them."""
+    """Builds elements from the events of expat."""
 
     def __init__(self, file: str) -> None:
         self.file, self.count = file, 0
@@ -137,13 +137,13 @@ def refuse_root(root: Element) -> NoReturn:
 
 
 def place(element: Element, attribute: str | None = None) -> str:
-    """Return file, line, element and attribute as they stand in messages."""
+    """Return file, line, element and attribute as messages state them."""
     tag = quoted(element.tag)[1:-1]
     return f"{element.file}:{element.line}: <{tag}{f' {attribute}' if attribute else ''}>"
 
 
 def printable(text: str) -> str:
-    """Return a stranger's text on one line, with escapes in the place of what is not printed."""
+    """Return a stranger's text on one line, with escapes for unprintable characters."""
     return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode("ascii") for sign in text)
 
 

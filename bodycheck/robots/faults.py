@@ -6,13 +6,13 @@ from typing import Literal
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.robots.elements import Element, place, quoted
 
-#: The quantity that a fault is about: "effort_limit" for all of <limit>, "joint_type" for <mimic> too, "parent" for names too;
-#: empty for what is about the file as a whole.
+#: The quantity that a fault is about: "effort_limit" for all of <limit>, "joint_type" also for <mimic>, "parent" also for
+#: names; empty for faults of the file as a whole.
 FaultyQuantity = Literal[
     "mass", "center_of_mass", "inertia", "pose", "axis", "parent", "joint_type", "damping", "friction", "effort_limit", ""
 ]
 
-#: Most faults that are told of one file. A file of a stranger may have one in every element.
+#: The largest number of faults reported for one file. A file of a stranger may have a fault in every element.
 MAX_FAULTS = 200
 
 
@@ -23,9 +23,9 @@ class FileFault:
     Attributes
     ----------
     subject
-        The name of the link or joint, or "model".
+        The name of the link or joint that has the fault, or "model".
     quantity
-        What it is about.
+        The quantity that the fault is about.
     text
         The fault in one line of printable characters, which names the file and the line.
     """
@@ -37,14 +37,14 @@ class FileFault:
 
 @dataclass(frozen=True, eq=False)
 class FileReading:
-    """A robot model as the specification of its file's format has it.
+    """A robot model as read by the specification of its file's format.
 
     Attributes
     ----------
     model
         The model; None if no tree of links and joints can be made of the file.
     faults
-        What the specification refuses, in the order in which it was found.
+        The violations of the specification, in the order in which they were found.
     """
 
     model: RobotModel | None
@@ -53,7 +53,7 @@ class FileReading:
 
 @dataclass(frozen=True)
 class About:
-    """A link or joint that is read, or the model.
+    """The link or joint that is being read, or the model.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class About:
     faults: list[FileFault] = field(default_factory=list)
 
     def of(self, subject: str) -> "About":
-        """Return the same file and list of faults for another subject."""
+        """Return a copy for another subject, with the same file and list of faults."""
         return replace(self, subject=subject)
 
     def add(self, quantity: FaultyQuantity, element: Element, attribute: str | None, text: str) -> None:

@@ -1,9 +1,9 @@
-"""A mechanism of a case file as a robot model.
+"""Convert a mechanism of a case file to a robot model.
 
-The root of the model is a link without mass, which is the world. A body that is the child of no joint floats on it. A joint of
-a type that robot models do not have, such as a universal joint, is written as its elementary motions with links without mass
-between them; they have the name of the joint and a number, as in `cross:1`. Initial states and constant forces of joints are no
-part of a robot model.
+The root of the model is a link without mass, which is the world. A body that is the child of no joint gets a floating joint on
+the root. A joint of a type that robot models do not have, such as a universal joint, is written as a chain of joints for its
+elementary motions, with massless links between them. These joints and links have the name of the joint and a number, as in
+`cross:1`. A robot model has no initial states and no constant forces of joints.
 """
 
 from collections.abc import Collection, Iterator
@@ -22,12 +22,12 @@ from bodycheck.reference.robots.model import RobotJoint, RobotJointType, RobotLi
 #: The axes of the frame of a joint, by their names.
 _AXES = dict(zip("xyz", np.eye(3, dtype=np.longdouble), strict=True))
 
-#: The joints of a robot model that move as an elementary motion does.
+#: The type of the joint of a robot model that makes an elementary motion.
 ELEMENTARY: dict[MotionKind, RobotJointType] = {"turn": "revolute", "slide": "prismatic", "ball": "spherical"}
 
 
 def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
-    """Return a mechanism as a robot model of a name. Raises `BadInput` if the mechanism has loops, which no tree has."""
+    """Return a mechanism as a robot model with a name. Raises `BadInput` if the mechanism has loops."""
     if mechanism.loops:
         raise BadInput(f"{name} has closed loops; a robot model is a tree")
     root = _unlike("world", {body.name for body in mechanism.bodies})
@@ -49,7 +49,7 @@ def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
 
 
 def _unlike(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken yet: this one, or with underscores."""
+    """Return a name that is not taken yet: the given name, followed by underscores if needed."""
     while name in taken:
         name += "_"
     return name
@@ -67,7 +67,7 @@ def _link(body: JointedBody) -> RobotLink:
 
 
 def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
-    """The joints of a robot model that a joint is. Links between several of them, without mass, are added to the links."""
+    """Return the joints of a robot model that make a joint; append the massless links between several joints to `links`."""
     rotation = np.stack([_array(row) for row in matrix(exact.turn(joint.attitude))])
     position = np.array(joint.position, np.longdouble)
     whole = RobotJoint(
@@ -94,7 +94,7 @@ def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
 
 
 def _axis(joint: Joint, motion: ElementaryMotion | None) -> Wide:
-    """The axis (3,) of an elementary motion in the frame of its joint; zero where there is none, as of a ball."""
+    """Return the axis (3,) of an elementary motion in the frame of its joint; zero if it has no axis, as for a ball."""
     if motion is None or motion.kind == "ball":
         return np.zeros(3, np.longdouble)
     return _array(exact.unit_axis(joint)) if motion.axis == "given" else _AXES[motion.axis]

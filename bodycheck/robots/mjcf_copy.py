@@ -1,9 +1,10 @@
-"""Make the elements of an MJCF file a model that needs no other files but the meshes that carry inertia.
+"""Change the elements of an MJCF file so that it needs no files but the meshes that carry inertia.
 
-https://mujoco.readthedocs.io/en/stable/XMLreference.html. Files that are included are put in their places. Textures, skins,
-plug-ins and the sizes of memory are removed, because no term of the equations of motion depends on them; a height field is made
-flat. A mesh whose shape carries no inertia is replaced by a small one, so that whatever names it still finds it. Bodies and
-joints without names get some, because engines would give them different ones, by which nobody could tell which is which.
+https://mujoco.readthedocs.io/en/stable/XMLreference.html. Included files replace the elements that include them. Textures,
+skins, plug-ins and the sizes of memory are removed, because no term of the equations of motion depends on them; a height field
+is made flat. A mesh that carries no inertia is replaced by a small mesh, so that references to it stay valid. Bodies and joints
+without names get names, because engines would give them different names, so that results could not be assigned to bodies and
+joints.
 """
 
 from collections.abc import Mapping
@@ -17,7 +18,7 @@ from bodycheck.robots.named_files import Folders, NotFound, Removed, local, remo
 #: Elements that are removed.
 UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}
 
-#: The elements that get names, with what the names begin with, and those in which they stand.
+#: The elements that get names, with the beginnings of the names and the elements that contain them.
 NAMED: Mapping[str, str] = {"body": "body", "joint": "joint", "freejoint": "joint"}
 AROUND = {"worldbody", "body", "frame", "replicate"}
 
@@ -37,12 +38,12 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
     into
         The folder of the copy.
     removed
-        The counts of removed elements, which are increased.
+        Counts of removed elements, to which this function adds.
 
     Raises
     ------
     BadInput
-        A file that is needed is not inside the folders, or the model needs what is not copied.
+        A file that is needed is not inside the folders, or the model needs something that is not copied.
     """
     origins = _include(root, folders)
     for element in root.everything():
@@ -118,7 +119,7 @@ def _name(root: Element) -> None:
 
 
 def _flatten(hfield: Element, removed: Removed) -> None:
-    """Make a height field flat, which changes nothing, because it has no inertia."""
+    """Make a height field flat, which does not change the motion, because it has no inertia."""
     if "file" in hfield.attributes:
         name = Path(hfield.attributes["file"]).stem
         hfield.attributes.setdefault("name", name)

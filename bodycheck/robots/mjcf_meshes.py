@@ -1,7 +1,7 @@
-"""Copy the meshes of an MJCF file that carry inertia, and replace the others by a small one.
+"""Copy the meshes of an MJCF file that carry inertia, and replace each other mesh by a small one.
 
-A mesh carries inertia where a geom of it is in a body without an <inertial>, or where inertia comes from geoms in any case.
-Meshes are files of strangers too: they are copied by their content, up to a size, and only from the folders of the model.
+A mesh carries inertia if a geom uses it in a body without an <inertial>, or if the compiler takes all inertia from geoms.
+Meshes are files of strangers too: only files up to a size, and only from the allowed folders, are copied.
 """
 
 from collections.abc import Iterator
@@ -16,10 +16,10 @@ from bodycheck.robots.named_files import Folders, NotFound, Removed, local
 SUFFIXES = (".stl", ".obj", ".msh")
 MAX_BYTES = 256 << 20
 
-#: The first words of those lines of an OBJ file that are copied. Others name files of materials.
+#: The first words of the lines of an OBJ file that are copied. Other lines may name files of materials.
 OBJ_WORDS = (b"v", b"vn", b"vt", b"f", b"o", b"g", b"s", b"l", b"p")
 
-#: The attributes of a mesh in the place of one that carries no inertia: four points of a cube with edges of 1 m.
+#: The attributes of the mesh that replaces a mesh without inertia: four corners of a cube with edges of 1 m.
 SMALL = {"vertex": "0 0 0 1 0 0 0 1 0 0 0 1", "scale": "1 1 1"}
 
 
@@ -33,16 +33,16 @@ def prepare(root: Element, folders: Folders, origins: dict[Element, Path], into:
     folders
         The folders whose files may be read.
     origins
-        The folder of the file from which each element is.
+        The folder of the file that each element comes from.
     into
         The folder of the copy.
     removed
-        Where it is counted which files are not copied.
+        The counts of removed attributes, to which this function adds the files that are not copied.
 
     Raises
     ------
     BadInput
-        A mesh that carries inertia is not inside the folders, is too large or of another kind.
+        A mesh that carries inertia is not inside the folders, is too large, or is not one of the kinds in `SUFFIXES`.
     """
     carriers = _carriers(root)
     below, stripped = _folder(root), _stripped(root)
@@ -67,19 +67,19 @@ def prepare(root: Element, folders: Folders, origins: dict[Element, Path], into:
 
 
 def _meshes(root: Element) -> Iterator[Element]:
-    """Yield the meshes of files."""
+    """Yield the mesh elements that name a file."""
     for element in root.everything():
         if local(element.tag) == "asset":
             yield from (mesh for mesh in element.children if local(mesh.tag) == "mesh" and "file" in mesh.attributes)
 
 
 def _stem(file: str) -> str:
-    """Return the name of a mesh that has only a file: that of the file, without folder and ending."""
+    """Return the default name of a mesh with a file: the name of the file without folder and ending."""
     return PurePosixPath(file.replace("\\", "/")).stem
 
 
 def _compilers(root: Element, attribute: str) -> list[str]:
-    """Return what the <compiler> elements have for an attribute, in their order; the last one counts."""
+    """Return the values of an attribute of the <compiler> elements, in their order; the last value counts."""
     return [
         element.attributes[attribute]
         for element in root.everything()
@@ -88,13 +88,13 @@ def _compilers(root: Element, attribute: str) -> list[str]:
 
 
 def _folder(root: Element) -> str:
-    """Return the folder of meshes below that of the model."""
+    """Return the path of the folder of meshes, relative to the folder of the model."""
     folders = _compilers(root, "meshdir") or _compilers(root, "assetdir")
     return folders[-1] if folders else ""
 
 
 def _stripped(root: Element) -> bool:
-    """Return whether names of files lose their folders."""
+    """Return whether folders are removed from the names of files."""
     return _compilers(root, "strippath")[-1:] == ["true"]
 
 

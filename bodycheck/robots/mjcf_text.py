@@ -1,15 +1,16 @@
 """Write a robot model as an MJCF file.
 
-A link is a body, in the body of its parent, with the joint's frame as its place. A root without mass has no body where its name
-is `world`, which MuJoCo's world has, or where all that it carries is free. The joints are:
+A link becomes a body inside the body of its parent, placed at the frame of its joint. A massless root gets no body if its name
+is `world`, as for MuJoCo's world, or if all its children are on free joints. Joints become:
 
 - revolute, prismatic, spherical: a hinge, a slide, a ball.
-- floating: a free joint where the parent is the root and the joint's frame is the root's. MuJoCo has free joints on the world
-  alone, with velocities along the world's axes, so that the body is then beside that of the root. Any other floating joint is
-  three slides and a ball, whose velocities are those of the model.
+- floating: a free joint if the parent is the root and the frame of the joint is the frame of the root. MuJoCo has free joints
+  on the world only, with velocities along the axes of the world, so the body then stands beside the body of the root. Any other
+  floating joint becomes three slides and a ball, whose velocities are the velocities of the model.
 - planar: two slides along the axes of the plane, and a hinge about its normal.
 
-The parts of a joint have its name and a number, as in `hip:1`. MJCF has no limits of velocity, which are left out.
+If a joint becomes several MuJoCo joints, they have its name and a number, as in `hip:1`. Velocity limits are left out, because
+MJCF has none.
 """
 
 from collections.abc import Mapping
@@ -51,14 +52,14 @@ def is_free(model: RobotModel, joint: RobotJoint) -> bool:
 
 
 def _is_world(model: RobotModel) -> bool:
-    """Return whether the root is the world: it has no mass, and has that name or carries bodies with free joints alone."""
+    """Return whether the root is the world: a massless link that is named `world` or has only free joints on it."""
     root, carried = model.links[model.root], [joint for joint in model.joints if joint.parent == model.root]
     free = bool(carried) and all(is_free(model, joint) for joint in carried)
     return not root.mass and not root.inertia.any() and (root.name == "world" or free)
 
 
 def _add_body(parent: Element, link: RobotLink, pose: Mapping[str, str]) -> Element:
-    """Add the body of a link, with its inertia, and return it. pose: its pose in that of its parent."""
+    """Add the body of a link, with its inertia, and return it. pose: its pose in the frame of its parent."""
     body = SubElement(parent, "body", {"name": link.name, **pose})
     if link.mass or link.inertia.any():
         attributes = {"pos": numbers(link.center_of_mass), "mass": number(link.mass)}
@@ -72,7 +73,7 @@ def _add_body(parent: Element, link: RobotLink, pose: Mapping[str, str]) -> Elem
 
 
 def _add_joints(body: Element, joint: RobotJoint, free: bool) -> None:
-    """Add MuJoCo's joints of a joint to the body of its child."""
+    """Add the MuJoCo joints that make a joint to the body of its child."""
     numbers_of_joint = {
         "armature": joint.armature,
         "damping": joint.damping,
@@ -94,7 +95,7 @@ def _add_joints(body: Element, joint: RobotJoint, free: bool) -> None:
 
 
 def _parts(joint: RobotJoint) -> list[tuple[str, np.ndarray | None]]:
-    """The kinds and axes of MuJoCo's joints of a joint."""
+    """Return the kinds and axes of the MuJoCo joints that make a joint."""
     match joint.type:
         case "revolute":
             return [("hinge", joint.axis)]

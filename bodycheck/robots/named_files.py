@@ -1,7 +1,7 @@
-"""Files that a robot model names: find them inside the folders that may be read, or remove what names them.
+"""Find the files that a robot model names inside the folders that may be read, or remove the references to them.
 
-Files are read from the folder of the model and the folders of packages only. What remains must not make an engine open another
-file.
+Files are read only from the folder of the model and the folders of packages. The remaining model must not make an engine open
+any other file.
 """
 
 import os
@@ -36,7 +36,7 @@ class Removed:
         self.counts[f"<{tag}>" if attribute is None else f"{quoted(attribute)[1:-1]} of <{tag}>"] += 1
 
     def phrases(self) -> tuple[str, ...]:
-        """Return what has been removed, each kind once, with its number."""
+        """Return a phrase for each kind of removed element or attribute, with its count."""
         return tuple(f"{kind} ({count})" for kind, count in sorted(self.counts.items()))
 
 
@@ -46,13 +46,13 @@ def remove(root: Element, unwanted: Callable[[Element], bool], kept: Collection[
     Parameters
     ----------
     root
-        The element in which they are.
+        The element that contains them.
     unwanted
-        Whether an element is removed, with everything in it.
+        Function that returns whether an element is removed, with everything in it.
     kept
-        Elements whose attributes are kept.
+        Elements that keep their attributes.
     removed
-        Where it is counted.
+        Counts of removed elements and attributes, to which this function adds.
     """
     for element in root.everything():
         for child in element.children:
@@ -71,7 +71,7 @@ SCHEMES = ("package://", "model://")
 
 
 class NotFound(Exception):
-    """A file that a model names is outside the folders whose files may be read, or is not there; the text says so."""
+    """Raised if a file that a model names is missing or outside the folders that may be read; the text says which."""
 
 
 @dataclass(frozen=True)
@@ -83,26 +83,26 @@ class Folders:
     home
         The folder of the model.
     packages
-        Folders of packages: each holds packages, or is one.
+        Folders that contain packages or are packages.
     """
 
     home: Path
     packages: tuple[Path, ...] = ()
 
     def find(self, name: str, bases: Sequence[Path]) -> Path:
-        """Return the file of a name, without symbolic links in its path.
+        """Return the path of a named file, without symbolic links.
 
         Parameters
         ----------
         name
-            What stands in the model: a path, or one in a package, as package://NAME/PATH.
+            The name in the model: a path, or a path in a package, as package://NAME/PATH.
         bases
-            The folders from which a path begins, in the order in which they are tried.
+            The folders that a path may be relative to, in the order in which they are tried.
 
         Raises
         ------
         NotFound
-            No such file is inside the folders. Of what is outside nothing is told but that.
+            No such file is inside the folders. The text says nothing else about files outside them.
         """
         inside = False
         for candidate in self._candidates(name, bases):
@@ -129,5 +129,5 @@ class Folders:
 
 
 def folders(model: Path, packages: Sequence[Path]) -> Folders:
-    """Return the folders from which files may be read for a model: that of its path as the user gave it, and the packages."""
+    """Return the folders from which files may be read for a model: the folder of its path as given, and the packages."""
     return Folders(model.parent.resolve(), tuple(package.resolve() for package in packages))

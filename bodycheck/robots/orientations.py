@@ -1,4 +1,4 @@
-"""Exact attitudes as robot models give them, which are unit quaternions (w, x, y, z) from a frame to its parent's axes."""
+"""Exact attitudes from the forms of robot models, as unit quaternions (w, x, y, z) from a frame to its parent's axes."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ def about_axis(axis: Vector3, angle: Real) -> Quaternion4:
 
 
 def euler(angles: Sequence[Real], sequence: str) -> Quaternion4:
-    """Return successive rotations about the axes of a sequence: lower case turns with the body, upper case is fixed."""
+    """Return the product of rotations (rad) about a sequence of axes: of the body if lower case, else fixed in space."""
     turn = IDENTITY
     for angle, letter in zip(angles, sequence, strict=True):
         axis = vector([float(letter.lower() == name) for name in "xyz"])
@@ -37,27 +37,30 @@ def from_z(z: Vector3) -> Quaternion4:
 
 
 def from_axes(x: Vector3, y: Vector3) -> Quaternion4:
-    """Return the attitude with an axis x, and an axis y from which its part along x is taken away."""
+    """Return the attitude whose x axis has the direction of `x`, and whose y axis that of `y` less its part along `x`."""
     x = normed(x)
     along = sum(a * b for a, b in zip(x, y, strict=True))
     a, b, c = (component - along * part for component, part in zip(y, x, strict=True))
     y = normed((a, b, c))
     first = from_z((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
-    # What is left is a rotation about the third axis, after which the first axis is x.
+    # The remaining rotation is about the third axis; after it, the first axis is x.
     w, i, j, k = first
     back = multiply(multiply((w, -i, -j, -k), (MP.mpf(0), *x)), first)
     return multiply(first, about_axis(vector((0, 0, 1)), MP.atan2(back[2], back[1])))
 
 
 def normed(v: Vector3) -> Vector3:
-    """Return the direction of a vector, which has length 1."""
+    """Return a vector divided by its length."""
     length = MP.sqrt(sum(part * part for part in v))
     x, y, z = (part / length for part in v)
     return x, y, z
 
 
 def turned_inertia(components: Sequence[Real], attitude: Quaternion4) -> Components:
-    """Return a tensor XX, YY, ZZ, XY, XZ, YZ (kg m^2), given along the axes of an attitude, along those of the frame."""
+    """Return the components in the parent frame of an inertia tensor given along axes with an attitude in that frame.
+
+    The components are XX, YY, ZZ, XY, XZ, YZ (kg m^2).
+    """
     xx, yy, zz, xy, xz, yz = map(MP.mpf, components)
     if attitude == IDENTITY:
         return xx, yy, zz, xy, xz, yz

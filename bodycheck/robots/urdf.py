@@ -1,8 +1,8 @@
-"""Read a URDF as its specification says, and tell what the specification refuses in it.
+"""Read a URDF as its specification says, and report the violations of the specification.
 
-Where a fault leaves the file a meaning, reading goes on: a number that cannot be read has its default, or is 0 where there is
-none, and of several elements of which one is allowed the first counts. `urdf_parts` reads links and joints, and this module
-what connects them.
+Reading goes on if the file still has a meaning in spite of a fault: an unreadable number has its default, or is 0 if it has no
+default, and the first of several elements counts if only one is allowed. `urdf_parts` reads links and joints; this module reads
+how they are connected.
 """
 
 import re
@@ -22,8 +22,8 @@ from bodycheck.robots.faults import About, FileReading
 from bodycheck.robots.orientations import normed
 from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
-#: Most links and joints of a model, and most characters of a name. Jacobians of all links at many states take the square of
-#: their number, and every table has the names many times.
+#: Most links and joints of a model, and most characters of a name. The memory for Jacobians of all links at many states grows
+#: with the square of their number, and every table repeats the names many times.
 MAX_LINKS = 500
 MAX_NAME = 500
 
@@ -63,7 +63,7 @@ def read(content: bytes, file: str) -> FileReading:
     content
         The content of the file.
     file
-        Its name, which stands in the texts of faults.
+        Its name, for the texts of faults.
 
     Raises
     ------
@@ -82,13 +82,13 @@ def read(content: bytes, file: str) -> FileReading:
 
 
 def about_file(root: Element) -> About:
-    """Return what the readers of links and joints know of a file, without faults."""
+    """Return what the readers of links and joints need to know about a file, with an empty list of faults."""
     version = VERSION.fullmatch(root.attributes.get("version", "1.0"))
     return About("model", quaternions=version is not None and int(version[1]) >= WITH_QUATERNIONS)
 
 
 def _check_head(about: About, root: Element) -> None:
-    """Add the faults of <robot> itself, and of what is left of macros."""
+    """Add the faults of <robot> itself, and of unexpanded macros."""
     written = root.attributes.get("version", "1.0")
     if not VERSION.fullmatch(written):
         about.add("", root, "version", f"read {quoted(written)}; allowed: 1.0, 1.1 or 1.2")
@@ -99,7 +99,7 @@ def _check_head(about: About, root: Element) -> None:
 
 
 def macros(root: Element) -> Iterator[Element]:
-    """Yield what is left of macros of xacro in a file."""
+    """Yield the unexpanded macros of xacro in a file."""
     return (element for element in root.everything() if element.tag.startswith("xacro:"))
 
 
@@ -125,7 +125,7 @@ def parts(root: Element, about: About) -> Parts | None:
 
 
 def _named(about: About, root: Element, tag: str) -> list[tuple[str, Element]] | None:
-    """Return the elements with a tag, each with its name; None and a fault if a name is missing, too long or stands twice."""
+    """Return the elements with a tag, each with its name; None and a fault if a name is missing, too long or repeated."""
     elements_with_tag = [(element.attributes.get("name", ""), element) for element in root.all(tag)]
     named = [(name, element) for name, element in elements_with_tag if 0 < len(name) <= MAX_NAME]
     for name, element in elements_with_tag:
@@ -171,7 +171,7 @@ def _root(about: About, root: Element, links: dict[str, Element], joints: list[J
 
 
 def below(root: str, joints: list[JointPart] | tuple[JointPart, ...]) -> list[str]:
-    """Return the names of all links that a root leads to, without it, each behind its parent and in the order of joints."""
+    """Return the names of all links below a root, without the root, each after its parent and in the order of joints."""
     children: dict[str, list[str]] = {}
     for joint in joints:
         children.setdefault(joint.parent, []).append(joint.child)
@@ -182,7 +182,7 @@ def below(root: str, joints: list[JointPart] | tuple[JointPart, ...]) -> list[st
 
 
 def _following(about: About, joints: list[JointPart]) -> list[JointPart]:
-    """Return the joints without the <mimic> that has no meaning: of no such joint, or in a circle."""
+    """Return the joints without meaningless <mimic> elements: of unknown joints, in circles, or of unsuitable types."""
     by_name = {joint.name: joint for joint in joints}
     following = []
     for joint in joints:

@@ -1,8 +1,8 @@
-"""Read one link or one joint of a URDF as the specification has it, in exact arithmetic.
+"""Read one link or one joint of a URDF as the specification says, in exact arithmetic.
 
-https://wiki.ros.org/urdf/XML/link and https://wiki.ros.org/urdf/XML/joint, with the attitudes of version 1.1. What of a file
-has no meaning for mechanics is not read: shapes, materials, transmissions, calibrations, safety controllers, and all elements
-that the specification does not have, in which programs keep their own settings.
+https://wiki.ros.org/urdf/XML/link and https://wiki.ros.org/urdf/XML/joint, with the attitudes of version 1.1. Elements without
+a meaning for mechanics are not read: shapes, materials, transmissions, calibrations, safety controllers, and all elements that
+the specification does not have, in which programs keep their own settings.
 """
 
 import math
@@ -27,7 +27,7 @@ TYPES: Mapping[str, RobotJointType] = {
     "planar": "planar",
 }
 
-#: A type that the specification does not have, and some engines do.
+#: A type of joint that the specification does not have, but some engines do.
 ADDED_TYPES: Mapping[str, RobotJointType] = {"spherical": "spherical"}
 
 #: The joints with an axis, and with limits that the specification requires.
@@ -37,16 +37,16 @@ LIMITED = ("revolute", "prismatic")
 #: The six components of <inertia>, in the order XX, YY, ZZ, XY, XZ, YZ.
 COMPONENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
-#: The axis of a joint for which none is stated.
+#: The axis of a joint that states none.
 DEFAULT_AXIS = (1.0, 0.0, 0.0)
 
-#: The words for a limit that is none.
+#: The words that mean no limit.
 UNLIMITED = ("inf", "+inf", "-inf", "infinity", "+infinity", "-infinity")
 
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a joint: force (N m or N), speed (rad/s or m/s) and position (rad or m); None where there is none."""
+    """The limits of a joint: force (N m or N), speed (rad/s or m/s) and position (rad or m); None means no limit."""
 
     effort: float | None = None
     velocity: float | None = None
@@ -74,10 +74,10 @@ class JointPart:
     parent, child
         The names of the two links.
     origin, attitude
-        The joint's frame in the parent's frame: its origin (m), and the unit quaternion (w, x, y, z) from its axes to those
-        of the parent.
+        The pose of the joint's frame in the parent's frame: its origin (m), and the unit quaternion (w, x, y, z) from the axes
+        of the joint to the axes of the parent.
     axis
-        The axis as it is written, in the joint's frame; 0 where the joint has none.
+        The axis as it is written, in the joint's frame; 0 if the joint has no axis.
     damping, friction, limits, mimic
         As in `bodycheck.reference.robots.model.RobotJoint`.
     """
@@ -97,7 +97,7 @@ class JointPart:
 
 
 def mass_properties(about: About, link: Element) -> MassProperties:
-    """Return the mass properties of a link in its frame: all 0 without <inertial>, as the specification has it."""
+    """Return the mass properties of a link in its frame: all 0 without <inertial>, as the specification says."""
     inertial = about.only("mass", link, "inertial")
     if inertial is None:
         return MassProperties(MP.mpf(0), vector((0, 0, 0)), (MP.mpf(0),) * 6)
@@ -163,7 +163,7 @@ def _axis(about: About, joint_element: Element) -> Vector3 | None:
 
 
 def _limits(about: About, joint_element: Element, written: str | None) -> Limits:
-    """Return the limits of a joint: of its position only where it is revolute or prismatic, and then 0 where not stated."""
+    """Return the limits of a joint. Only revolute and prismatic joints have position limits, which are 0 if not stated."""
     element = about.only("effort_limit", joint_element, "limit")
     if element is None:
         if written in LIMITED:
@@ -180,7 +180,7 @@ def _limits(about: About, joint_element: Element, written: str | None) -> Limits
 
 
 def _limit(about: About, element: Element, attribute: str, *, required_here: bool) -> float | None:
-    """Return a limit; None where it is infinite, cannot be read, or is required and missing."""
+    """Return a limit; None if it is infinite, cannot be read, or is required and missing."""
     text = element.attributes.get(attribute)
     if text is None and required_here:
         about.add("effort_limit", element, attribute, "is missing; allowed: one number")

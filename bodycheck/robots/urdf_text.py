@@ -1,8 +1,8 @@
 """Write a robot model as a URDF.
 
-A URDF says of a joint its damping and dry friction, but no armature and no spring. It has no ball joint, and no gravity. A
-revolute joint without limits of its position is `continuous`. A prismatic joint must have a `<limit>`, and each `<limit>` the
-largest effort and velocity; `UNLIMITED` stands there for what the model does not limit.
+A URDF can state the damping and dry friction of a joint, but not an armature or a spring. It has no ball joints and no gravity.
+A revolute joint without position limits is `continuous`. A prismatic joint must have a `<limit>`, and each `<limit>` must state
+the largest effort and velocity; a quantity that the model does not limit is written as `UNLIMITED`.
 """
 
 from collections.abc import Mapping
@@ -24,13 +24,13 @@ def urdf(model: RobotModel, inertial_axes: Mapping[str, Wide] | None = None) -> 
     model
         The model.
     inertial_axes
-        By the names of links, the rotation (3, 3) from axes along which the inertia is written to those of the link's frame.
-        Links that are not named have the axes of their frame.
+        By the names of links, the rotation (3, 3) from the axes along which the inertia is written to the axes of the link's
+        frame. The inertia of other links is written along the axes of their frame.
 
     Raises
     ------
     BadInput
-        If the model has what a URDF cannot say.
+        If a joint has an armature or a spring, or is a ball, which a URDF cannot state.
     """
     root = Element("robot", name=model.name)
     axes = inertial_axes or {}
@@ -43,10 +43,10 @@ def urdf(model: RobotModel, inertial_axes: Mapping[str, Wide] | None = None) -> 
 
 
 def roll_pitch_yaw(rotation: Wide) -> Wide:
-    """The angles (3,) about the fixed axes x, y and z, in this order, that make a rotation (3, 3), in rad.
+    """Return the angles (3,) in rad about the fixed axes x, y and z, in this order, that make a rotation (3, 3).
 
-    At a pitch of a quarter turn only the sum or the difference of the others is determined; the roll is that which with the
-    yaw found makes the rotation, so that they are exact there too.
+    At a pitch of a quarter turn, only the sum or the difference of roll and yaw is determined. The roll is computed from the
+    yaw, so that the angles make the exact rotation there too.
     """
     (a, b, c), (d, e, f), (g, _, _) = rotation
     yaw = np.arctan2(d, a)
@@ -90,7 +90,7 @@ def _add_joint(root: Element, joint: RobotJoint, model: RobotModel) -> None:
 
 
 def _limits(joint: RobotJoint, endless: bool) -> dict[str, str]:
-    """The attributes of the `<limit>` of a joint, none where it needs none."""
+    """Return the attributes of the `<limit>` of a joint; empty if it needs no limit."""
     largest_values = (joint.effort_limit, joint.velocity_limit)
     if joint.type not in ("revolute", "prismatic") or (endless and largest_values == (None, None)):
         return {}

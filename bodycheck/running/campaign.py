@@ -28,10 +28,10 @@ from bodycheck.running.engines import locks
 from bodycheck.running.pairing import Arrivals, Meet, unmet
 from bodycheck.running.tasks import StopTask, Task, Truths, TruthTask, group, perform, perform_stop
 
-#: Time limit of one run or one truth.
+#: Time limit (s) of one run or one truth.
 TIME_LIMIT_S = 300.0
 
-#: The cases without a method where every engine has one for each case.
+#: The cases without a method, if every engine has a method for each case.
 NOTHING: Mapping[str, dict[str, str]] = {}
 
 
@@ -51,10 +51,11 @@ def header(
     missing: Mapping[str, str],
     without_method: Mapping[str, dict[str, str]] = NOTHING,
 ) -> Header:
-    """Return the header of a results folder: versions, machine, command; engines that could not be used, and why.
+    """Return the header of a results folder: versions, machine, command, and the engines that could not be used.
 
-    records: those of the engines that are used, by the names by which they were asked for. without_method: the cases for which
-    an engine has no method, with why, by the names of engines; see `bodycheck.running.plan.without_method`.
+    records: the records of the engines that are used, by their requested names. missing: the reasons why other engines cannot
+    be used, by name. without_method: the cases for which an engine has no method, with reasons, by the names of engines; see
+    `bodycheck.running.plan.without_method`.
     """
     return {
         "bodycheck": version("bodycheck"),
@@ -73,7 +74,7 @@ def header(
 
 
 def size(tasks: Sequence[Task]) -> int:
-    """Return the number of units of work for tasks: the runs, and the truths they need, one for each case and time step."""
+    """Return the number of units of work for tasks: their runs, and the needed truths, one for each case and time step."""
     return len(tasks) + sum(len(needed.timesteps) for needed in _truth_tasks(tasks))
 
 
@@ -92,8 +93,8 @@ def results(
 ) -> Iterator[Results]:
     """Make all runs and the truths they need, write each as it finishes, and provide the results.
 
-    If the same work was interrupted in the folder, it is resumed, and what is done is not repeated. The work counts as
-    interrupted until the context ends, so that what the caller makes of the results belongs to it.
+    If the same work was interrupted in the folder, it is resumed, and finished parts are not repeated. The work counts as
+    interrupted until the context ends, so that the caller's work with the results is part of it.
 
     Parameters
     ----------
@@ -114,8 +115,8 @@ def results(
     files
         The files of the cases that are not shipped, by the name of the case.
     meet
-        A function that is called with the truth and a completed run, for the runs that are made here while the truth of their
-        case is in memory.
+        A function that is called with the truth and a completed run, for each run that is made here while the truth of its case
+        is in memory.
 
     Raises
     ------
@@ -149,7 +150,7 @@ def results(
 
 
 def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> Arrivals:
-    """Return what brings the runs and the truths of tasks together, of which the folder lacks something."""
+    """Return the object that brings runs and truths together, for tasks with missing results in the folder."""
     runs = [(task.case.name, task.method.timestep) for task in tasks if isinstance(task, Task)]
     needed = [task for task in tasks if isinstance(task, TruthTask)]
     return Arrivals(meet, runs, [(task.case.name, timestep) for task in needed for timestep in _left(writer, task)])
@@ -158,8 +159,8 @@ def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> 
 def _add_run(
     writer: Writer, arrivals: Arrivals, task: Task, result: Run | Truths | Crashed | TimedOut, index: int, version: str
 ) -> None:
-    """Write a run at its index in the plan. version: that of its engine."""
-    assert not isinstance(result, dict | NoTruth)  # those are answers to truth tasks
+    """Write a run at its index in the plan. version: the version of its engine."""
+    assert not isinstance(result, dict | NoTruth)  # such a result answers a truth task
     run = result if isinstance(result, Run) else Run(task.case.name, task.engine, version, task.method, result)
     writer.add_run(run, index)
     arrivals.add_run(run)
@@ -168,11 +169,11 @@ def _add_run(
 def _add_truths(
     writer: Writer, arrivals: Arrivals, task: TruthTask, result: Run | Truths | Crashed | TimedOut
 ) -> Iterator[float]:
-    """Write the truths of a task, or why there are none, and yield the time step (s) of each after it is written.
+    """Write the truths of a task, or the reason why there are none, and yield the time step (s) of each written truth.
 
-    Truths that the folder already had are left as they are.
+    Truths that the folder already had are not changed.
     """
-    assert not isinstance(result, Run)  # that is the answer to another task
+    assert not isinstance(result, Run)  # a run is the answer to another task
     for timestep in _left(writer, task):
         truth = result[timestep] if isinstance(result, dict) else no_truth(result)
         if isinstance(truth, NoTruth):
@@ -187,7 +188,7 @@ def _add_truths(
 def _add_stops(
     writer: Writer, results: Results, cases: Mapping[str, Case], jobs: int, limit: float, memory: int, progress: Advance
 ) -> None:
-    """Write the stops that attribution needs, as far as they are not written yet, computing those that no truth knows."""
+    """Write the missing stops that attribution needs; compute the stops that are not in a truth."""
     stops = [task for task in _stop_tasks(cases, results.runs()) if not writer.has_stop(task.case.name, task.law)]
     left = []
     for task in stops:
@@ -205,7 +206,7 @@ def _add_stops(
 
 
 def no_truth(result: NoTruth | Crashed | TimedOut) -> NoTruth:
-    """Return why there is no truth. A computation that was stopped or failed does not count as unsupported."""
+    """Return the reason why there is no truth. A computation that was stopped or failed does not count as unsupported."""
     limit = result.limit if isinstance(result, TimedOut | NoTruth) else None
     return NoTruth(f"the reference: {result.reason}", limit, crashed=isinstance(result, Crashed))
 
@@ -218,7 +219,7 @@ def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) ->
 
 
 def _missing(writer: Writer, argument: TruthTask | Task) -> int:
-    """Return how many units of work of a task the folder does not have yet."""
+    """Return the number of units of work of a task that the folder does not have yet."""
     return int(not writer.has_run(argument.key)) if isinstance(argument, Task) else len(_left(writer, argument))
 
 
@@ -228,12 +229,12 @@ def _left(writer: Writer, needed: TruthTask) -> list[float]:
 
 
 def truth_tasks(case: Case, timesteps: Iterable[float]) -> Iterator[TruthTask]:
-    """Yield the tasks that compute the truths for the runs of a case with some time steps (s); usually it is one."""
+    """Yield the tasks that compute the truths for the runs of a case with some time steps (s); usually one task."""
     yield from (TruthTask(case, batch) for batch in truths.batches(case, timesteps))
 
 
 def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
-    """Return the tasks that compute the truths that runs need, those that take long first, so that none is left at the end."""
+    """Return the tasks that compute the needed truths of runs, long computations first, so that none of them runs last."""
     timesteps: dict[Case, list[float]] = {}
     for task in tasks:
         timesteps.setdefault(task.case, []).append(task.method.timestep)
@@ -242,9 +243,9 @@ def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
 
 
 def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:
-    """Return the stops that attribution needs: under the law of the case, and under the laws of the engines' contacts.
+    """Return the tasks for the stops that attribution needs: under the law of the case, and the laws of engines' contacts.
 
-    They are known only after the runs, because an engine reports the law of its contacts in the process of its run.
+    The tasks are known only after the runs, because an engine reports the law of its contacts in the process of its run.
     """
     tasks: dict[StopTask, None] = {}
     for run in runs:

@@ -1,9 +1,9 @@
-"""The places and the records of engines, without importing one into this process.
+"""The places and the records of engines, without importing an engine into this process.
 
-An engine may end its process, hang or crash when it is imported, or change what others compute with. It is therefore
-imported in worker processes alone, which live where it is installed: beside bodycheck, or in an environment of its own. What an
-engine is, its record, is asked there once and kept in the cache folder, until the engine, its adapter or its environment
-changes.
+An engine may end its process, hang or crash when it is imported, or change the state with which others compute. It is therefore
+imported only in worker processes, which use the interpreter in which it is installed: together with bodycheck, or in a separate
+environment. The record of an engine, its description, is requested there once and kept in the cache folder, until the engine,
+its adapter or its environment changes.
 """
 
 import contextlib
@@ -31,34 +31,34 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.processes.interpreter import HERE, Interpreter
 from bodycheck.running.tasks import import_engine, leave_out_sympy
 
-#: Time limit for the import and the record of one engine. Some compile code when they are imported.
+#: Time limit (s) for the import and the record of one engine. Some engines compile code when they are imported.
 TIME_LIMIT_S = 120.0
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Why an engine cannot be used.
+    """The reason why an engine cannot be used.
 
     Parameters
     ----------
     reason
         A sentence.
     broken
-        Whether the engine is there but fails; False if it is not installed or unknown.
+        Whether the engine is installed but fails; False if it is not installed or unknown.
     """
 
     reason: str
     broken: bool
 
 
-#: What was asked before, by the name of the engine and what its record depends on.
+#: Records that are already known, by the name of the engine and the digest of everything that the record depends on.
 _known: dict[tuple[str, str], Engine | Fault] = {}
 
 
 def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]:
-    """Return the records of the engines that can be used, and why the others cannot be used, by name as asked for.
+    """Return the records of usable engines, and the faults of all other engines, by their requested names.
 
-    Engines whose records are not known are asked in worker processes, where one that crashes or hangs harms no other.
+    Unknown records are requested in worker processes, where an engine that crashes or hangs harms no other engine.
     """
     answers_by_name: dict[str, Engine | Fault] = {}
     keys: dict[str, str] = {}
@@ -90,7 +90,7 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
 
 
 def faults(names: Sequence[str]) -> dict[str, Fault]:
-    """Return why some of the engines cannot be used, by name as asked for."""
+    """Return the reasons why some of the engines cannot be used, by their requested names."""
     return describe(names)[1]
 
 
@@ -103,9 +103,10 @@ def record(name: str) -> Engine:
 
 
 def home(name: str | None) -> pool.Home:
-    """Return where the processes of an engine live, which import it before their first call; None stands for the truths.
+    """Return the home of an engine's processes, which import it before their first call; None stands for the truths.
 
-    The calls of an engine that is nowhere installed, because its environment was removed meanwhile, fail in a process here.
+    If an engine is not installed any more, because its environment was removed meanwhile, its calls fail in a process of this
+    interpreter.
     """
     if name is None:
         return pool.Home(prepare=leave_out_sympy, watched=False)
@@ -121,7 +122,7 @@ def home(name: str | None) -> pool.Home:
 
 
 def place(name: str) -> str:
-    """Return in words where an engine is installed, such as "here". Raises `EngineMissing` and `Unobtainable`."""
+    """Return the place of an engine in words: "here" or "own environment". Raises `EngineMissing` and `Unobtainable`."""
     environment = _place(name)
     return "here" if environment is None else "own environment"
 
@@ -129,7 +130,7 @@ def place(name: str) -> str:
 def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:
     """Return the packages and hashes of the environments in which engines are installed, by the names of these engines.
 
-    Engines that are installed beside bodycheck have none, and those whose environments cannot be used.
+    Engines that are installed together with bodycheck, and engines whose environments cannot be used, are left out.
     """
     packages: dict[str, dict[str, str]] = {}
     for name in names:
@@ -140,10 +141,10 @@ def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:
 
 
 def _place(name: str) -> Environment | None:
-    """Return the environment in which an engine is installed; None if it is installed beside bodycheck.
+    """Return the environment in which an engine is installed; None if it is installed together with bodycheck.
 
-    Raises `EngineMissing` for an unknown engine and one that is nowhere installed, and `Unobtainable` for an environment that
-    another user can change.
+    Raises `EngineMissing` for an engine that is unknown or not installed, and `Unobtainable` for an environment that another
+    user can change.
     """
     try:
         asked = EngineName.parse(name)
@@ -151,7 +152,7 @@ def _place(name: str) -> Environment | None:
         raise registry.EngineMissing(str(error)) from error
     source = registry.known_installation(asked.adapter)
     if source is None:
-        return None  # an engine that does not say what it is installed from is installed beside bodycheck or nowhere
+        return None  # an engine without a known package is installed together with bodycheck or not at all
     here = registry.installed(asked.adapter)
     if here is not None and asked.version in (None, here):
         return None
@@ -165,7 +166,7 @@ def _place(name: str) -> Environment | None:
 
 
 def _ask(name: str) -> str | Fault:
-    """Return the record of an engine as JSON, so that nothing of the engine is imported where it is read."""
+    """Return the record of an engine as JSON, so that the reader of the record imports nothing of the engine."""
     try:
         return _records().dump_json(registry.load(name).engine).decode("utf-8")
     except registry.EngineMissing as error:
@@ -178,7 +179,7 @@ def _records() -> TypeAdapter[Engine]:
 
 
 def _depends(name: str, environment: Environment | None) -> str:
-    """Return a digest of everything that the record of an engine depends on, apart from what its own code reads."""
+    """Return a digest of everything that the record of an engine depends on, apart from data that its own code reads."""
     folders = map(Path, sys.path) if environment is None else environments.package_folders(environment)
     files = [*registry.sources(EngineName.parse(name).adapter), *(folder for folder in folders if folder.is_dir())]
     decides = (version("bodycheck"), sys.version, environment, sorted((str(file), file.stat().st_mtime_ns) for file in files))
@@ -190,7 +191,7 @@ def _file(name: str) -> Path:
 
 
 def _kept(name: str, key: str) -> Engine | None:
-    """Return the record that is kept; None if there is none, if it is outdated, or if another user may have written it."""
+    """Return the record in the cache; None if it is missing or outdated, or another user may have written it."""
     path = _file(name)
     try:
         if privacy.open_to_others(path) is not None:
@@ -202,7 +203,7 @@ def _kept(name: str, key: str) -> Engine | None:
 
 
 def _keep(name: str, key: str, record: str) -> None:
-    """Keep the record of an engine, if the cache folder can be written to."""
+    """Store the record of an engine in the cache folder, if this can be written to."""
     path = _file(name)
     with contextlib.suppress(OSError, writing.NotWritten):
         privacy.make(path.parent)

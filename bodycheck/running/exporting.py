@@ -1,4 +1,4 @@
-"""Write what a run does as a script for its engine alone, so that it can be shown to people who do not have bodycheck."""
+"""Write the steps of a run as a script for its engine alone, which can be shown to people without bodycheck."""
 
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -14,7 +14,7 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
 from bodycheck.running.instants import check_timestep
 
-#: Time limit (s) for a script, which takes as long as building the model.
+#: Time limit (s) for writing a script, which takes as long as building the model.
 TIME_LIMIT_S = 120.0
 
 #: The first lines of a script. The title of the case is left out: it is a stranger's text.
@@ -27,7 +27,7 @@ HEADER = """\
 
 @dataclass(frozen=True)
 class Question:
-    """The run of which a script is asked for: a case, the name of an engine as the user gave it, and a method."""
+    """The run for which a script is requested: a case, the name of an engine as the user gave it, and a method."""
 
     case: Case
     engine: str
@@ -36,15 +36,15 @@ class Question:
 
 @dataclass(frozen=True)
 class NoScript:
-    """There is no script; the reason is a sentence."""
+    """The answer that there is no script. The reason is a sentence."""
 
     reason: str
 
 
 def script(case: Case, engine: str, integrator: str | None, timestep: float = DEFAULT_TIMESTEP) -> str:
-    """Return a Python script that makes the same steps as a run of a case, and needs the engine and NumPy alone.
+    """Return a Python script that makes the same steps as a run of a case, and needs only the engine and NumPy.
 
-    The engine is asked in a worker process.
+    The script is written in a worker process, which imports the engine.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
     engine
         The name of an engine that can be used.
     integrator
-        The spelling of a method; None for the first one that the engine offers for the scene.
+        The spelling of a method; None for the first method that the engine offers for the scene.
     timestep
         The time step (s).
 
@@ -62,7 +62,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
     BadInput
         If the engine has no such method, or the time step is not possible.
     Failed
-        If the engine cannot model the scene, or there is no such script.
+        If the engine cannot model the scene, or no script can be written for it.
     EngineMissing
         If the engine cannot be used.
     """
@@ -88,7 +88,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
 
 
 def written(question: Question) -> str | NoScript:
-    """Return the script of a run, or why there is none. The engine is imported here."""
+    """Return the script of a run, or the reason why there is none. This imports the engine into the process."""
     adapter, case, method = registry.load(question.engine), question.case, question.method
     named = in_words(question.engine, adapter.engine.version)
     lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)

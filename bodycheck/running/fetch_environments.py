@@ -8,10 +8,10 @@ from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 
-if TYPE_CHECKING:  # the processes that question releases need not import what a campaign does
+if TYPE_CHECKING:  # the processes that inspect releases need not import a campaign
     from bodycheck.running.campaign import Advance
 
-#: Memory that an installation may use: more than any machine has, as installers need no limit.
+#: Memory (bytes) that an installation may use: more than any machine has, because installers need no limit.
 INSTALLATION_MEMORY_BYTES = 1 << 40
 
 
@@ -23,16 +23,16 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
     engine
         The name of the engine.
     versions
-        The releases; repeated ones count once.
+        The releases; repeated releases count once.
     jobs
         The number of processes.
     progress
-        Called when a release is done.
+        A function that is called when a release is done.
 
     Returns
     -------
     dict
-        For each version its environment, or the error that says why there is none.
+        The environment of each version, or the error that says why there is none.
     """
     tasks = [(engine, version) for version in dict.fromkeys(versions)]
     limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S

@@ -1,7 +1,7 @@
-"""Runs and truths while they are made: each run is handed on with its truth, while both are in memory.
+"""Bring each new run together with its truth while both are in memory.
 
-They come from different processes in any order. What waits for its counterpart is limited; what is beyond the limit is
-forgotten here, and read from its file by whoever needs it.
+Runs and truths come from different processes in any order. The memory for objects that wait for their counterparts is limited;
+objects beyond the limit are dropped here, and read from their files when they are needed.
 """
 
 from collections import Counter
@@ -11,7 +11,7 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
 
-#: Most memory (bytes) of the states that wait.
+#: The largest memory (bytes) of waiting states.
 MOST_BYTES = 1 << 26
 
 #: A function that is called with a completed run and the truth of its case at the same instants.
@@ -22,20 +22,20 @@ Key = tuple[str, float]
 
 
 def unmet(truth: Truth, run: Run) -> None:
-    """Leave a run and its truth to whoever reads them from their files."""
+    """Do nothing with a run and its truth, which can be read from their files."""
 
 
 class Arrivals:
-    """Truths and runs of which the counterpart has not arrived yet.
+    """Truths and runs whose counterparts have not arrived yet.
 
     Parameters
     ----------
     meet
-        Called with each truth and run that meet here.
+        A function that is called with each pair of a truth and a run.
     runs
-        The case and the time step of each run that is going to arrive.
+        The case and the time step of each expected run.
     truths
-        The same of each truth.
+        The case and the time step of each expected truth.
     """
 
     def __init__(self, meet: Meet, runs: Iterable[Key], truths: Iterable[Key]) -> None:
@@ -46,7 +46,7 @@ class Arrivals:
         self._bytes = 0
 
     def add_run(self, run: Run) -> None:
-        """Take a run that has arrived, with any outcome."""
+        """Add a run that has arrived, with any outcome."""
         key = (run.case, run.method.timestep)
         self._awaited[key] -= 1
         if isinstance(run.outcome, Completed):
@@ -58,7 +58,7 @@ class Arrivals:
             self._bytes -= _size(truth.trajectory)
 
     def add_truth(self, key: Key, truth: Truth | None) -> None:
-        """Take the truth for the runs of a case with a time step, or None where there is none."""
+        """Add the truth for the runs of a case with a time step, or None if there is no truth."""
         self._coming.discard(key)
         for run in self._runs.pop(key, ()):
             self._bytes -= _size(run.outcome.trajectory) if isinstance(run.outcome, Completed) else 0
@@ -76,5 +76,5 @@ class Arrivals:
 
 
 def _size(states: Trajectory) -> int:
-    """Return the memory (bytes) of the states of a trajectory. What a truth has besides takes less."""
+    """Return the memory (bytes) of the states of a trajectory. The other data of a truth take less."""
     return states.position.nbytes + states.quaternion.nbytes + states.velocity.nbytes + states.angular_velocity.nbytes

@@ -13,7 +13,7 @@ from bodycheck.running.instants import check_timestep
 from bodycheck.running.tasks import Task as Task
 from bodycheck.suggestion import did_you_mean
 
-#: Why an engine has no task for a case, by the kind of its scene.
+#: The reasons why an engine has no task for a case, by the kind of its scene.
 NO_METHOD: dict[Kind, str] = {
     "flight": "no method for free flight",
     "drag": "no method for drag",
@@ -38,9 +38,9 @@ def plan(
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods; all that each engine offers if it is empty.
+        Spellings of methods; if empty, all methods that each engine offers.
     timesteps
-        Time steps (s). If it is empty, 2 ms and the time steps of the case's expectations.
+        Time steps (s); if empty, 2 ms and the time steps of the case's expectations.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def check(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Seq
 
 
 def check_method(spelling: str, engines: Sequence[Engine]) -> None:
-    """Raise `BadInput`, naming what is allowed, for the spelling of a method that no engine has."""
+    """Raise `BadInput`, which names the allowed methods, for the spelling of a method that no engine has."""
     method = Method.parse(spelling, 0.0)
     if not engines or any(offers.knows(engine, spelling) for engine in engines):
         return
@@ -99,7 +99,7 @@ def refuse_nothing(tasks: Sequence[object], engines: Mapping[str, Engine], integ
 
 
 def without_method(cases: Sequence[Case], engines: Mapping[str, Engine], tasks: Sequence[Task]) -> dict[str, dict[str, str]]:
-    """Return for each engine the cases for which there is no task, since it has none of the methods asked for, with why."""
+    """Return for each engine the cases without a task, because it has none of the requested methods, with the reasons."""
     planned = {(task.engine, task.case.name) for task in tasks}
     return {
         name: {case.name: NO_METHOD[kind_of(case.scene)] for case in cases if (name, case.name) not in planned}

@@ -1,4 +1,4 @@
-"""Let engines read files of robot models, each with its own reader, in the processes where they live."""
+"""Let engines read files of robot models, each with its own reader in its own worker process."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,10 +17,10 @@ from bodycheck.reference.scene import Vector
 from bodycheck.results.outcome import AdapterFault
 from bodycheck.running.engines import home
 
-#: Time limit for the reading of one file by one engine (s). Some engines compile code for it.
+#: Time limit (s) for the reading of one file by one engine. Some engines compile code for it.
 TIME_LIMIT_S = 120.0
 
-#: The engine that says what an MJCF file means.
+#: The engine that defines the meaning of MJCF files.
 MJCF_ENGINE = "mujoco"
 
 
@@ -33,7 +33,7 @@ class Refused:
 
 @dataclass(frozen=True)
 class FormatMissing:
-    """The engine has no reader of such files. `none_at_all` says that it reads no robot models of any format."""
+    """The engine has no reader for the format. none_at_all: whether it reads no robot models of any format."""
 
     reason: str
     none_at_all: bool = False
@@ -55,13 +55,13 @@ class Call:
 #: A function from a file, states and gravity to the answers of all engines by name.
 Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
 
-#: A function from the path of an MJCF to the model that the engine makes of it which defines the format.
+#: A function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it.
 Compile = Callable[[str], RobotModel | Refused | Crashed | TimedOut]
 
 
 @contextmanager
 def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> Iterator[Reader]:
-    """Provide a function that lets all engines read a file. Their processes live on from one file to the next.
+    """Provide a function that lets all engines read a file. Their processes are kept from one file to the next.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
 
 
 def read(call: Call) -> RobotReading | Refused | FormatMissing:
-    """Return what an engine makes of a file, in the process where the engine lives."""
+    """Return an engine's reading of a file. This is called in the worker process of the engine."""
     adapter = registry.load(call.engine)
     if not isinstance(adapter, RobotModels):
         return FormatMissing(f"{call.engine} has no reader of robot models", none_at_all=True)
@@ -98,7 +98,7 @@ def read(call: Call) -> RobotReading | Refused | FormatMissing:
 
 
 def check_shapes(reading: RobotReading, states: int) -> None:
-    """Raise `AdapterFault` if there are terms at more or fewer states than asked for, or some of another shape."""
+    """Raise `AdapterFault` unless there are terms at the requested number of states, and all have the right shapes."""
     if len(reading.terms) != states:
         raise AdapterFault(f"there are terms at {len(reading.terms)} states, not at {states}")
     count = reading.velocities
@@ -120,7 +120,7 @@ def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Compile]:
 
 
 def _compiled(path: str) -> RobotModel | Refused:
-    # The reader of MuJoCo is imported in the process where MuJoCo lives.
+    # The reader of MuJoCo is imported in the worker process of MuJoCo.
     from bodycheck.adapters.mujoco import robots
 
     try:

@@ -42,18 +42,18 @@ from bodycheck.running.state_checks import check_start, divergence, standstill
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
 
-#: From when on (s) the loads between bodies at rest are measured, so that soft contacts have settled.
+#: The time (s) from which on the loads between bodies at rest are measured, so that soft contacts have settled.
 SETTLED = 1.0
 
 #: Largest distance of a quaternion's norm from 1. The rounding of single precision is a tenth of it.
 UNIT_TOLERANCE = 1e-6
 
-#: The outcome of a run that leaves the rounding of numbers changed, so that the instants of its states are others too.
+#: The outcome of a run that changes the rounding mode, which also changes the instants of its states.
 OTHER_ROUNDING = Crashed("it changed how its process rounds floating-point numbers")
 
 
 def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
-    """Run a case in an engine. The outcome of the run contains its errors; exceptions of an engine are not passed on.
+    """Run a case in an engine. Errors of the run are in its outcome; exceptions of the engine are not raised here.
 
     Parameters
     ----------
@@ -71,8 +71,7 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     EngineMissing
         If the engine is not installed or has no adapter.
     BadInput
-        If the engine has no such integrator, option or value, the time step is not possible, or one of them is no text or no
-        number.
+        If the engine has no such integrator, option or value, the time step is not possible, or an argument has the wrong type.
     TypeError
         If the case is not a `Case`.
     """
@@ -99,7 +98,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
 
 
 def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
-    """Return the outcome of a run that an exception ended. engine: in words, with its version. case: its name."""
+    """Return the outcome of a run that an exception ended. engine: words with version. case: name of the case."""
     match error:
         case SceneUnsupported():
             return Unsupported(str(error))
@@ -112,7 +111,7 @@ def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
 
 
 def where_rounded_to_nearest(outcome: Outcome) -> Outcome:
-    """Return the outcome of a run that has just ended; it counts for nothing if the engine changed how numbers are rounded."""
+    """Return the outcome of a run that has just ended, replaced by a failure if the engine changed the rounding mode."""
     return outcome if rounding() == TO_NEAREST else OTHER_ROUNDING
 
 
@@ -137,7 +136,7 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
 
 
 def _given(scene: AnyScene, duration: float) -> AnyScene:
-    """Return a scene as engines are given it: bodies that touch with finite coefficients of friction. duration: in s."""
+    """Return a scene for engines: bodies in contact get finite coefficients of friction. duration: of the run, in s."""
     if not touches(scene):
         return scene
     from bodycheck.reference.contact.ways import finite  # the ways of contact are imported where they are needed
@@ -148,9 +147,9 @@ def _given(scene: AnyScene, duration: float) -> AnyScene:
 def _interfaces(
     adapter: InterfaceLoads, scene: AnyScene, given: AnyScene, method: Method, outcome: Completed
 ) -> tuple[InterfaceLoad, ...] | None:
-    """Measure the loads between bodies that should rest, in a separate run, which is not timed; None where none should rest.
+    """Measure the loads between bodies that should rest, in a separate run, which is not timed; None if none should rest.
 
-    given: the scene as the engine is given it.
+    given: the scene that the engine gets.
     """
     from bodycheck.reference.contact.ways import ends  # the ways of contact are imported where they are needed
 
@@ -195,7 +194,7 @@ def _advance(simulation: Simulation, scene: AnyScene, method: Method, steps: Str
 
 
 def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method, steps: Strides, wall_time: float) -> Outcome:
-    """Return the outcome of a run whose engine went to the end.
+    """Return the outcome of a run in which the engine made all steps.
 
     Parameters
     ----------
@@ -204,7 +203,7 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
     simulation
         The simulation of the scene, or anything else that is `Normalising` if the adapter normalised the quaternions.
     scene, method
-        What was run.
+        The scene and the method of the run.
     steps
         The numbers of steps (n,) from the start to each state.
     wall_time
@@ -238,9 +237,9 @@ def rows_of(states: object, scenes: int, count: int) -> Array:
 
 
 def states_of(states: object, scenes: int, count: int, bodies: int) -> Array:
-    """Return the states (scenes, count, bodies, 13) that are in an engine's own type of array.
+    """Return the states (scenes, count, bodies, 13) in an engine's own type of array as an array of NumPy.
 
-    Raises `AdapterFault` if they are not those of so many bodies in so many scenes at so many instants.
+    Raises `AdapterFault` if the states are not of this number of scenes, instants and bodies.
     """
     if isinstance(states, np.ma.MaskedArray):
         raise AdapterFault("its states are a masked array")
@@ -253,7 +252,7 @@ def states_of(states: object, scenes: int, count: int, bodies: int) -> Array:
 
 
 def trajectory_of(steps: Strides, method: Method, rows: Array) -> Trajectory:
-    """Return the trajectory of states (..., k, 13) after the first k of some numbers of steps (n,)."""
+    """Return the trajectory of states (..., k, 13) after numbers of steps (n,), of which the first k are used."""
     t = steps[: rows.shape[-2]].astype(np.float64) * method.timestep
     return Trajectory(t, rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
 
@@ -261,7 +260,7 @@ def trajectory_of(steps: Strides, method: Method, rows: Array) -> Trajectory:
 def _norm_error(trajectory: Trajectory) -> float:
     """Return the largest deviation from 1 of the norm of a quaternion.
 
-    Raises `AdapterFault` if it is none of an attitude, since an adapter normalises what its engine does not.
+    Raises `AdapterFault` if the norm is not 1 within the tolerance, because an adapter must normalise quaternions.
     """
     norms = np.hypot.reduce(trajectory.quaternion, axis=-1)
     off = np.abs(norms - 1)

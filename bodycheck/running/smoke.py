@@ -1,4 +1,4 @@
-"""Check adapters with scenes whose solution is obvious, so that a broken adapter is not reported as a wrong engine."""
+"""Check adapters with scenes that have an obvious solution, so that a broken adapter is not reported as a wrong engine."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ from bodycheck.running.engines import home
 TIMESTEP_S = 1e-3
 STEPS = 100
 
-#: Time limit of the check of one engine.
+#: Time limit (s) of the check of one engine.
 TIME_LIMIT_S = 300.0
 
 #: Tolerance of lengths, speeds and angles of order one. It exceeds the error of any consistent scheme in 100 steps of a
@@ -31,7 +31,7 @@ BODY = Body(mass=2.0, moments=(0.3, 0.4, 0.5))
 #: The sine and the cosine of 45 degrees.
 HALF = math.sqrt(0.5)
 
-# The principal axes (I, J, K) lie along K, (I + J) / sqrt(2), (J - I) / sqrt(2) of the body.
+# The principal axes lie along K, (I + J) / sqrt(2) and (J - I) / sqrt(2) of the body.
 COSINE, SINE = math.sqrt((2 + math.sqrt(2)) / 8), math.sqrt((2 - math.sqrt(2)) / 8)
 OBLIQUE = (COSINE, -SINE, -COSINE, -SINE)
 
@@ -77,7 +77,7 @@ SCENES = (
         ),
     ),
     Obvious(
-        # J points along -x: turned by 90 degrees about z, and then by 1 rad about its own J.
+        # J points along -x: the body is turned by 90 degrees about z, and then by 1 rad about its own J.
         "an angular velocity is one of the body frame",
         Scene(BODY, State(quaternion=(HALF, 0.0, 0.0, HALF), angular_velocity=(0.0, 10.0, 0.0))),
         State(
@@ -104,7 +104,7 @@ def check(engine: str) -> list[str]:
         for integrator in methods(adapter, obvious.scene):
             try:
                 simulation = offers.prepare(adapter, [obvious.scene], Method.parse(integrator, TIMESTEP_S))
-                # The initial state is checked too, to find errors in the conversion of scenes.
+                # The initial state is checked too, which finds errors in the conversion of scenes.
                 returned = simulation.advance(np.array([0, STEPS]))
                 start, end = np.array(returned)[0, :, 0]
                 simulation.advance(np.array([1]))
@@ -122,14 +122,14 @@ def check(engine: str) -> list[str]:
 
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
-    """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
+    """Return the faults of the adapters of engines by name, found in worker processes. Raises no exception of an engine."""
     with pool.Workers(check, jobs=1, limit=TIME_LIMIT_S, group=str, home=home) as workers:
         answers = dict(workers.map(engines))
     return {name: one if isinstance(one := answers[name], list) else [f"{name}: {one.reason}"] for name in engines}
 
 
 def _own_settings(spelling: str) -> bool:
-    """Return whether a method keeps its engine's own settings, which may damp or limit a motion: only its start is obvious."""
+    """Return whether a method keeps its engine's settings, which may damp or limit motions: only the start is obvious."""
     return Method.parse(spelling, TIMESTEP_S).option("settings") == "engine"
 
 

@@ -1,4 +1,4 @@
-"""Checks of the states of a run: that they are possible, begin as the scene does, and change."""
+"""Check that the states of a run are possible, begin at the initial state of the scene, and change."""
 
 import math
 
@@ -20,11 +20,12 @@ from bodycheck.results.outcome import AdapterFault, Diverged
 #: Smallest motion per step that is visible in single precision, relative to the position or in rad.
 VISIBLE_MOTION = 1e-6
 
-#: Largest deviation of a state at t = 0 from that of the scene: an angle (rad), and of vectors relative to the larger of their
-#: length and 1. Single precision is within a tenth of it, and a wrong axis, frame, sign or order of a quaternion is beyond it.
+#: Largest deviation of a state at t = 0 from the state of the scene: an angle (rad), and for vectors relative to the larger of
+#: their length and 1. Errors of single precision are below a tenth of it; a wrong axis, frame, sign or order of a quaternion
+#: exceeds it.
 START_TOLERANCE = 1e-4
 
-#: Ratio of the kinetic energy to the largest possible one, above which a run has diverged.
+#: A run has diverged if the ratio of its kinetic energy to the largest possible kinetic energy exceeds this.
 DIVERGED_ENERGY_RATIO = 100.0
 
 
@@ -34,7 +35,7 @@ def divergence(scene: AnyScene, trajectory: Trajectory) -> Diverged | None:
     finite = np.isfinite(_states(trajectory)).all(axis=(0, 2))
     if not finite.all():
         return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s", trajectory=trajectory)
-    with np.errstate(all="ignore"):  # states that cannot be may overflow
+    with np.errstate(all="ignore"):  # impossible states may overflow
         kinetic = observe(scene, trajectory).kinetic_energy
         most = _largest_kinetic_energy(scene, trajectory)
     beyond = kinetic > DIVERGED_ENERGY_RATIO * most
@@ -46,7 +47,7 @@ def divergence(scene: AnyScene, trajectory: Trajectory) -> Diverged | None:
 
 
 def check_start(scene: AnyScene, trajectory: Trajectory) -> None:
-    """Raise `AdapterFault` if the run does not begin at the state of the scene, as with a wrong frame or order."""
+    """Raise `AdapterFault` if the run does not begin at the state of the scene, for example with a wrong frame."""
     if trajectory.t[0] != 0:
         return
     start, run = initial(scene), of_bodies(trajectory)
@@ -69,9 +70,9 @@ def check_start(scene: AnyScene, trajectory: Trajectory) -> None:
 def standstill(scene: AnyScene, trajectory: Trajectory, timestep: float) -> Diverged | None:
     """Return `Diverged` if the states are equal to the last bit at all samples although a body must move; else None.
 
-    With velocity v a position changes by v h in a step h, and with spin w an attitude turns by |w| h, for any forces. A single
-    body at rest falls if nothing supports it; a mechanism at rest may be in equilibrium. Motion that rounding can hide and full
-    turns between samples do not count.
+    With velocity v a position changes by v h in a step h, and with spin w an attitude turns by |w| h, whatever the forces. A
+    single body at rest falls if nothing supports it; a mechanism at rest may be in equilibrium. Motions that rounding can hide,
+    and full turns between samples, are not expected to change a state.
     """
     states = _states(trajectory)
     if len(trajectory) < 2 or (states != states[:, :1]).any():
@@ -101,8 +102,8 @@ def _largest_kinetic_energy(scene: AnyScene, trajectory: Trajectory) -> float:
     duration = float(trajectory.t[-1])
     if isinstance(scene, Mechanism):
         return _largest_in_mechanism(scene, trajectory, duration)
-    # A body that turns by itself conserves its angular momentum, but one in contact may come to turn about any of its axes. It
-    # has no more energy than a fall for the whole duration and the rotation about the axis of the least moment.
+    # A free body conserves its angular momentum, but a body in contact may turn about any of its axes. Its energy is at most
+    # that of a fall for the whole duration and of a rotation about the axis of the least moment.
     speed = math.hypot(*scene.initial.velocity) + scene.gravity * duration
     momentum = math.hypot(*angular_momentum(scene.body, np.array(scene.initial.angular_velocity)))
     return scene.body.mass * speed**2 / 2 + momentum**2 / (2 * min(scene.body.moments))
@@ -111,9 +112,9 @@ def _largest_kinetic_energy(scene: AnyScene, trajectory: Trajectory) -> float:
 def _largest_in_mechanism(mechanism: Mechanism, trajectory: Trajectory, duration: float) -> float:
     """Return an upper bound of the kinetic energy (J) of a mechanism in the whole run.
 
-    Let E be the kinetic energy and that of the springs. Gravity works at the rate -g P_z, which is at most g sqrt(2 M E) with
-    the mass M of all bodies, so that sqrt(E) grows by at most g sqrt(M / 2) a second. Constant efforts add at most what they
-    did over the largest displacements of the run. Damping and friction only take away.
+    Let E be the kinetic energy plus the energy of the springs. Gravity works at the rate -g P_z, which is at most g sqrt(2 M E)
+    with the mass M of all bodies, so that sqrt(E) grows by at most g sqrt(M / 2) a second. Constant efforts add at most their
+    work over the largest displacements of the run. Damping and friction only remove energy.
     """
     seen = observe_mechanism(mechanism, initial(mechanism))
     springs = sum(joint.stiffness * (joint.start[0] - joint.rest) ** 2 / 2 for joint in mechanism.joints if joint.stiffness)

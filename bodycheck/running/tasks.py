@@ -1,6 +1,7 @@
-"""The tasks of worker processes: to make a run, compute truths, certify one, and compute where a body stops.
+"""The tasks of worker processes: make a run, compute truths, certify a truth, and compute where a body stops.
 
-A process of an engine needs nothing of the reference, and one of the reference no engine. Each imports what it needs.
+A process of an engine needs nothing of the reference, and a process of the reference needs no engine. Each imports only what it
+needs.
 """
 
 import contextlib
@@ -41,7 +42,7 @@ class TruthTask:
     timesteps: tuple[float, ...]
 
 
-#: The answer to a truth task: the truths by time step (s), or why there are none.
+#: The answer to a truth task: the truths by time step (s), or the reason why there are none.
 Truths = dict[float, Truth] | NoTruth
 
 
@@ -75,7 +76,7 @@ def perform_run(task: Task) -> Run:
 
 
 def perform_stop(task: StopTask) -> Stop | None:
-    """Compute where the body of a task stops under its law of friction; None if the reference knows no stop."""
+    """Compute where the body of a task stops under its law of friction; None if the reference finds no stop."""
     from bodycheck.running import truths
 
     return truths.stop_under(task.case, task.law)
@@ -107,7 +108,7 @@ def answer(question: Question) -> Truth | Certificate | NoTruth:
 
 
 def leave_out_sympy(group: None) -> None:
-    """Keep heyoka from importing SymPy into a process of truths, which needs none, and would be ready much later."""
+    """Keep heyoka from importing SymPy into a process of truths, which does not need it and would start much later."""
     sys.modules.setdefault("sympy", None)  # type: ignore[arg-type]
 
 

@@ -22,36 +22,37 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.reference.truths import Truth
 
-#: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
+#: The largest number of instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5
+#: GiB.
 MAX_INSTANTS = 300_000
 
-#: Number of durations of a case after which a body that still slides counts as not stopping.
+#: A body that still slides after this number of durations of its case counts as not stopping.
 STOP_HORIZON = 100
 
 
 def truth(case: Case, times: ArrayLike | None = None) -> Truth:
-    """Return the reference trajectory of a case with its error bound, at the case's instants or at ascending times (n,) >= 0 s.
+    """Return the reference trajectory of a case with its error bound, at its instants or at ascending times (n,) >= 0 s.
 
     Raises `bodycheck.reference.errors.NotModelled` for a scene that the reference does not model, and
-    `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow; `BadInput` for other times, and `TypeError` for
-    anything that is not a `Case`.
+    `bodycheck.reference.errors.OutOfReach` for a motion that it cannot compute, `BadInput` for invalid times, and `TypeError`
+    for anything that is not a `Case`.
     """
     check_case(case)
     return truth_of_scene(case.scene, _instants(case, times))
 
 
 def batches(case: Case, timesteps: Iterable[float]) -> tuple[tuple[float, ...], ...]:
-    """Return the different ones of some time steps (s) in batches, whose truths are computed together by `of_runs`.
+    """Return time steps (s), without repetitions, in batches whose truths are computed together by `of_runs`.
 
-    All are in one batch, unless a case has so many instants at its time steps that they need much memory and time together. A
-    batch has at most `MAX_INSTANTS`, or one time step.
+    All time steps are in one batch, unless a case has so many instants that their truths need much memory and time. A batch has
+    at most `MAX_INSTANTS` instants, or one time step.
     """
     different, most = tuple(dict.fromkeys(timesteps)), max(1, MAX_INSTANTS // case.samples)
     return tuple(different[first : first + most] for first in range(0, len(different), most))
 
 
 def effort(case: Case) -> tuple[bool, int]:
-    """Return what orders cases by how long their truths take: longest those of closed loops, and then those of many bodies."""
+    """Return a key that sorts cases by the time for their truths: the longest for closed loops, then for many bodies."""
     scene = case.scene
     return (bool(scene.loops), len(scene.bodies)) if isinstance(scene, Mechanism) else (False, 0)
 
@@ -59,8 +60,8 @@ def effort(case: Case) -> tuple[bool, int]:
 def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
     """Return the truths for the runs of a case with some time steps (s), by time step, from one computation.
 
-    It is made at all instants that engines with these time steps reach, and each truth is a part of it. Raises as `truth`
-    does.
+    The computation covers all instants that engines with these time steps reach, and each truth is a part of it. Raises as
+    `truth` does.
     """
     from bodycheck.running.instants import sampling_steps  # reports of stored results need no simulation
 
@@ -70,14 +71,15 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
 
 
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
-    """Compare all methods of computing the truth of a case. Times and exceptions are those of `truth`."""
+    """Compare all methods of computing the truth of a case, with the times and exceptions of `truth`."""
     return certificate.certify(case.scene, _instants(case, times))
 
 
 def stop_under(case: Case, law: Plane) -> Stop | None:
     """Return where and when the body of a case stops if a law of friction acts on its plane.
 
-    None if it does not stop within `STOP_HORIZON` times the duration of the case, or if the reference has no truth there.
+    The result is None if the body does not stop within `STOP_HORIZON` times the duration of the case, or if the reference has
+    no truth under this law.
     """
     assert isinstance(case.scene, Scene)  # nothing slides in a mechanism
     try:
@@ -87,7 +89,7 @@ def stop_under(case: Case, law: Plane) -> Stop | None:
 
 
 def _instants(case: Case, times: ArrayLike | None) -> Array:
-    """Return the instants (n,) of a case, or other times (s). Raises `BadInput`."""
+    """Return the instants (n,) of a case, or other times (s). Raises `BadInput` for invalid times."""
     if times is None:
         return case.instants
     instants = np.asarray(times, dtype=float)
@@ -103,8 +105,8 @@ def _instants(case: Case, times: ArrayLike | None) -> Array:
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them.
 
-    The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are by
-    the names of its joints and bodies.
+    The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are
+    given by the names of its joints and bodies.
     """
     trajectory = truth.trajectory
     return {
@@ -121,9 +123,10 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
 
 
 def _contact_as_json(truth: Truth) -> dict[str, Any]:
-    """Return the events of bodies that touch, the smallest friction that holds, and what bodies at rest bear (N).
+    """Return the events of bodies in contact, the smallest friction without slip, and the loads (N) at rest.
 
-    Bodies are meant by their places, and the plane by -1. What mechanics does not give is NaN here and in the states.
+    Bodies are given by their indices, and the plane by -1. Values that mechanics does not determine are NaN here and in the
+    states.
     """
     return {
         "events": [asdict(event) for event in truth.events],
@@ -143,8 +146,8 @@ def _states_as_json(trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
-    """Return the coordinates and velocities of joints, and the states of bodies, by their names, and the growth of an error."""
-    assert truth.joints is not None  # a mechanism has them
+    """Return the coordinates and velocities of joints and the states of bodies by their names, and the growth of errors."""
+    assert truth.joints is not None  # the truth of a mechanism has joints
     joints = by_name(mechanism, truth.joints)
     return {
         "joints": {name: {key: values.tolist() for key, values in quantities.items()} for name, quantities in joints.items()},
@@ -156,7 +159,7 @@ def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
 def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
     """Return the additional JSON entries of `bodycheck truth --certify --json`.
 
-    They are the attitude differences (rad) of all pairs of methods, the certified bound, and the growth of an error.
+    The entries are the attitude differences (rad) of all pairs of methods, the certified bound, and the growth of an error.
     """
     return {
         "differences": [

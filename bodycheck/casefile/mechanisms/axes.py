@@ -1,6 +1,6 @@
 """Variations of a mechanism along the axes of extremes: each function returns a mechanism with another value.
 
-Loops that are closed stay so, also in their velocities.
+Closed loops stay closed, also in their velocities.
 """
 
 import math
@@ -41,14 +41,14 @@ class Variation:
 
 
 def mass(mechanism: Mechanism, value: float) -> Mechanism:
-    """Another total mass (kg): masses and moments of all bodies change in proportion, and nothing of the joints."""
+    """Change the total mass (kg): masses and moments of all bodies change in proportion, and the joints stay the same."""
     factor = value / sum(exact.nearest_inertia(body).mass for body in mechanism.bodies)
     bodies = (replace(body, inertia=_scaled(body.inertia, 1.0, factor)) for body in mechanism.bodies)
     return replace(mechanism, bodies=tuple(bodies))
 
 
 def size(mechanism: Mechanism, value: float) -> Mechanism:
-    """All lengths times this at the same density, also those of the start and in its velocities, and rests of sliders."""
+    """Multiply all lengths by a factor at the same density, also those in initial states and in rests of sliders."""
     return replace(
         mechanism,
         bodies=tuple(_grown_body(body, value) for body in mechanism.bodies),
@@ -60,7 +60,7 @@ def size(mechanism: Mechanism, value: float) -> Mechanism:
 
 
 def distance(mechanism: Mechanism, value: float) -> Mechanism:
-    """The whole mechanism moved away from the origin by this along x (m)."""
+    """Move the whole mechanism by a distance (m) along x."""
 
     def moved(position: Vector) -> Vector:
         return position[0] + value, position[1], position[2]
@@ -78,21 +78,21 @@ def distance(mechanism: Mechanism, value: float) -> Mechanism:
 
 
 def gravity(mechanism: Mechanism, value: float) -> Mechanism:
-    """Another gravity (m/s^2)."""
+    """Change the gravity (m/s^2)."""
     return replace(mechanism, gravity=value)
 
 
 def spin(mechanism: Mechanism, value: float) -> Mechanism:
-    """All initial velocities in proportion, so that the largest angular one of a joint or free body is this (rad/s)."""
+    """Scale all initial velocities so that the largest angular velocity of a joint or free body is the value (rad/s)."""
     return _faster(mechanism, value / _largest_spin(mechanism))
 
 
 def speed(mechanism: Mechanism, value: float) -> Mechanism:
-    """All initial velocities in proportion, so that the largest linear one of a joint or free body is this (m/s)."""
+    """Scale all initial velocities so that the largest linear velocity of a joint or free body is the value (m/s)."""
     return _faster(mechanism, value / _largest_speed(mechanism))
 
 
-#: The axes along which mechanisms are varied besides those of the run, by name.
+#: The axes along which mechanisms are varied, by name, without the axes of the run.
 VARIATIONS = {
     "spin": Variation(spin, lambda given: None if _largest_spin(given) else "no joint or free body has an angular velocity"),
     "mass": Variation(mass),
@@ -119,13 +119,13 @@ def _starts(mechanism: Mechanism) -> list[BodyStart]:
 
 
 def _parts(joint: Joint, values: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Coordinates or velocities of a joint as those that are lengths and the others, which follow them."""
+    """Split the coordinates or velocities of a joint into the linear ones, which come first, and the others."""
     count = len(joint.form.slides)
     return values[:count], values[count:]
 
 
 def _faster(mechanism: Mechanism, factor: float) -> Mechanism:
-    """All initial velocities times a factor."""
+    """Multiply all initial velocities by a factor."""
     bodies = [
         body if body.start is None else replace(body, start=_faster_start(body.start, factor)) for body in mechanism.bodies
     ]
@@ -167,7 +167,7 @@ def _grown_joint(joint: Joint, factor: float) -> Joint:
 
 
 def _scaled(inertia: Given, length: float, mass: float) -> Given:
-    """Return the content of a body with all lengths and masses times a factor."""
+    """Return the inertia of a body with its lengths multiplied by `length`, and its masses by `mass`."""
     match inertia:
         case Solid():
             return _scaled_solid(inertia, length, mass)
@@ -185,7 +185,7 @@ def _scaled_solid(part: Solid, length: float, mass: float) -> Solid:
 
 
 def grown(shape: Shape, factor: float) -> Shape:
-    """A shape with all lengths times a factor."""
+    """Return a shape with all lengths multiplied by a factor."""
     match shape:
         case Brick(semi_axes):
             return Brick(_times(semi_axes, factor))

@@ -1,6 +1,6 @@
-"""Build the mechanism of a case from the tables of its file, and check what only its start can tell.
+"""Build the mechanism of a case from the tables of its file, and check its initial state.
 
-That is its mass matrix, loops, and numbers that would overflow.
+The checks concern the mass matrix, the loops, and numbers that would overflow.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,23 +20,23 @@ from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.scene import Plane, Shape, Solid, Vector
 
-#: Smallest pivot of the mass matrix relative to the element of its diagonal; a smaller one is rounding of the file's numbers.
+#: Smallest pivot of the mass matrix relative to its diagonal element; a smaller pivot is rounding of the file's numbers.
 MIN_PIVOT = 1e-15
 
-#: Largest ratio of all masses times the square of the largest distance to an inertia that is turned against: sums of both are
-#: formed with a hundred digits.
+#: Largest ratio of the total mass times the square of the largest distance to the inertia about a joint: sums of both are
+#: computed with a hundred digits.
 MAX_RATIO = 1e60
 
-#: How far apart the points of a loop may be, relative to the lengths around it, and how fast they may part, relative to the
-#: speeds: what the decimals of a file leave.
+#: The largest distance of the two points of a loop relative to the lengths of the mechanism, and the largest relative speed of
+#: the points relative to its speeds: the rounding of decimals in a file stays below it.
 LOOP_TOLERANCE = 1e-12
 
 
 def check_start(mechanism: Mechanism, duration: float) -> None:
-    """Refuse a mechanism without a motion, or with one that is too large. duration: of the run (s).
+    """Raise `Inconsistent` if the motion of a mechanism is not determined or too large. duration: of the run (s).
 
-    Raises `Inconsistent` for a mass matrix in joint coordinates that is not positive definite at the start, loops that do not
-    close or do not stay closed, inertias that are too small beside the others, and quantities above `MAX_SIZE`.
+    The causes are a mass matrix in joint coordinates that is not positive definite at the start, loops that do not close or do
+    not stay closed, inertias that are too small compared with the others, and quantities above `MAX_SIZE`.
     """
     frames, coordinates = start.frames(mechanism), start.coordinates(mechanism)
     faults = [*_undetermined(mechanism, coordinates), *_open_loops(mechanism, frames)]
@@ -48,7 +48,7 @@ def check_start(mechanism: Mechanism, duration: float) -> None:
 
 
 def _undetermined(mechanism: Mechanism, coordinates: tuple[start.Coordinate, ...]) -> Iterator[tuple[Path, str]]:
-    """Yield the first coordinate of each joint or free body that nothing resists."""
+    """Yield a fault for each joint or free body that has a coordinate without inertia."""
     reported: set[int] = set()
     for coordinate in coordinates:
         if coordinate.loose > MIN_PIVOT * coordinate.locked or coordinate.body in reported:
@@ -95,7 +95,7 @@ def _open_loops(mechanism: Mechanism, frames: Mapping[int, start.Frame]) -> Iter
 def _out_of_scale(
     mechanism: Mechanism, frames: Mapping[int, start.Frame], coordinates: tuple[start.Coordinate, ...]
 ) -> Iterator[tuple[Path, str]]:
-    """Yield joints about which the inertia is so small that sums with those of the whole mechanism lose it."""
+    """Yield a fault for each joint whose inertia is so small that sums with the inertia of the whole mechanism lose it."""
     mass = sum(start.mass(body) for body in mechanism.bodies)
     reach = max(max(_length(frames[index].origin), _length(start.centre(body))) for index, body in enumerate(mechanism.bodies))
     reported: set[int] = set()
@@ -115,7 +115,7 @@ def _out_of_scale(
 def _too_large(
     mechanism: Mechanism, frames: Mapping[int, start.Frame], coordinates: tuple[start.Coordinate, ...], duration: float
 ) -> Iterator[tuple[Path, str]]:
-    """Yield quantities of the motion that are so large within a duration (s) that squares and products could overflow."""
+    """Yield a fault for each quantity that becomes so large within a duration (s) that products could overflow."""
     time, gravity, energy, mass, speed, way = (Wide(duration), Wide(mechanism.gravity), *[Wide(0)] * 4)
     for index, body in enumerate(mechanism.bodies):
         frame, centre, mass_of_body = frames[index], start.centre(body), start.mass(body)
@@ -152,7 +152,7 @@ def _too_large(
 
 
 def _length(vector: start.WideArray) -> Wide:
-    """The length of a vector, whose square may be too large or too small for the type."""
+    """Return the length of a vector, without overflow or underflow of its square."""
     largest = np.abs(vector).max()
     return Wide(largest * np.sqrt(np.square(vector / largest).sum())) if largest else Wide(0)
 
@@ -164,14 +164,14 @@ def _told(point: start.WideArray) -> str:
 #: The keys of a joint's axis and of the forces along it.
 FORCES = ("axis", "armature", "damping", "stiffness", "rest", "friction", "effort")
 
-#: The centre of mass of a body whose file does not say it.
+#: The default centre of mass of a body.
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
 def build_mechanism(table: grammar.MechanismTable) -> Mechanism:
     """Return the mechanism of a case.
 
-    Raises `Inconsistent` for what only the start can tell: see `check_start`.
+    Raises `Inconsistent` for faults of the initial state; see `check_start`.
     """
     places = {grammar.WORLD: WORLD} | {body.name: index for index, body in enumerate(table.bodies)}
     children = {joint.child for joint in table.joints}
@@ -204,7 +204,7 @@ def _start(table: InitialTable, plane: Plane | None, shape: Shape | None) -> Bod
 
 
 def _joint(table: grammar.JointTable, places: dict[str, int]) -> Joint:
-    name: JointType = getattr(table, "type")  # noqa: B009  (a key of the tables that are made of the types)
+    name: JointType = getattr(table, "type")  # noqa: B009  (a key of the tables, which are generated from the types)
     forces = {key: getattr(table, key) for key in FORCES if key in type(table).model_fields}
     keys = JOINT_TYPES[name].start
     start, velocity = (_numbers(table, keys.position), _numbers(table, keys.velocity)) if keys is not None else ((), ())
@@ -215,6 +215,6 @@ def _joint(table: grammar.JointTable, places: dict[str, int]) -> Joint:
 
 
 def _numbers(table: grammar.JointTable, names: tuple[str, ...]) -> tuple[float, ...]:
-    """Return the numbers of some keys of the table `initial` of a joint, one key after another."""
+    """Return the numbers of some keys of the table `initial` of a joint, concatenated."""
     values = [getattr(getattr(table, "initial"), name) for name in names]  # noqa: B009
     return tuple(number for value in values for number in (value if isinstance(value, tuple) else (value,)))

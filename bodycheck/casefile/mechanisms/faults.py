@@ -13,7 +13,7 @@ from bodycheck.suggestion import did_you_mean, first_names
 
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
-    """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
+    """Yield the faults between keys of a raw document, which may also have other faults, as pairs of path and message."""
     bodies, joints = tables_of(document, "bodies", MAX_BODIES), tables_of(document, "joints", MAX_BODIES)
     if "model" not in document:
         if document.get("bodies", []) == []:
@@ -39,7 +39,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
-    """Yield the names that stand at a second table of an array, and a body that has the name of the world."""
+    """Yield faults for names that a table of an array repeats, and for a body that has the name of the world."""
     seen: set[str] = set()
     for index, table in enumerate(tables):
         name_of_table = table.get("name")
@@ -53,7 +53,7 @@ def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Pat
 
 
 def _holders(joints: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """Return the place of the first joint whose child each body is."""
+    """Return the index of the first joint that has a body as child, by the names of the bodies."""
     holders: dict[str, int] = {}
     for index, joint in enumerate(joints):
         if isinstance(child := joint.get("child"), str):
@@ -105,7 +105,7 @@ def _of_child(
 
 
 def _circles(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
-    """Yield each circle once, at the first of its joints: going from child to parent, one comes back."""
+    """Yield a fault for each circle of joints from child to parent, once, at the first of its joints."""
     parent_of: dict[str, tuple[int, str]] = {}
     for index, joint in enumerate(joints):
         child, parent = joint.get("child"), joint.get("parent", WORLD)
@@ -153,7 +153,7 @@ def _of_surroundings(document: Mapping[str, Any], names: Sequence[str]) -> Itera
 
 
 def _unknown(name: Any, names: Sequence[str]) -> str | None:
-    """Return what is allowed for a name that no body has; None if one has it, and for what the grammar reports."""
+    """Return the fault of a name that no body has; None if a body has it or the grammar reports the fault."""
     if not isinstance(name, str) or name in names:
         return None
     return f"there is no such body; allowed: {_listed(names)}{did_you_mean(name, names)}"
@@ -164,6 +164,6 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _quoted(name: Any) -> str:
-    """Return the name of a body or joint in a message, where it may be any text of a stranger."""
+    """Return a quoted name of a body or joint for a message; the name may be any text of a stranger."""
     text = ascii(name) if not (isinstance(name, str) and name.isprintable()) else name
     return text if len(text) <= 60 else f"{text[:59]}…"

@@ -15,7 +15,7 @@ FORMAT = 2
 #: The name of the world among the bodies.
 WORLD = "world"
 
-#: The most bodies and joints, and the most loops.
+#: The largest numbers of bodies and joints, and of loops.
 MAX_BODIES = 200
 MAX_LOOPS = 200
 
@@ -33,7 +33,7 @@ def _not_a_number(value: str) -> str:
     return value
 
 
-#: The name of a body or joint. It may stand between the dots of a key path.
+#: The name of a body or joint. It may be a part of a dotted key path.
 PartName = Annotated[str, Field(strict=True, pattern=PART_NAME, max_length=MAX_NAME_LENGTH), AfterValidator(_not_a_number)]
 
 

@@ -1,7 +1,7 @@
-"""The table `[model]` of a case file: a robot model, URDF or MJCF, in the place of `[[bodies]]` and `[[joints]]`.
+"""The table `[model]` of a case file: a robot model, URDF or MJCF, instead of `[[bodies]]` and `[[joints]]`.
 
-The model is a regular file in the folder of the case file. Its text is appended to that of the case as `[model.stored]` when
-the case is loaded, so that wherever the text of a case goes, its mechanism goes too.
+The model is a regular file in the folder of the case file. When the case is loaded, the text of the model is appended to the
+text of the case as `[model.stored]`, so that the text of a case always contains its mechanism.
 """
 
 import copy
@@ -26,19 +26,19 @@ from bodycheck.files import reading
 from bodycheck.robots import elements
 from bodycheck.suggestion import did_you_mean
 
-#: What stands between the text of a case file and that of its model.
+#: The mark between the text of a case file and the text of its model.
 MARK = "\n# The text of the model, as it was read beside this file.\n[model.stored]\ntext = "
 
 #: The name of a file, without a folder.
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
 
-#: How the tables of bodies and joints are read, by the root of the file.
+#: The functions that read the tables of bodies and joints, by the tag of the root of the file.
 READERS = {"robot": urdf.tree, "mujoco": mjcf_tree.tree}
 
 #: The path of the key with the name of the model.
 FILE: Path = ("model", "file")
 
-#: Characters that JSON writes as they are and TOML does not allow so.
+#: The character that JSON writes unescaped, but TOML allows only escaped.
 DELETE = "\x7f"
 
 
@@ -49,11 +49,11 @@ class Expanded:
     Attributes
     ----------
     document
-        The document; that of the file where it has no model, or none that can be read.
+        The document with the tables of the model; the document of the file if it has no model, or its model cannot be read.
     faults
         The faults of the table and of the model, as pairs of path and message.
     from_model
-        Whether the bodies and joints are those of a model.
+        Whether the bodies and joints come from a model.
     """
 
     document: dict[str, Any]
@@ -61,7 +61,7 @@ class Expanded:
     from_model: bool = False
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
-        """Return path and message in the case file of a fault in the document."""
+        """Return the path in the case file, and the message, of a fault in the document."""
         match path:
             case ("joints", int(index), "initial", *rest) if self.from_model:
                 return ("initial", "joints", self.document["joints"][index]["name"], *rest), message
@@ -78,9 +78,11 @@ class Expanded:
 
 
 def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[str, str | None]:
-    """Return the text of a case file with that of its model appended, or the text alone and why the model is not read.
+    """Return the text of a case file with the text of its model appended, and None; or the text alone, and a reason.
 
-    document: that of the text. folder: of the case file.
+    The reason says why the model was not read; it is None if the file names no model, or has its text.
+
+    document: the document of the text. folder: the folder of the case file.
     """
     table = mapping(document.get("model"))
     name = table.get("file")
@@ -90,7 +92,7 @@ def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[s
         return text, "must be the name of a file in the folder of this one"
     try:
         tomllib.loads(f'{text}{MARK}""')
-    except tomllib.TOMLDecodeError:  # behind an inline table
+    except tomllib.TOMLDecodeError:  # after an inline table
         return text, "is not in a table of its own; write it below a line [model]"
     try:
         content = reading.content(folder / name, elements.MAX_BYTES).decode("utf-8")
@@ -104,7 +106,7 @@ def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[s
 
 
 def split(text: str) -> tuple[str, dict[str, Any] | None]:
-    """Return the text of a case file as it was read, and the table with its model that is stored behind it, if there is one."""
+    """Return the text of a case file as it was read, and the table of the model appended to it (None without model)."""
     text_of_file, mark, stored = text.partition(MARK)
     if not mark:
         return text, None
@@ -115,14 +117,14 @@ def split(text: str) -> tuple[str, dict[str, Any] | None]:
 
 
 def file_text(case: Case) -> str:
-    """Return the text of the file of a case alone, without that of its model."""
+    """Return the text of the file of a case alone, without the text of its model."""
     return split(case.text)[0]
 
 
 def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
     """Return the document of a case file with the bodies and joints of its model, whose text is stored in it.
 
-    A document that has other faults is taken as far as it goes. refused: why there is no text, if that is known.
+    The document may have other faults. refused: why the text of the model is missing, if known.
     """
     table = mapping(document.get("model"))
     if "model" not in document or not is_mechanism(document):
@@ -142,7 +144,7 @@ def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
 
 @functools.lru_cache(maxsize=2)
 def _tables(text: str, file: str) -> Tables:
-    """Return the tables of the bodies and joints of a model. Raises `BadInput`."""
+    """Return the tables of the bodies and joints of a model. Raises `BadInput` if they cannot be read."""
     root = elements.parsed(text.encode("utf-8", "replace"), file)
     if root.tag not in READERS:
         elements.refuse_root(root)
@@ -155,7 +157,7 @@ def _tables(text: str, file: str) -> Tables:
 
 
 def _started(document: dict[str, Any], tables: Tables) -> Expanded:
-    """Return a document with the tables of a model, whose joints begin as the document says."""
+    """Return a document with the tables of a model, whose joints get the initial states that the document states."""
     initial = mapping(mapping(document.get("initial")).get("joints"))
     joints = {joint["name"]: joint for joint in tables["joints"]}
     for name, start in initial.items():
@@ -178,7 +180,7 @@ def _unknown(initial: Mapping[str, Any], joints: list[str]) -> Iterator[tuple[Pa
 
 
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the document of a case file with bodies and joints of its own instead of a model that can be read."""
+    """Return the document of a case file with tables of bodies and joints instead of a model, if the model can be read."""
     expansion = expanded(dict(document))
     if not expansion.from_model:
         return expansion.document

@@ -10,8 +10,8 @@ from bodycheck.reference.scene import Shape, Sphere
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean
 
-#: Largest distance of the centre of a shape from the centre of mass, relative to the size of the shape, and largest element of
-#: a rotation that is none: the decimals of the file are rounded.
+#: Largest distance of the centre of a shape from the centre of mass, relative to the size of the shape, and largest deviation
+#: of the elements of a rotation matrix from the identity: the decimals of the file are rounded.
 ALIGNED = MP.mpf(10) ** -12
 
 
@@ -26,13 +26,13 @@ class Link:
     mass_properties
         Mass (kg), centre of mass (m) and inertia tensor about it (kg m^2) in the frame of the body.
     inertia_from
-        Where mass and inertia stand in the file, as a phrase.
+        A phrase for the place of mass and inertia in the file.
     shape
-        A shape about the centre of mass and along the axes of the frame; None if the file has none such.
+        A shape about the centre of mass and along the axes of the frame; None if the file has no such shape.
     shape_from
-        Where the shape stands, or why there is none, as a phrase.
+        A phrase for the place of the shape in the file, or for the reason why there is none.
     left_out
-        What of the file is not in the case, as a phrase; empty if that is nothing.
+        A phrase for the parts of the file that are not in the case; empty if there are none.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Link:
 def chosen(root: Element, bodies: list[Element], name: str | None, tag: str) -> Element:
     """Return the body of this name among all bodies of a file; the only one if the name is None.
 
-    Raises `BadInput` if there is no such body, or if there are several.
+    Raises `BadInput` if there is no such body, or several.
     """
     names = [body.attributes.get("name", "") for body in bodies]
     listed = ", ".join(quoted(each) for each in names[:20]) + (", …" if len(names) > 20 else "")
@@ -64,12 +64,15 @@ def chosen(root: Element, bodies: list[Element], name: str | None, tag: str) -> 
 
 
 def left_out(others: int) -> str:
-    """Return what a case leaves out of a model with so many other bodies, as a phrase; empty if there are none."""
+    """Return a phrase for what a case leaves out of a model with a number of other bodies; empty if there are none."""
     return f"{others} other {'body' if others == 1 else 'bodies'}, fixed to it or not, and all joints" if others else ""
 
 
 def about_centre(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternion4) -> bool:
-    """Return whether a shape at a place, with an attitude, is about a centre of mass and along the axes of the frame."""
+    """Return whether a shape at the position `at` is centred on a centre of mass, and along the axes of the frame.
+
+    Every attitude of a sphere counts as along the axes.
+    """
     size = max((max(value) if isinstance(value, tuple) else value) for value in vars(shape).values())
     placed = all(abs(one - other) <= ALIGNED * size for one, other in zip(at, centre, strict=True))
     rows = matrix(attitude)
@@ -78,7 +81,7 @@ def about_centre(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternio
 
 
 def without_rounding(mass_properties: MassProperties) -> MassProperties:
-    """Return mass properties in which what rounding has left of a zero is zero."""
+    """Return mass properties with components that are only rounding errors set to zero."""
     largest, farthest = max(map(abs, mass_properties.tensor)), max(map(abs, mass_properties.centre))
     xx, yy, zz, xy, xz, yz = (part if abs(part) > NEGLIGIBLE * largest else MP.mpf(0) for part in mass_properties.tensor)
     x, y, z = (part if abs(part) > NEGLIGIBLE * farthest else MP.mpf(0) for part in mass_properties.centre)

@@ -1,6 +1,6 @@
 """Read one body of an MJCF file as MuJoCo's compiler does: its <inertial>, or the inertia of its geoms.
 
-What of the file could change the meaning of a number is honoured (angle, eulerseq, inertiafromgeom, inertiagrouprange, default
+Settings that could change the meaning of a number are followed (angle, eulerseq, inertiafromgeom, inertiagrouprange, default
 classes) or refused with the reason.
 """
 
@@ -22,7 +22,7 @@ WRITERS = ("replicate", "composite", "flexcomp")
 
 
 def link(root: Element, name: str | None) -> Link:
-    """Return a body of an MJCF file; the only one if the name is None. Raises `BadInput`."""
+    """Return a body of an MJCF file; the only one if the name is None. Raises `BadInput` if it cannot be read exactly."""
     classes: dict[Element, str | None] = {}
     for world in root.all("worldbody"):
         classes |= dict(_bodies(world, None))
@@ -37,14 +37,14 @@ def link(root: Element, name: str | None) -> Link:
 
 
 def refuse_includes(root: Element) -> None:
-    """Raise `BadInput` for an <include> at any place: what it would bring may change every number."""
+    """Raise `BadInput` for an <include> at any place: the included file may change every number."""
     for element in root.everything():
         if element.tag == "include":
             refuse(element, "file", "names another file, which is not opened; put its content in its place")
 
 
 def refuse_what_is_not_followed(body: Element) -> None:
-    """Raise `BadInput` for elements of a body, without those of the bodies in it, that may change its mass or frame."""
+    """Raise `BadInput` for elements of a body that may change its mass or frame; bodies inside it are not checked."""
     for element in _own(body):
         if element.tag in WRITERS:
             refuse(
@@ -81,10 +81,10 @@ def inertia_of(body: Element, inherited: str | None, rules: Settings, defaults: 
 
 
 def _inertia(body: Element, geoms: list[Element], rules: Settings) -> tuple[MassProperties, str]:
-    """Return the mass properties of a body with some geoms, and where they stand."""
+    """Return the mass properties of a body with some geoms, and a phrase for their place in the file."""
     inertial = body.only("inertial")
     counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
-    # Where no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
+    # If no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
     if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
         mass_properties, inertia_from = _stated(inertial, rules), place(inertial)
     else:
@@ -104,7 +104,7 @@ def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, s
 
 
 def _own(body: Element) -> Iterator[Element]:
-    """Yield what belongs to a body, also within frames, and not what belongs to the bodies in it."""
+    """Yield the elements of a body, also those inside its frames, but not the elements of bodies inside it."""
     left = list(reversed(body.children))
     while left:
         element = left.pop()
@@ -134,7 +134,7 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
 
 
 def _of_geoms(body: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
-    """Return the mass properties of the geoms of a body that count, and where they stand."""
+    """Return the total mass properties of the geoms that count in a body, and a phrase for their place in the file."""
     if rules.inertiafromgeom == "false":
         refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
     solids = [solid for geom in counted if (solid := mjcf_geoms.mass_properties(geom, rules)) is not None]
@@ -145,7 +145,7 @@ def _of_geoms(body: Element, counted: list[Element], rules: Settings) -> tuple[M
 
 
 def _shape(geoms: list[Element], mass_properties: MassProperties, rules: Settings) -> tuple[Shape | None, str]:
-    """Return the shape of a body and where it stands; None and why there is none."""
+    """Return the shape of a body and its place in the file; None and the reason if there is none."""
     if len(geoms) != 1:
         return None, f"the body has {len(geoms) or 'no'} geoms; a body has one shape"
     (geom,) = geoms

@@ -10,7 +10,7 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.robots.orientations import from_z, turned_inertia
 
-#: The geoms with a volume of their own, and how many sizes each has; with `fromto` the last one is half the distance.
+#: The kinds of geoms that are solids, with their numbers of sizes; with `fromto` the last size is half the distance.
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
 
 #: MuJoCo's density of geoms, kg/m^3.
@@ -26,7 +26,7 @@ class Placed:
 
 
 def placed(geom: Element, rules: Settings) -> Placed:
-    """Return where a geom is. Raises `BadInput`."""
+    """Return the centre and attitude of a geom. Raises `BadInput` if they cannot be read."""
     if "fromto" not in geom.attributes:
         turn = attitude(geom, rules)
         return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), turn)
@@ -39,7 +39,7 @@ def placed(geom: Element, rules: Settings) -> Placed:
 
 
 def shape(geom: Element) -> Shape | None:
-    """Return the shape of a geom; None for one that case files do not have. Raises `BadInput`."""
+    """Return the shape of a geom; None if case files do not have it. Raises `BadInput` if its sizes cannot be read."""
     kind = _kind(geom)
     if kind not in SIZES or kind == "capsule" or "fromto" in geom.attributes or "mesh" in geom.attributes:
         return None
@@ -49,7 +49,7 @@ def shape(geom: Element) -> Shape | None:
 def mass_properties(geom: Element, rules: Settings) -> MassProperties | None:
     """Return the mass properties of a geom in the frame of the body; None if it has no mass.
 
-    Raises `BadInput` for a geom whose mass is not that of one of the solids of `SIZES`.
+    Raises `BadInput` for a geom whose mass is not the mass of a solid of `SIZES`.
     """
     kind = _kind(geom)
     if kind in ("plane", "hfield") or ("mass" in geom.attributes and number(geom, "mass") == 0):

@@ -1,4 +1,4 @@
-"""The settings of an MJCF file that decide what its numbers mean, the <compiler> and the default classes; attitudes by them."""
+"""The settings of an MJCF file on which the meaning of its numbers depends (<compiler>, default classes), and attitudes."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ CHANGING = {
     "alignfree": ("false",),
 }
 
-#: Attributes of <compiler> that change masses or inertias where they are positive.
+#: Attributes of <compiler> that change masses or inertias if they are positive.
 BOUNDS = ("settotalmass", "boundmass", "boundinertia")
 
 
@@ -31,9 +31,9 @@ class Settings:
     eulerseq
         The sequence of Euler angles.
     inertiafromgeom
-        "true", "false" or "auto": whether the inertia of a body is that of its geoms.
+        "true", "false" or "auto": whether the inertia of a body is computed from its geoms.
     groups
-        The least and the largest group of the geoms that have a mass.
+        The smallest and the largest group of geoms that have a mass.
     """
 
     degrees: bool = True
@@ -47,7 +47,7 @@ class Settings:
 
 
 def settings(root: Element) -> Settings:
-    """Return the settings of an MJCF file. Raises `BadInput` for those that are not followed here."""
+    """Return the settings of an MJCF file. Raises `BadInput` for settings that are not followed here."""
     rules = Settings()
     for compiler in root.all("compiler"):
         for key, harmless in CHANGING.items():
@@ -78,7 +78,7 @@ def settings(root: Element) -> Settings:
 
 
 def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
-    """Return the word of an attribute. Raises `BadInput` unless it is one of those that are allowed."""
+    """Return the word of an attribute. Raises `BadInput` unless it is one of the allowed words."""
     value = element.attributes.get(attribute, default)
     if value not in allowed:
         refuse(element, attribute, f"read {quoted(value)}; allowed: {', '.join(allowed)}")
@@ -86,7 +86,7 @@ def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ..
 
 
 class Defaults:
-    """The attributes of elements with a tag by default, by the name of the class; None is that of elements without one."""
+    """The default attributes of elements with a tag, by the names of default classes; None is the class of all others."""
 
     def __init__(self, root: Element, tag: str) -> None:
         self.tag = tag
@@ -95,7 +95,7 @@ class Defaults:
             self._add(top, None, None)
 
     def _add(self, element: Element, name: str | None, parent: str | None) -> None:
-        """Add a class and those in it, which inherit what it has."""
+        """Add a class and the classes inside it, which inherit its attributes."""
         attributes = self.classes.setdefault(name, dict(self.classes[parent]))
         for child in element.all(self.tag):
             attributes |= child.attributes
@@ -107,7 +107,7 @@ class Defaults:
             self._add(inner, inner.attributes["class"], name)
 
     def resolved(self, element: Element, inherited: str | None) -> Element:
-        """Return an element with the attributes of its class, or of the class that its body hands down.
+        """Return an element with the default attributes of its class, or of the class that it inherits from its body.
 
         Raises `BadInput` for an unknown class.
         """
@@ -123,7 +123,7 @@ ATTITUDES = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
 
 
 def attitude(element: Element, rules: Settings) -> Quaternion4:
-    """Return the attitude of an element, which is read exactly. Raises `BadInput` if it has several of `ATTITUDES`."""
+    """Return the exact attitude of an element. Raises `BadInput` if it has several of `ATTITUDES`."""
     stated = [name for name in ATTITUDES if name in element.attributes]
     if len(stated) > 1:
         refuse(element, stated[1], f"{stated[0]} is given too; allowed: one of {', '.join(ATTITUDES)}")

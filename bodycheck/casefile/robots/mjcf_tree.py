@@ -1,8 +1,8 @@
 """Read the bodies and joints of an MJCF file as tables of a case file.
 
-A body without a joint is fixed to the one around it; where it has no mass, it is a frame of that one. The frame of a body is
-moved to the anchor of its hinge or ball. Geometry, sites, sensors, ranges of joints, and the gravity, integrator and contacts
-of the file are no part of the mechanics of a case, which states its own gravity; what else moves bodies is refused.
+A body without a joint is fixed to its parent; if it has no mass either, it is only a frame of its parent. The frame of a body
+is moved to the anchor of its hinge or ball. Geometry, sites, sensors, ranges of joints, and the gravity, integrator and
+contacts of the file are ignored: a case states its own gravity. Anything else that moves bodies is refused.
 """
 
 from collections.abc import Sequence
@@ -23,10 +23,10 @@ from bodycheck.robots.elements import Element, quoted, refuse
 #: The types of joints by their names in MJCF.
 TYPES = {form.mjcf: form.name for form in JOINT_TYPES.values() if form.mjcf is not None}
 
-#: Parts of a file that hold or move bodies in ways that a case cannot say.
+#: Parts of a file that constrain or move bodies in ways that a case cannot state.
 MOVING = ("equality", "tendon", "actuator", "deformable", "extension")
 
-#: Attributes that change a motion where they are not zero, and that a case cannot say.
+#: Attributes that change a motion if they are not zero, and that a case cannot state.
 OF_OPTIONS = ("density", "viscosity")
 OF_BODIES = ("gravcomp",)
 OF_JOINTS = ("ref", "springdamper", "actuatorgravcomp")
@@ -42,7 +42,7 @@ PROPERTIES = {
 
 @dataclass(frozen=True, eq=False)
 class _Around:
-    """The context of bodies in another one: the body that they are on, their frame on it, and their default class."""
+    """The context of child bodies: the name of the body that carries them, their frame on it, and their default class."""
 
     name: str
     pose: Pose
@@ -81,7 +81,7 @@ def tree(root: Element, world: str) -> Tables:
 
 
 def _bodies(parent: Element) -> list[Element]:
-    """Return the bodies in the world or in a body. Raises `BadInput` for what stands for others."""
+    """Return the child bodies of the world or a body. Raises `BadInput` for elements that stand for further bodies."""
     for element in parent.children:
         if element.tag in ("frame", "replicate", "composite", "flexcomp", "attach", "plugin"):
             refuse(element, None, "is not followed here; write the bodies themselves, with the poses that they have")
@@ -93,7 +93,7 @@ def _class(element: Element, inherited: str | None) -> str | None:
 
 
 def _add(tables_of_file: Tables, body: Element, around: _Around, model: _Model) -> _Around:
-    """Add a body and its joint to tables, and return what the bodies in it get."""
+    """Add a body and its joint to tables, and return the context of the bodies in it."""
     refuse_what_is_not_followed(body)
     _refuse_unless_zero(body, OF_BODIES)
     if body.attributes.get("mocap") == "true":
@@ -121,7 +121,7 @@ def _add(tables_of_file: Tables, body: Element, around: _Around, model: _Model) 
 
 
 def _named(body: Element) -> tuple[str, Sequence[Element]]:
-    """Return the name of a body, and its joint, if it has one."""
+    """Return the name of a body, and its joint, if it has one, in a sequence."""
     joints = [element for element in body.children if element.tag in ("joint", "freejoint")]
     if len(joints) > 1:
         refuse(joints[1], None, "is a second joint of one body; allowed: one, or a body in between that has a mass")
@@ -131,12 +131,12 @@ def _named(body: Element) -> tuple[str, Sequence[Element]]:
 
 
 def _moved(inertia: MassProperties, anchor: Vector3) -> MassProperties:
-    """Return mass properties in a frame that is moved to a place."""
+    """Return mass properties in a frame whose origin is moved to the position `anchor`."""
     return replace(inertia, centre=vector([one - other for one, other in zip(inertia.centre, anchor, strict=True)]))
 
 
 def _joint(joint: Element, kind: str, ends: tuple[str, str], pose: Pose, model: _Model) -> dict[str, Any]:
-    """Return the table of a joint between two bodies, at a pose in the frame of the first."""
+    """Return the table of a joint between two bodies, at a pose in the frame of the first body."""
     parent, child = ends
     name = joint.attributes.get("name", child)
     _refuse_unless_zero(joint, OF_JOINTS)

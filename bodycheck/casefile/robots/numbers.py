@@ -1,4 +1,4 @@
-"""The numbers of attributes of robot models that a case is made of: all of them must be there, and of a limited size."""
+"""Read the numbers that a case needs from attributes of a robot model; all must be present, and of limited size."""
 
 from collections.abc import Sequence
 
@@ -15,16 +15,16 @@ def numbers(
     Parameters
     ----------
     element, attribute
-        Where they are.
+        The element and the attribute that contains the numbers.
     counts
-        How many there may be.
+        The allowed numbers of values.
     default
-        What is returned without the attribute, which is required if it is None.
+        The result if the attribute is missing; if it is None, the attribute is required.
 
     Raises
     ------
     BadInput
-        If the attribute is missing, if something is no number or exceeds `MAX_NUMBER`, or if there are more or fewer.
+        If the attribute is missing, a value is no number or exceeds `MAX_NUMBER`, or the number of values is not allowed.
     """
     text = element.attributes.get(attribute)
     allowed = " or ".join(map(count_in_words, counts))

@@ -1,4 +1,4 @@
-"""Tables of bodies and joints of a case file, made of a robot model: the doubles nearest to the exact numbers of the model."""
+"""Tables of bodies and joints of a case file, from a robot model: the doubles nearest to the exact numbers of the model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,40 +14,40 @@ Tables = dict[str, list[dict[str, Any]]]
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A frame in another one: its origin (m), and the unit quaternion (w, x, y, z) from its axes to those of the other."""
+    """The pose of a frame in an outer frame: the origin (m), and the unit quaternion (w, x, y, z) to the outer axes."""
 
     origin: Vector3
     turn: Quaternion4
 
     def then(self, inner: "Pose") -> "Pose":
-        """The pose of a frame that has the pose `inner` in this one."""
+        """Return the pose in the outer frame of a frame that has the pose `inner` in this frame."""
         moved = tuple(a + b for a, b in zip(self.origin, turned(self.turn, inner.origin), strict=True))
         return Pose(vector(moved), multiply(self.turn, inner.turn))
 
 
-#: The pose of a frame that is the other one.
+#: The pose of a frame that is identical to the other frame.
 HERE = Pose(vector((0, 0, 0)), IDENTITY)
 
 
 def turned(turn: Quaternion4, components: Vector3) -> Vector3:
-    """A vector in the axes to which a unit quaternion turns it."""
+    """Return the components of a vector after the rotation by a unit quaternion."""
     _, x, y, z = multiply(multiply(turn, (MP.mpf(0), *components)), conjugate(turn))
     return x, y, z
 
 
 def body(name: str, inertia: MassProperties) -> dict[str, Any]:
-    """The table of a body, whose inertia is given in its frame."""
+    """Return the table of a body, given its mass properties in its frame."""
     xx, yy, zz, xy, xz, yz = map(float, inertia.tensor)
     rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     return {"name": name, "mass": float(inertia.mass), "center_of_mass": doubles(inertia.centre), "inertia": rows}
 
 
 def joint(name: str, kind: str, parent: str, child: str, pose: Pose) -> dict[str, Any]:
-    """The table of a joint with a pose in the frame of its parent."""
+    """Return the table of a joint with a pose in the frame of its parent."""
     table: dict[str, Any] = {"name": name, "type": kind, "parent": parent, "child": child, "position": doubles(pose.origin)}
     return table if pose.turn == IDENTITY else {**table, "quaternion": doubles(pose.turn)}
 
 
 def doubles(values: Sequence[Real]) -> list[float]:
-    """The doubles nearest to exact numbers, as an array of a document."""
+    """Return the doubles nearest to exact numbers, as an array of a document."""
     return [float(value) for value in values]

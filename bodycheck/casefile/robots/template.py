@@ -13,7 +13,7 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.robots import elements
 from bodycheck.robots.elements import quoted
 
-#: How a body is read, by the root of its file.
+#: The functions that read a body, by the tag of the root of its file.
 READERS = {"robot": ("URDF", urdf.link), "mujoco": ("MJCF", mjcf.link)}
 
 #: The table of the body in the template, up to the next table.
@@ -21,7 +21,7 @@ BODY = re.compile(r"^\[body\]\n.*?(?=^\[initial\])", re.DOTALL | re.MULTILINE)
 
 
 def read(path: Path, body: str | None) -> Link:
-    """Return a body of a URDF or MJCF file; the only one if its name is None.
+    """Return a body of a URDF or MJCF file; the only body if the name is None.
 
     Raises `BadInput` for a file that cannot be read, is no robot model, has no such body, or whose body cannot be read exactly.
     """
@@ -33,7 +33,7 @@ def read(path: Path, body: str | None) -> Link:
 
 
 def case_name(link: Link) -> str:
-    """Return the name of a case that is made of the name of a body. Raises `BadInput` if it has no letters or digits."""
+    """Return a name for a case, made from the name of a body. Raises `BadInput` if that has no letters or digits."""
     name = re.sub(r"[^a-z0-9]+", "-", link.name.lower()).strip("-")[:MAX_NAME_LENGTH]
     if not name:
         raise BadInput(
@@ -43,9 +43,9 @@ def case_name(link: Link) -> str:
 
 
 def text(template: str, link: Link, file: Path) -> str:
-    """Return the text of a case with this body, and all else as in a template.
+    """Return the text of a case with a body, otherwise the same as a template.
 
-    Raises `BadInput` if no body has such an inertia.
+    Raises `BadInput` if no body can have its inertia.
     """
     source = quoted(file.name)[1:-1]
     case_text = BODY.sub(lambda _: _body(link, source), template, count=1)
@@ -63,7 +63,7 @@ def text(template: str, link: Link, file: Path) -> str:
 
 
 def _body(link: Link, source: str) -> str:
-    """Return the table of the body, with comments that say where each number is from."""
+    """Return the table of the body, with comments on the origin of each number."""
     mass_properties = link.mass_properties
     xx, yy, zz, xy, xz, yz = (repr(float(part)) for part in mass_properties.tensor)
     centre = ", ".join(repr(float(part)) for part in mass_properties.centre)

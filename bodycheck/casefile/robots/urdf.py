@@ -1,8 +1,8 @@
 """Read a URDF for a case: one link with the shape of its <collision>, or all links and joints as tables.
 
-In tables the root link is the world, as where engines load a URDF without a free joint. A link without mass that is fixed to
-another one is a frame of that one. Limits, geometry, transmissions and what other programs add are no part of the mechanics of
-a case.
+In the tables, the root link is the world, as in engines that load a URDF without a free joint. A massless link that is fixed to
+another link is only a frame of that link. Limits, geometry, transmissions and additions for other programs are ignored, because
+they are no part of the mechanics of a case.
 """
 
 from typing import Any
@@ -25,9 +25,10 @@ from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
 
 def link(root: Element, name: str | None) -> Link:
-    """Return a link of a URDF; the only one if the name is None.
+    """Return a link of a URDF; the only link if the name is None.
 
-    The tensor of <inertia> is about the centre of mass, along the axes of the <origin> of <inertial>. Raises `BadInput`.
+    The tensor of <inertia> is about the centre of mass, along the axes of the <origin> of <inertial>. Raises `BadInput` if the
+    link cannot be read exactly.
     """
     refuse_macros(root)
     links = list(root.all("link"))
@@ -68,7 +69,7 @@ def refuse_faults(about: About) -> None:
 
 
 def _shape(about: About, link_element: Element, centre: Vector3) -> tuple[Shape | None, str]:
-    """Return the shape of a link and where it stands; None and why there is none."""
+    """Return the shape of a link and its place in the file; None and the reason if there is none."""
     collisions = list(link_element.all("collision"))
     if len(collisions) != 1:
         return None, f"the link has {len(collisions) or 'no'} <collision>; a body has one shape"
@@ -92,7 +93,7 @@ def _shape(about: About, link_element: Element, centre: Vector3) -> tuple[Shape 
     return shape, place(solids[0])
 
 
-#: The types of joints of a case by those of a robot model.
+#: The types of joints of a case, by the types of a robot model.
 TYPES = {form.robot: form.name for form in JOINT_TYPES.values() if form.robot is not None}
 
 
@@ -131,7 +132,7 @@ def tree(root: Element, world: str) -> Tables:
 
 
 def _inertia(link: LinkPart) -> MassProperties | None:
-    """Return the mass properties of a link; None if it has no mass. Raises `BadInput` for a mass or inertia of no body."""
+    """Return the mass properties of a link; None if it has no mass. Raises `BadInput` for an impossible mass or inertia."""
     inertial = link.element.only("inertial")
     if inertial is None:
         return None

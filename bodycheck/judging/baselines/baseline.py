@@ -40,10 +40,10 @@ from bodycheck.running.tasks import group, perform_run
 
 #: Version of the format of baselines.
 FORMAT = 1
-#: The key of the metadata in a file's schema: versions, machine, and the identities of the cases.
+#: The key of the metadata in a file's schema. The metadata contain versions, machine, and the identities of the cases.
 METADATA = b"bodycheck"
 
-#: What is kept of the header of results.
+#: The parts of the header of results that are kept.
 HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing", *LATER))
 
 #: The compared figures.
@@ -97,10 +97,10 @@ class Header:
 
 @dataclass(frozen=True)
 class Metadata:
-    """The contents of a baseline beside its table.
+    """The contents of a baseline apart from its table.
 
-    They are the header, the identities of the cases by name, the revisions of figures, and the keys of each case with their
-    values as JSON. Baselines of earlier versions lack the revisions, which were all 1, and the keys.
+    The contents are the header, the identities of the cases by name, the revisions of figures, and the keys of each case with
+    their values as JSON. Baselines of earlier versions lack the keys and the revisions, which were all 1.
     """
 
     header: Header
@@ -111,7 +111,7 @@ class Metadata:
 
 @dataclass(frozen=True)
 class Columns:
-    """The columns of a row that are no figures. Baselines of earlier versions have times per step too, which nothing reads."""
+    """The columns of a row that are no figures. Times per step in baselines of earlier versions are ignored."""
 
     case: Name
     engine: EngineName
@@ -132,7 +132,7 @@ def save(
     jobs: int,
     progress: Callable[[str], None] = lambda done: None,
 ) -> None:
-    """Write a baseline. Every completed run is repeated some times to measure the effect of rounding.
+    """Write a baseline. Every completed run is repeated several times to measure the effect of rounding.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def rows(
 ) -> list[Row]:
     """Return the rows of results with the allowance of every figure.
 
-    Every completed run is repeated `rounding.NUDGES` times. Parameters are those of `save`.
+    Every completed run is repeated `rounding.NUDGES` times. For the parameters see `save`.
     """
     measured = _allowances(results, verdicts, jobs, progress)
     return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]
@@ -210,8 +210,8 @@ def _present(row: Row) -> Row:
 def _table(path: Path) -> pa.Table:
     """Return the table in a file.
 
-    Raises `OSError` if it cannot be read or is no regular file, `pyarrow.ArrowException` if it is no Parquet file, and
-    `ValueError` if its table is too large or has a column twice.
+    Raises `OSError` if the file cannot be read or is no regular file, `pyarrow.ArrowException` if it is no Parquet file, and
+    `ValueError` if its table is too large or has a repeated column.
     """
     stored = pq.ParquetFile(pa.BufferReader(reading.content(path, MAX_BYTES, follow=True)))
     if (entries := stored.metadata.num_rows * stored.metadata.num_columns) > MAX_ENTRIES:
@@ -219,11 +219,11 @@ def _table(path: Path) -> pa.Table:
     names = stored.schema_arrow.names
     if repeated := {name for name in names if names.count(name) > 1}:
         raise ValueError(f"it has the column {min(repeated)!r} more than once")
-    return stored.read(use_threads=False)  # threads that end with the process have aborted it
+    return stored.read(use_threads=False)  # with threads, a process has been seen to abort at its end
 
 
 def _checked(row: dict[str, Any], figures: Iterable[str]) -> dict[str, Any]:
-    """Return a row as it is. Raises `ValueError` if a column that is not a figure does not fit, or a figure is not a number."""
+    """Return a row unchanged. Raises `ValueError` if a figure is not a number, or another column has an invalid value."""
     records.typed(Columns, row)
     for name in figures:
         if (value := row.get(name)) is not None and not isinstance(value, float):
@@ -256,5 +256,5 @@ def _allowances(
 
 
 def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> dict[str, float]:
-    assert isinstance(truth, Truth)  # the run has a discrepancy
+    assert isinstance(truth, Truth)  # a run with a discrepancy has a truth
     return {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}

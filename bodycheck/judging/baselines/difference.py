@@ -1,4 +1,4 @@
-"""The changes between two baselines that exceed the effect of rounding, and those of them that are tolerated."""
+"""The changes between two baselines that exceed the effect of rounding, and tolerances for such changes."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,10 +17,10 @@ from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Unsupported
 from bodycheck.suggestion import did_you_mean
 
-#: The most changed keys of a case that a message names, and the longest text of a value in it.
+#: The largest number of changed keys of a case in a message, and the longest text of a value in it.
 MOST_KEYS, LONGEST_VALUE = 4, 60
 
-#: Factor between two figures below which their difference is given in relative terms.
+#: Below this factor between two figures, their difference is stated as a fraction.
 NEARLY_EQUAL_FACTOR = 1.01
 
 Direction = Literal["worse", "better", "new"]
@@ -62,14 +62,14 @@ class Change:
 
     @property
     def factor(self) -> float:
-        """The ratio of the larger error to the smaller one; infinite if there are no two errors or one is zero."""
+        """The ratio of the larger error to the smaller error; infinite if one is zero or there are no two errors."""
         return self._ratio(0.0)
 
     @property
     def severity(self) -> tuple[int, float]:
-        """The order of changes: runs come before statuses, these before figures, and figures by their factors.
+        """The severity for sorting changes: runs are most severe, then statuses, then figures by their factors.
 
-        An error counts as no smaller than its allowance, so that a change from nearly nothing to little is not the largest.
+        An error counts at least as its allowance, so that a change from a negligible error to a small error is not the largest.
         """
         kind = ("status", "run").index(self.what) + 1 if self.allowance is None else 0
         return kind, self._ratio(self.allowance or 0.0)
@@ -91,7 +91,7 @@ class Change:
 
     @property
     def amount(self) -> str:
-        """The direction of the change, and by which factor, or by which fraction if the two are nearly equal."""
+        """The direction of the change, and its factor, or its fraction if the two values are nearly equal."""
         if not math.isfinite(self.factor):
             return self.direction
         if self.factor < NEARLY_EQUAL_FACTOR:
@@ -100,7 +100,7 @@ class Change:
 
     @property
     def text(self) -> str:
-        """As one sentence."""
+        """The change in one sentence."""
         where = f"{self.engine} {self.integrator} on {self.case}, {self.timestep:g} s"
         if self.what == "run":
             return f"{where}, {'is not run any more' if self.now is None else 'is new'}"
@@ -119,9 +119,9 @@ class Difference:
     versions
         The programs whose version changed, with the old and the new version.
     redefined
-        The names of the figures that both have and that are not compared, because their definition changed in between.
+        The names of the figures in both baselines that are not compared, because their definition changed in between.
     runs
-        The number of runs that both have.
+        The number of runs in both baselines.
     compared
         The names of the figures that were compared in any run.
     """
@@ -139,7 +139,7 @@ class Difference:
 
     @property
     def text(self) -> str:
-        """One sentence: the changes with the worst of them, or that there are none."""
+        """One sentence: the number of changes with the worst change, or that there are none."""
         versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
         if not self.changes:
             runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
@@ -153,7 +153,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The growth a figure may get. figure: its column; fraction: the growth of its error, relative to what it was."""
+    """The tolerated growth of a figure. figure: its column; fraction: the growth of its error relative to the old error."""
 
     figure: str
     fraction: float
@@ -162,7 +162,7 @@ class Tolerance:
 def diff(base: Baseline, now: Baseline) -> Difference:
     """Return the changes that exceed the effect of rounding and the errors of the truths.
 
-    Figures whose definition changed between the two are not compared.
+    Figures whose definition changed between the two baselines are not compared.
 
     Raises `BadInput` if the physics of a case has changed, because its runs cannot be compared then.
     """
@@ -239,10 +239,10 @@ def tolerances_of(texts: Sequence[str]) -> tuple[Tolerance, ...]:
 def failing(difference: Difference, tolerances: Sequence[Tolerance]) -> tuple[Change, ...]:
     """Return the changes for the worse that are not tolerated, the worst first.
 
-    Without tolerances these are all. With them, a figure must be named and its error have grown by more than the fraction;
-    a worse status and a missing run are never tolerated.
+    Without tolerances, all changes for the worse are returned. With tolerances, a change of a figure is returned if the figure
+    is named and its error has grown by more than the fraction. A worse status and a missing run are never tolerated.
 
-    Raises `BadInput` if nothing fails and a named figure could not be compared in any run, since nothing was checked then.
+    Raises `BadInput` if nothing fails and a named figure could not be compared in any run, because it was not checked then.
     """
     if not tolerances:
         return difference.worse
@@ -263,7 +263,7 @@ def failing(difference: Difference, tolerances: Sequence[Tolerance]) -> tuple[Ch
 
 
 def summary(broken: Sequence[Change], tolerances: Sequence[Tolerance]) -> str:
-    """Return one line: how many changes exceed the tolerances, and the worst of them."""
+    """Return one line: the number of changes that exceed the tolerances, and the worst change."""
     allowed = ", ".join(f"{one.figure}:{100 * one.fraction:g}%" for one in tolerances)
     if not broken:
         return f"nothing is worse by more than {allowed}"
@@ -272,7 +272,7 @@ def summary(broken: Sequence[Change], tolerances: Sequence[Tolerance]) -> str:
 
 
 def _entries_of_both(base: Row, now: Row, name: str) -> tuple[float, float] | None:
-    """Return an entry of two rows; None unless both have it."""
+    """Return the values of an entry in two rows; None unless both rows have it."""
     one, other = base.get(name), now.get(name)
     return None if one is None or other is None else (float(one), float(other))
 
@@ -286,7 +286,7 @@ def _edited(name: str, base: Mapping[str, str], now: Mapping[str, str]) -> str:
 
 
 def _shortened(value: str | None) -> str:
-    """Return a value as text; None stands for a key that is not there."""
+    """Return a value as text of limited length. None stands for a missing key."""
     return "none" if value is None else value if len(value) <= LONGEST_VALUE else f"{value[:LONGEST_VALUE]}…"
 
 

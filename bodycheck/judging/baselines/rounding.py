@@ -1,10 +1,10 @@
-"""Tolerances for differences that rounding alone can cause between two machines running the same versions.
+"""Tolerances for differences that rounding alone can cause between two machines that run the same versions.
 
 Processors and mathematical libraries round differently. In a run of n steps, every number is rounded at least n times with the
 relative error u = 2^-53 (2^-24 in single precision). Random errors add up to sqrt(n) u, systematic ones to n u. The motion
-amplifies them, for example by thousands in ten seconds of a flip. This is measured: the run is repeated from initial states
-that are nudged by sqrt(n) u, and the resulting change of a figure is its spread. The method works for contacts and iterative
-solvers as well as for free flight.
+amplifies them, for example by thousands in ten seconds of a flip. To measure the amplification, the run is repeated from
+initial states that are nudged by sqrt(n) u, and the resulting change of a figure is its spread. The method works for contacts
+and iterative solvers as well as for free flight.
 
 The tolerance of a figure that is the difference of two numbers of size S is `MARGIN` (spread + n u S), plus the truth's error.
 """
@@ -42,16 +42,16 @@ MARGIN = 8.0
 
 
 def nudged_mechanism(mechanism: Mechanism, trajectory: Trajectory, amount: float, random: np.random.Generator) -> Mechanism:
-    """Return a mechanism whose joints and free bodies begin a little beside where they do.
+    """Return a mechanism with slightly changed initial states of its joints and free bodies.
 
     Parameters
     ----------
     mechanism, trajectory
         The mechanism, and a run of it.
     amount
-        The size of the nudges, relative to the largest values in the run, and in half a rad for attitudes.
+        The size of the nudges, relative to the largest values in the run; for attitudes, in units of 0.5 rad.
     random
-        What directions are drawn from.
+        The generator of random directions.
     """
     motion = kinematics.joints(mechanism, trajectory)
     most, fastest = (np.abs(values).max(axis=0, initial=0.0) for values in (motion.position, motion.velocity))
@@ -64,7 +64,7 @@ def nudged_mechanism(mechanism: Mechanism, trajectory: Trajectory, amount: float
 
 
 def _joint(joint: Joint, apart: Array, rates: Array, turn: float, random: np.random.Generator) -> Joint:
-    """Return a joint with other initial values. apart, rates: the sizes of the nudges; turn: that of a quaternion (rad)."""
+    """Return a joint with nudged initial values. apart, rates: sizes of the nudges; turn: size for a quaternion (rad)."""
     start = np.array(joint.start) + random.choice([-1.0, 1.0], len(apart)) * apart
     if joint.type in ("spherical", "free"):
         start[-4:] = multiply(np.array(joint.start[-4:]), _turned(turn, random))
@@ -73,7 +73,7 @@ def _joint(joint: Joint, apart: Array, rates: Array, turn: float, random: np.ran
 
 
 def _body(body: JointedBody, states: Trajectory, amount: float, random: np.random.Generator) -> JointedBody:
-    """Return a free body with another initial state; any other body as it is."""
+    """Return a free body with a nudged initial state; return any other body unchanged."""
     if body.start is None:
         return body
     start = body.start
@@ -100,7 +100,7 @@ def _turned(angle: float, random: np.random.Generator) -> Array:
 
 
 def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, random: np.random.Generator) -> AnyScene:
-    """Return a scene of bodies that touch whose bodies begin a little beside where they do, and a little faster or slower.
+    """Return a scene of bodies in contact with slightly moved initial positions, and slightly higher or lower velocities.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, rand
     amount
         The size of the nudges, relative to the largest values in the run.
     random
-        What directions are drawn from.
+        The generator of random directions.
     """
     assert scene.plane is not None
     along = _direction(scene.plane, random) * amount * largest(trajectory.position)
@@ -150,8 +150,8 @@ def _changed_body(body: JointedBody, beside: Change, scaled: Change) -> JointedB
 def nudged(case: Case, run: Run, seed: int) -> Case:
     """Return a case whose initial state is moved in random directions by the expected rounding error of a run.
 
-    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. Of a
-    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved. Bodies that touch are
+    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. In a
+    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved. Bodies in contact are
     moved together, along the plane.
 
     Parameters

@@ -1,8 +1,7 @@
 """Classes of methods that are the same algorithm: their motions agree to the precision of their arithmetic.
 
-Two methods that err alike are not for that reason the same: their motions are compared with one another, state by state, and
-not with the truth. What rounding can explain is bounded by `scheme_rounding`, with the unit roundoff of the coarser of the two
-precisions.
+Two methods with equal errors need not be the same: their motions are compared with each other, state by state, and not with the
+truth. The effect of rounding is bounded by `scheme_rounding`, with the unit roundoff of the coarser of the two precisions.
 """
 
 import math
@@ -24,18 +23,18 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
 from bodycheck.results.key import RunKey
 
-#: Time from the start (s), and number of steps, in which motions are compared. Later on rounding hides more than it tells.
+#: Time from the start (s), and number of steps, in which motions are compared. Later, rounding hides too much.
 EARLY_S, EARLY_STEPS = 2.0, 100
 
-#: Attitude difference (rad) from which on rounding may explain so much that motions are no longer compared.
+#: The largest effect of rounding on the attitude (rad) up to which motions are compared.
 MOST_ROUNDING_RAD = 1e-2
 
-#: Difference of two programs after a first turn by an angle (rad), in units of roundoff divided by the angle: that of an angle
-#: which is found from its cosine, as half a turn with an error of two units.
+#: Difference of two programs after a first turn by an angle (rad), in units of roundoff divided by the angle. It applies to an
+#: angle that is computed from its cosine, as half a turn with an error of two units.
 FIRST_TURN_ROUNDINGS = 4
 
-#: A scene tells methods apart if the motions of two schemes that differ in the gyroscopic torque alone are so many times
-#: farther apart than rounding can explain. In a spin about a principal axis they are the same.
+#: A scene distinguishes methods if the difference between the motions of two schemes that differ only in the gyroscopic torque
+#: exceeds the effect of rounding by this factor. In a spin about a principal axis these motions are the same.
 TELLING = 10.0
 
 
@@ -52,12 +51,12 @@ class Motion:
     method
         The method, as the key of a run over all cases and time steps.
     trajectory
-        The states; those of its `beginning` are enough.
+        The states; the states of its `beginning` are sufficient.
     roundoff
         The unit roundoff of the engine's arithmetic, one of `scheme_rounding.ROUNDOFF`.
     exact
-        The exact motion at the same instants, if motions that agree with it are to tell nothing: with small time steps, all
-        accurate schemes do.
+        The exact motion at the same instants, if motions that agree with it must not distinguish methods: with small time
+        steps, all accurate schemes agree with it.
     """
 
     scene: Scene
@@ -76,8 +75,8 @@ class Motion:
     def allowed(self) -> Array:
         """The attitude differences (n,), in rad, that rounding can cause at the early instants.
 
-        They are those of semi-implicit Euler, in whose rates errors grow at least as fast as in the exact motion, and those of
-        the first turn of an attitude that is kept as a rotation vector.
+        They are the sum of the differences for semi-implicit Euler, whose errors in the rates grow at least as fast as in the
+        exact motion, and for the first turn of an attitude that is stored as a rotation vector.
         """
         grown = allowance(semi_implicit_euler, self.scene, self.timestep, self.early, self.roundoff)
         first = math.hypot(*self.scene.initial.angular_velocity) * self.timestep
@@ -87,7 +86,7 @@ class Motion:
     def tells(self) -> bool:
         """True if the scene distinguishes methods.
 
-        A flight does if the gyroscopic torque matters. Of motions on a plane, those do in which a body slides and spins.
+        A free flight does if the gyroscopic torque matters, and a motion on a plane if the body slides and spins.
         """
         if self.exact is not None:
             solution = Motion(self.scene, self.timestep, self.method, self.exact, self.roundoff)
@@ -113,8 +112,8 @@ class MethodClass:
     methods
         The keys of the methods over all cases and time steps, in the order in which they were given.
     distance
-        The largest difference of two of their motions: of attitudes in rad, and of positions, velocities and angular
-        velocities as a fraction of the largest so far. It is 0 for one method alone.
+        The largest difference of two of their motions: of attitudes in rad, and of positions, velocities and angular velocities
+        as a fraction of the largest so far. It is 0 for a single method.
     """
 
     methods: tuple[RunKey, ...]
@@ -130,11 +129,11 @@ class _Difference:
     distance
         The largest difference, as in `MethodClass`.
     ratio
-        The largest ratio of a difference to what rounding can explain.
+        The largest ratio of a difference to the possible effect of rounding.
     roundoff
-        The coarser unit roundoff of the two.
+        The coarser unit roundoff of the two methods.
     told
-        Whether a scene tells methods apart.
+        Whether any scene distinguishes methods.
     """
 
     distance: float
@@ -147,7 +146,7 @@ class _Difference:
         return self.told and self.ratio <= 1
 
     def and_in(self, other: "_Difference") -> "_Difference":
-        """The difference of the same methods in further scenes."""
+        """Return the difference of the same two methods over further scenes."""
         return _Difference(
             max(self.distance, other.distance), max(self.ratio, other.ratio), self.roundoff, self.told or other.told
         )
@@ -161,16 +160,17 @@ def beginning(trajectory: Trajectory, timestep: float) -> Trajectory:
 def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
     """Return the classes of methods, from their motions in scenes of one kind.
 
-    Two methods agree if their motions do in every scene and at every time step with which both were run, and if one of these
-    scenes tells methods apart. The classes are the connected components of the methods that agree. A method in single
+    Two methods agree if their motions agree in every scene and at every time step with which both were run, and one of these
+    scenes distinguishes methods. The classes are the connected components of the methods that agree. A method in single
     precision can agree with two methods in double precision that do not agree with each other: methods of finer precision are
-    therefore joined first, and not by ones of coarser precision, which join the largest class that they agree with. A
-    method that agrees with no other has a class of its own; one that was run only where nothing is told apart has none.
+    therefore joined first, and never through a method of coarser precision. A method of coarser precision joins the largest
+    class that it agrees with. A method that agrees with no other has a class of its own; a method that was run only in scenes
+    that do not distinguish methods has none.
 
     Parameters
     ----------
     motions
-        The completed runs. Those of a scene with a time step have the same instants.
+        The completed runs. Runs of the same scene with the same time step have the same instants.
     """
     given = list(motions)
     pairs = _differences(given)
@@ -196,7 +196,7 @@ def _differences(motions: Sequence[Motion]) -> dict[tuple[RunKey, RunKey], _Diff
 
 
 def _together(motions: Sequence[Motion]) -> Iterator[list[Motion]]:
-    """Yield the motions of each scene with each time step."""
+    """Yield the motions grouped by scene and time step."""
     groups: dict[tuple[Scene, float], list[Motion]] = defaultdict(list)
     for motion in motions:
         groups[motion.scene, motion.timestep].append(motion)
@@ -207,9 +207,9 @@ def _difference(one: Motion, other: Motion) -> _Difference:
     return _Difference(*_apartness(one, other), max(one.roundoff, other.roundoff), one.tells and other.tells)
 
 
-@np.errstate(all="ignore")  # a damaged folder may hold states that are none; they are apart from all others
+@np.errstate(all="ignore")  # a damaged folder may contain invalid states, which differ from all others
 def _apartness(one: Motion, other: Motion) -> tuple[float, float]:
-    """Return the largest difference of two motions, and its largest ratio to what rounding can explain."""
+    """Return the largest difference of two motions, and its largest ratio to the possible effect of rounding."""
     coarser = max(one.roundoff, other.roundoff)
     allowed = np.maximum(one.allowed * (coarser / one.roundoff), other.allowed * (coarser / other.roundoff))
     compared = allowed <= MOST_ROUNDING_RAD
@@ -227,7 +227,7 @@ def _apartness(one: Motion, other: Motion) -> tuple[float, float]:
 
 
 def _apart(mine: Array, theirs: Array, limit: Array) -> tuple[Array, Array, Array]:
-    """Return the differences (n,) of vectors (n, 3), the largest length so far (n,), and what rounding explains (n,)."""
+    """Return the differences (n,) of vectors (n, 3), the largest length so far (n,), and the effect of rounding (n,)."""
     size = np.maximum.accumulate(np.maximum(*(np.linalg.norm(vectors, axis=1) for vectors in (mine, theirs))))
     return distance(mine, theirs), size, limit * size
 
@@ -235,14 +235,14 @@ def _apart(mine: Array, theirs: Array, limit: Array) -> tuple[Array, Array, Arra
 def _apart_in_place(
     one: Motion, mine: Trajectory, theirs: Trajectory, limit: Array, roundoff: float
 ) -> tuple[Array, Array, Array]:
-    """Return the same for positions, whose rounding grows with the way as well."""
+    """Return the same as `_apart` for positions, whose rounding also grows with the distance travelled."""
     most = np.maximum(*(in_position(limit, trajectory, one.timestep, roundoff) for trajectory in (mine, theirs)))
     apart, size, _ = _apart(mine.position, theirs.position, limit)
     return apart, size, most
 
 
 def _largest_quotient(values: Array, limits: Array) -> float:
-    """Return the largest quotient of values (n,) and limits (n,); no difference is none of nothing."""
+    """Return the largest quotient of values (n,) and limits (n,); the quotient of a zero value is 0."""
     if not np.isfinite(values).all():
         return np.inf
     with np.errstate(divide="ignore"):
@@ -253,8 +253,8 @@ def _largest_quotient(values: Array, limits: Array) -> float:
 def _joined(methods: Mapping[RunKey, float], agreeing: Mapping[tuple[RunKey, RunKey], _Difference]) -> list[list[RunKey]]:
     """Return the connected components of methods, and the methods in each, in the order in which the methods are given.
 
-    Pairs of finer precision are joined first. Components that both have methods of finer precision than a pair are not joined
-    by it: they were compared more finely. Of several such components, a method joins the largest that it agrees with.
+    Pairs of finer precision are joined first. A pair does not join two components that both contain methods of finer precision,
+    because these were compared more precisely. If a method agrees with several components, it joins the largest.
 
     Parameters
     ----------

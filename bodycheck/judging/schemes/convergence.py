@@ -1,9 +1,9 @@
-"""Observe the convergence of a method as the time step vanishes: its order, and the error that remains.
+"""Observe the convergence of a method for vanishing time steps: its order, and the remaining error.
 
 The limit of a method may differ from the truth, for example with soft contacts. Therefore the order is determined from the
-differences between runs with successive time steps, in which the limit cancels. The error of the limit is the floor. It is told
-from rounding, which smaller steps do not reduce either. Attitudes that are lost, and differ by a radian whatever the time step,
-have neither order nor floor; both are then those of the beginning of the same runs.
+differences between runs with successive time steps, in which the limit cancels. The error of the limit is the floor. It is
+distinguished from rounding, which smaller steps do not reduce either. Lost attitudes, which differ by about a radian at any
+time step, have neither order nor floor; both are then taken from the beginning of the same runs.
 """
 
 import math
@@ -30,33 +30,33 @@ from bodycheck.reference.truths import Truth, distance
 #: The observed quantities with their units. Energy and angular momentum are relative, as in the results.
 UNITS = {"attitude": "rad", "position": "m", "energy": "", "angular_momentum": ""}
 
-#: Smallest number of instants, without the start, that all runs must have in common.
+#: The smallest number of common instants of all runs, without the start.
 MIN_COMMON_INSTANTS = 4
 
 #: Errors are in the asymptotic range if at least this many successive local orders differ by at most this fraction.
 MIN_ORDERS, MAX_ORDER_SPREAD = 3, 0.1
 
-#: Local orders outside this range are caused by rounding, or by a motion that was lost.
+#: Local orders outside this range are caused by rounding, or by a lost motion.
 MIN_ORDER, MAX_ORDER = 0.25, 10.0
 
-#: Absolute and relative tolerance of a root, and most steps to it: the defaults of `scipy.optimize.brentq`.
+#: Absolute and relative tolerance of a root, and the largest number of steps: the defaults of `scipy.optimize.brentq`.
 ROOT_TOLERANCE, ROOT_PRECISION, MOST_ROOT_STEPS = 2e-12, 4 * sys.float_info.epsilon, 100
 
-#: Difference (rad) of the attitudes of two runs above which they are not in an asymptotic range: angles end at a half turn.
+#: Attitudes of two runs that differ by more than this (rad) are not in an asymptotic range, because angles end at a half turn.
 LOST_RAD = 0.5
 
-#: Rounding of a figure per step in units of roundoff, and the largest growth of it along the motion, beyond which a floor is
-#: not called rounding: some ten roundings each, and thousands in ten seconds of a flip.
+#: Limits for a floor that counts as rounding: the rounding of a figure per step in units of roundoff (a step has some ten
+#: roundings), and the growth of rounding along the motion (thousands in ten seconds of a flip).
 STEP_ROUNDINGS, LARGEST_GROWTH = 16.0, 1e4
 
-#: Ratio of a change to the one before it from which on runs do not converge; at first order it is a half.
+#: Runs do not converge if the ratio of a change to the previous change reaches this; at first order it is a half.
 STALLED = 0.7
 
-#: Ratio of an error to the remaining change by convergence, above which it is the error of the limit.
+#: An error is the error of the limit if its ratio to the remaining change by convergence exceeds this.
 FLOOR_RATIO = 3.0
 
 
-#: Where a floor comes from.
+#: The cause of a floor.
 Cause = Literal["", "limit", "rounding"]
 
 
@@ -71,8 +71,8 @@ class Convergence:
     floor
         The error below which no time step gets; None if the error was still decreasing.
     cause
-        Where the floor comes from: "limit" for runs that tend to another motion, and "rounding" for the engine's precision;
-        empty if there is no floor, or if neither is known to explain it.
+        The cause of the floor: "limit" for runs that tend to another motion, and "rounding" for the engine's precision; empty
+        if there is no floor, or its cause is unknown.
     horizon
         The time (s) from the start in which order and floor were observed; None for the whole runs.
     """
@@ -121,9 +121,9 @@ def observe_convergence(
 
 
 def _at_first(timesteps: Sequence[float], trajectories: Sequence[Trajectory], truth: Truth, roundoff: float) -> Convergence:
-    """Return the convergence of attitudes that are lost, in the longest beginning of the runs in which there is an order.
+    """Return the convergence of lost attitudes, in the longest beginning of the runs that has an order.
 
-    The beginning is halved until there is one. The trajectories have their instants in common.
+    The beginning is halved until it has an order. All trajectories have the same instants.
     """
     count = len(trajectories[0])
     while (count := (count + 1) // 2) > MIN_COMMON_INSTANTS:
@@ -161,7 +161,7 @@ def converge(
     changes
         The n - 1 differences between runs with successive time steps.
     rounded
-        The largest error by rounding, times a time step (s).
+        The largest error that rounding can cause, multiplied by the time step (s).
     """
     window = asymptotic(local_orders(timesteps, changes))
     stays, cause = floor(timesteps, errors, changes, rounded)
@@ -171,7 +171,7 @@ def converge(
 
 
 def local_orders(timesteps: Sequence[float], changes: Sequence[float]) -> list[float]:
-    """Return the order p from each three successive time steps; NaN if they determine none.
+    """Return the order p from each three successive time steps; NaN if they do not determine it.
 
     A deviation G h^p from the limit changes by |G| (h0^p - h1^p) and |G| (h1^p - h2^p); the ratio of the two gives p.
     """
@@ -190,8 +190,8 @@ def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -
 def root(function: Callable[[float], float], first: float, second: float) -> float:
     """Return a root between two numbers at which the signs of a function differ, by Brent's method.
 
-    Every operation is that of `scipy.optimize.brentq`, so that the root is the same number. SciPy's package takes longer to
-    import than everything else that a judgement needs.
+    Every operation is the same as in `scipy.optimize.brentq`, so that the root is the same number. SciPy's package takes longer
+    to import than everything else that a judgement needs.
 
     R. P. Brent, Algorithms for Minimization Without Derivatives, chapter 4, Prentice-Hall 1973.
     """
@@ -227,7 +227,7 @@ def _next_steps(
     half: float,
     tolerance: float,
 ) -> tuple[float, float]:
-    """Return the step before the next one and the next one of `root`: interpolated if that is short enough, else a bisection.
+    """Return the last and the next step of `root`: an interpolation if it is short enough, else a bisection.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _next_steps(
     steps
         The last two steps.
     half
-        Half the way to the opposite point.
+        Half the distance to the opposite point.
     tolerance
         The smallest step.
     """
@@ -273,10 +273,10 @@ def floor(
 ) -> tuple[float | None, Cause]:
     """Return the error that remains for vanishing time steps, None if the error was still decreasing, and its cause.
 
-    It is the last error if the remaining change by convergence, at first order or better, is far smaller: that of a limit. It
-    is the smallest error if smaller time steps did not decrease it further. Rounding explains this if that of as many steps can
-    be as large, and if the last change is not smaller than the one before it, as it is where runs tend to a limit. Parameters
-    are those of `converge`.
+    If the remaining change by convergence, at first order or better, is far smaller than the last error, the last error
+    remains, and its cause is the limit. If smaller time steps did not decrease the smallest error further, the smallest error
+    remains. Its cause is rounding if rounding in as many steps can be as large, and the last change is not clearly smaller than
+    the previous change, as it is for runs that tend to a limit. Parameters: see `converge`.
     """
     if not any(errors):
         return None, ""
@@ -291,7 +291,7 @@ def floor(
 
 
 def common(trajectories: Sequence[Trajectory]) -> list[Trajectory]:
-    """Return the trajectories at the instants that all of them have."""
+    """Return the trajectories at their common instants."""
     keys = [_keys(trajectory.t, max(float(t.t[-1]) for t in trajectories)) for trajectory in trajectories]
     shared = reduce(np.intersect1d, keys)
     places = [np.searchsorted(times, shared) for times in keys]
@@ -306,7 +306,7 @@ def _keys(t: Array, longest: float) -> Strides:
 def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
     """Return the values (..., n, k) of quantities of `UNITS` at the n instants of a trajectory.
 
-    The angular momentum of a mechanism is one only where it is conserved, as it is without an error elsewhere.
+    The angular momentum of a mechanism is included only if it is conserved, because it has no error otherwise.
     """
     scene = truth.scene
     reference, seen = observe(scene, truth.trajectory), observe(scene, trajectory)

@@ -1,7 +1,7 @@
 """Identify the textbook scheme that produces an engine's trajectory, and the number of digits to which it agrees.
 
 The reference integrates the exact equations of motion by every scheme that it knows (`reference.schemes.catalogue`), with the
-engine's time step (`scheme_runs`). Two programs of the same scheme differ only by rounding, and that difference has a bound
+engine's time step (`scheme_runs`). Two programs of the same scheme differ only by rounding, which has a bound
 (`scheme_rounding`).
 """
 
@@ -33,19 +33,19 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
 
-#: Number of steps from the start over which all schemes are compared with a run, and the factor by which it grows for those
-#: that remain.
+#: The number of steps from the start over which all schemes are compared with a run, and the factor by which it grows for the
+#: remaining schemes.
 FIRST_STEPS, LONGER = 50, 4
 
 
 def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identification | None:
-    """Identify the scheme of a completed run; return None for a case with a plane, where no scheme is compared.
+    """Identify the scheme of a completed run; return None for a case with a plane, for which there are no schemes.
 
-    The scheme of a mechanism is one in the coordinates of its joints: see `jointed_identification`.
+    The scheme of a mechanism is a scheme in the coordinates of its joints; see `jointed_identification`.
 
     A scheme is named if its rotation fits, in the first 2 s to within `SAME_ROUNDINGS`, and if the rotation or the position
-    distinguishes it from every other scheme and from the truth (see `tells`). In a spin about a fixed axis the rotations of
-    all schemes fit, and with very small time steps that of the truth fits too.
+    distinguishes it from every other scheme and from the truth (see `tells`). In a spin about a fixed axis the rotations of all
+    schemes fit, and with very small time steps the rotation of the truth fits too.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
 
 
 def _identify_flight(scene: Scene, run: Run, trajectory: Trajectory, truth: Truth, roundoff: float) -> Identification:
-    """Identify the scheme of a free body, from the trajectory of a run. The other parameters are those of `identify`."""
+    """Identify the scheme of a free body, from the trajectory of a run. For the other parameters see `identify`."""
     timestep, truth = run.method.timestep, truth.at(trajectory.t)
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
@@ -111,11 +111,11 @@ def _identify_flight(scene: Scene, run: Run, trajectory: Trajectory, truth: Trut
 def _turned(
     scene: Scene, timestep: float, trajectory: Trajectory, roundoff: float, error: Array
 ) -> tuple[dict[str, Array], Array]:
-    """Return the attitude differences (rad) of all schemes from a run, and those (n,) that rounding can cause.
+    """Return the attitude differences (rad) of all schemes from a run, and the differences (n,) that rounding can cause.
 
-    All schemes are compared with the first steps of the run, and longer and longer those that rounding can explain until then
-    or that are not a hundred times as far as the closest one: in the end with all n instants. If even the closest one explains
-    nothing of the error (n,) of the run, it goes on alone.
+    All schemes are compared with the first steps of the run. Then the comparison is extended, up to all n instants, for the
+    schemes whose differences rounding can explain so far, or are less than a hundred times as large as the smallest. If even
+    the closest scheme explains nothing of the error (n,) of the run, only that scheme is compared further.
     """
     n, taken = len(trajectory.t), steps(trajectory, timestep)
     first = max(2, int(np.searchsorted(taken, FIRST_STEPS, side="right")))

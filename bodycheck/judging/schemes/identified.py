@@ -15,12 +15,13 @@ EARLY_S = 2.0
 #: In double precision it is 1e-11 rad.
 SAME_ROUNDINGS = 1e-11 * 2.0**53
 
-#: Difference of two programs at the start, in units of roundoff. A turn by an angle that is found from its cosine has an error
-#: of one unit divided by the angle: the first turns of an attitude that is kept as a rotation vector are some milliradians.
+#: Difference of two programs at the start, in units of roundoff. A turn by an angle that is computed from its cosine has an
+#: error of one unit divided by the angle, and the first turns of an attitude that is stored as a rotation vector are some
+#: milliradians.
 START_ROUNDINGS = 1000
 
-#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named, and to the error of
-#: the run, for the scheme to be near.
+#: A scheme can be named if the ratio of its difference to the difference of every other scheme is at most this, and counts as
+#: near if the ratio to the error of the run is at most this.
 MAX_UNEXPLAINED_FRACTION = 0.01
 
 
@@ -33,8 +34,8 @@ class Candidate:
     scheme
         The name of the scheme.
     early, residual
-        The largest attitude difference (rad) in the first 2 s and in the whole run; infinite if the scheme fails. Those of a
-        mechanism are over all bodies, of attitudes (rad) and positions (m), and over the instants that were compared.
+        The largest attitude difference (rad) in the first 2 s and in the whole run; infinite if the scheme fails. For a
+        mechanism, they are the largest over all bodies, attitudes (rad) and positions (m), and over the compared instants.
     fits
         Whether rounding can explain the difference at every instant.
     """
@@ -55,8 +56,8 @@ class Identification:
         The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
         the position of the run, and by "in rotation" if no formulation has it.
     nearest
-        The name, or else the closest scheme if it leaves at most a hundredth of the run's error, and of what other schemes
-        leave that rounding could explain as well; empty if none is that close.
+        The name, or else the closest scheme if its difference is at most a hundredth of the run's error, and also of the
+        differences of all other schemes if rounding can explain any; empty if none is that close.
     early, residual
         The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
     allowed
@@ -65,7 +66,8 @@ class Identification:
         The largest distance (m) from the closest scheme, in the closer formulation.
     candidates
         All schemes, the closest first. If several fit, and none is closer than all others by a factor of a hundred, it is the
-        one with the smallest position_residual. The differences of schemes that are far off at first are those until then.
+        one with the smallest position_residual. For schemes that were far off from the beginning, the differences cover only
+        the compared instants.
     """
 
     scheme: str
@@ -78,27 +80,30 @@ class Identification:
 
     @property
     def cannot_tell(self) -> bool:
-        """True if the scene cannot distinguish schemes: some fit, but none is named."""
+        """True if the scene cannot distinguish schemes: some schemes fit, but none is named."""
         return not self.scheme and any(candidate.fits for candidate in self.candidates)
 
 
 def is_fraction(sizes: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Return whether differences in the first 2 s or over all are at most a hundredth of others."""
+    """Return whether the first or the second of two sizes is at most a hundredth of the other.
+
+    The sizes are the largest differences in the first 2 s and over all instants.
+    """
     return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(sizes, other, strict=True))
 
 
 def tells(differences: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
     """Return whether a scheme's difference from a run distinguishes it from other candidates.
 
-    It does if every other difference exceeds the limit of rounding at some instant, and is a hundred times as large in the
-    first 2 s or in the whole run.
+    It does if every other candidate exceeds the limit of rounding at some instant, and its difference is a hundred times as
+    large in the first 2 s or in the whole run.
 
     Parameters
     ----------
     differences
         The differences (n,) of the scheme.
     others
-        The differences of the other candidates, each at the first of the n instants or at all.
+        The differences of the other candidates, each at the first few or at all of the n instants.
     limit
         The largest differences (n,) that rounding can cause.
     early

@@ -1,9 +1,9 @@
 """Identify the textbook scheme in the coordinates of joints that produces an engine's trajectory of a mechanism.
 
-All schemes of `reference.schemes.jointed` are compared with the first steps of a run, and those that may be the scheme of the
-run with more of them. The recursion of a chain is stepped in Python, so that a long chain is compared over fewer steps. The
-difference of two trajectories is the largest over all bodies, of the angle between attitudes (rad) and of the distance of the
-centres of mass (m), whichever is the larger number.
+All schemes of `reference.schemes.jointed` are compared with the first steps of a run, and then the schemes that may be the
+scheme of the run with more steps. The recursion of a chain is stepped in Python, so that a long chain is compared over fewer
+steps. The difference of two trajectories is the largest number, over all bodies, of the angles between attitudes (rad) and the
+distances of the centres of mass (m).
 """
 
 from functools import lru_cache
@@ -33,8 +33,9 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
 
-#: Steps times links over which all schemes are compared with a run, and those that may be its scheme. The recursion takes some
-#: tenths of a millisecond a link, and all schemes together evaluate it some hundred times a step.
+#: The number of steps times links over which all schemes are compared with a run, and over which the schemes that may be its
+#: scheme are compared. The recursion takes some tenths of a millisecond per link, and all schemes together evaluate it some
+#: hundred times per step.
 FIRST, MOST = 50, 400
 
 #: Relative change of the initial state in finite differences; a bound needs only half of the digits.
@@ -44,8 +45,9 @@ NUDGE = 1e-7
 def identify_jointed(mechanism: Mechanism, run: Run, truth: Truth, roundoff: float) -> Identification | None:
     """Identify the scheme of a completed run of a mechanism.
 
-    A scheme is named as that of a free body is, by the differences of this module. Returns None where there are no such schemes
-    (`has_schemes`), and where the first sample is so many steps from the start that comparing it would take long.
+    A scheme is named by the same rule as for a free body, with the differences of this module. Returns None if there are no
+    schemes for the mechanism (`has_schemes`), or if the first sample is so many steps from the start that a comparison would
+    take long.
 
     Parameters
     ----------
@@ -82,9 +84,9 @@ def identify_jointed(mechanism: Mechanism, run: Run, truth: Truth, roundoff: flo
 
 
 def _judged(apart: dict[str, Array], allowed: Array, t: Array, error: Array, roundoff: float) -> Identification:
-    """Return what the differences (k,) of schemes at the first k of n instants say.
+    """Return the identification that follows from the differences (k,) of schemes at the first k of n instants.
 
-    allowed, error: what rounding can cause (n,), and the least error (n,) of the run itself.
+    allowed: the differences (n,) that rounding can cause. error: the smallest possible error (n,) of the run itself.
     """
     early = t <= EARLY_S
     sizes = {name: _sizes(differences, early) for name, differences in apart.items()}
@@ -111,10 +113,10 @@ def _samples(taken: Strides, limit: int) -> int:
 
 
 def _distinct(mechanism: Mechanism, timestep: float, seen: Trajectory, roundoff: float) -> list[str]:
-    """Return the names of the schemes without those that are the same as one before them on this mechanism.
+    """Return the names of the schemes, without schemes that equal an earlier scheme on this mechanism.
 
-    Semi-implicit schemes are the same without what they take at the end of the step. Schemes that average rates are the same
-    without a ball.
+    Semi-implicit schemes are equal if the terms in which they differ, taken at the end of the step, do not act. Schemes that
+    average rates equal others on a mechanism without a ball.
     """
     has_ball = any(link.kind == "ball" for tree in forest(mechanism).trees for link in tree.links)
     explicit = [name for name in JOINTED if "implicit" not in name and (has_ball or not name.startswith("averaged"))]
@@ -128,7 +130,7 @@ def _distinct(mechanism: Mechanism, timestep: float, seen: Trajectory, roundoff:
 
 
 def _run(name: str, mechanism: Mechanism, timestep: float, seen: Trajectory, nudge: float = 0.0) -> Trajectory:
-    """Return the run of a scheme at the instants of another run."""
+    """Return the trajectory of a scheme at the instants of another run."""
     return sampled(name, mechanism, timestep, tuple(steps(seen, timestep).tolist()), nudge)
 
 
@@ -156,8 +158,8 @@ def _between(one: Trajectory, other: Trajectory) -> Array:
 def _allowed(name: str, mechanism: Mechanism, timestep: float, seen: Trajectory, roundoff: float) -> Array:
     """Return the differences (n,) that rounding can cause between two programs of a scheme.
 
-    Each step changes every number of the state by some units of roundoff, relative to one and its own size, as at the start. By
-    how much such a change grows is seen in a run that begins beside.
+    Each step changes every number of the state by some units of roundoff, relative to one and its own size, as at the start.
+    The growth of such a change is measured in a run with a slightly changed initial state.
     """
     grown = _between(_run(name, mechanism, timestep, seen, NUDGE), _run(name, mechanism, timestep, seen)) / NUDGE
     most = np.maximum.accumulate(np.maximum(grown, 1.0))
@@ -165,7 +167,7 @@ def _allowed(name: str, mechanism: Mechanism, timestep: float, seen: Trajectory,
 
 
 def _error(truth: Truth, run: Run) -> Array:
-    """Return the least error (n,) of a run at its instants, as a difference of this module."""
+    """Return the smallest possible error (n,) of a run at its instants, as a difference of this module."""
     assert isinstance(run.outcome, Completed)
     there = truth.at(run.outcome.trajectory.t)
     series, bounds = compare(there, run).series, there.bounds

@@ -13,16 +13,16 @@ from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.results.store import Results
 
-#: Truths that are kept in memory: those of one case at its time steps.
+#: The number of truths that are kept in memory: the truths of one case at its time steps.
 TRUTHS_KEPT = 8
 
 
 def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[MethodClass, ...]]:
-    """Return the classes of methods by the kind of scene, as far as the cases that were run tell methods apart.
+    """Return the classes of methods by the kind of scene, as far as the cases of the runs distinguish methods.
 
-    Left out are runs that did not complete, engines whose precision is not known, as in results of earlier versions, and cases
-    that were run with one method alone. So are mechanisms, whose schemes `bodycheck tradeoff` names, and bodies that touch.
-    Where a motion agrees with the truth to rounding, it is not told from others.
+    Runs that did not complete, engines of unknown precision (as in results of earlier versions) and cases that were run with a
+    single method are left out. Mechanisms, whose schemes `bodycheck tradeoff` names, and bodies in contact are left out too. A
+    motion that agrees with the truth to rounding is not distinguished from others.
     """
     precisions, truths = results.header["precisions"], lru_cache(TRUTHS_KEPT)(results.truth)
     known = [run for run in runs if run.engine in precisions]
@@ -34,7 +34,7 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
             continue
         if isinstance(scene, Mechanism):  # their schemes are stepped in Python, which takes too long for every report
             continue
-        if touches(scene):  # what contacts do is no scheme
+        if touches(scene):  # the effect of contacts is no scheme
             continue
         timestep, method = run.method.timestep, run.key.over_cases.over_steps
         trajectory, truth = beginning(run.outcome.trajectory, timestep), truths(run.case, timestep)

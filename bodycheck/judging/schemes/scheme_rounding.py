@@ -43,10 +43,10 @@ def allowance(
 
         16 u (1 + |J| (|Omega| + h (I Omega^2 + m v^2) / i)),
 
-    and it never decreases. u is the unit roundoff, I the largest moment, i the smallest, and J is computed from the scheme for
-    every segment of the run. The last terms come from the torque about the centre of mass. In spatial algebra the torque
-    contains v x m v, which is zero except for rounding: an engine that combines linear and angular velocity rounds the spin by
-    the speed.
+    and the bound never decreases. Here, u is the unit roundoff, I the largest moment, i the smallest, and J is computed from
+    the scheme for every segment of the run. The last terms come from the torque about the centre of mass. In spatial algebra
+    the torque contains v x m v, which is zero except for rounding: in an engine that combines linear and angular velocity, the
+    rounding of the spin depends on the speed.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def allowance(
 
     each = STEP_ROUNDINGS * roundoff
     bound = np.full(len(ends), each)
-    with np.errstate(all="ignore"):  # a scheme that fails has no bound
+    with np.errstate(all="ignore"):  # a scheme that fails has an infinite bound
         grown = (1 + _growth(scheme, formulation, scene, timestep, tuple(ends.tolist())) * rounded[:-1]) * strides
         bound[1:] += each * np.where(np.tri(len(strides), dtype=bool), grown, 0.0).sum(axis=1)
     bound = np.minimum(or_infinite(bound), np.pi)  # no angle is larger
@@ -83,10 +83,10 @@ def allowance(
 
 
 def in_position(allowed: Array, trajectory: Trajectory, timestep: float, roundoff: float) -> Array:
-    """Return the distances (n,), in m, that rounding can cause if it can cause the attitude differences `allowed` (n,), in rad.
+    """Return the distances (n,), m, that rounding can cause if it can cause the attitude differences `allowed` (n,), rad.
 
-    A velocity whose direction is off by an angle leads aside by this angle times the distance travelled. In addition, the
-    position is rounded in every step.
+    An error of the direction of the velocity by an angle causes a distance of this angle times the distance travelled. In
+    addition, the position is rounded in every step.
     """
     far, speed = (np.linalg.norm(part, axis=1) for part in (trajectory.position, trajectory.velocity))
     way = np.maximum.accumulate(speed) * trajectory.t
@@ -98,7 +98,7 @@ def in_position(allowed: Array, trajectory: Trajectory, timestep: float, roundof
 def _growth(scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]) -> Array:
     """Return |J| (k, k), s, at the end of each segment of a scheme's run, for errors at the start of each segment up to it.
 
-    The segments end at the steps `ends` (k + 1,), the first of which is 0. Beyond the diagonal are zeros.
+    The segments end at the steps `ends` (k + 1,), the first of which is 0. The elements beyond the diagonal are zero.
     """
     states, equations = sampled(scheme, formulation, scene, timestep, ends), formulation(scene)
     segments = len(ends) - 1
@@ -113,10 +113,10 @@ def _growth(scheme: Scheme, formulation: Equations, scene: Scene, timestep: floa
 
 
 def _derivatives(scheme: Scheme, equations: Formulation, timestep: float, start: Array, stride: int) -> tuple[Array, Array]:
-    """Return the derivatives (3, 3) of the rotation in the world (s), and of the body rates, by the body rates before a stride.
+    """Return the derivatives (3, 3) of world-frame rotation (s) and body rates with respect to the rates before a stride.
 
-    `start` is the state (13,) before the stride, and `stride` its number of steps. Where the body is and how fast it travels
-    plays no part.
+    `start` is the state (13,) before the stride, and `stride` its number of steps. The position and the velocity of the body
+    have no effect.
     """
     w, x, y, z = start[3:7].tolist()
     nudge = RELATIVE_RATE_CHANGE * float(np.linalg.norm(start[10:]) or 1.0)

@@ -39,11 +39,11 @@ def differences(
     return or_infinite(turned), or_infinite(distance(trajectory.position, rows[:, :3]))
 
 
-# The methods of all engines are compared with the same schemes at the same time steps and instants: one scene at a time, of
-# which each scheme has a short run and perhaps the whole one.
+# The methods of all engines are compared with the same schemes at the same time steps and instants: one scene at a time, for
+# which each scheme has a short run and perhaps a full run.
 @lru_cache(maxsize=4 * len(CATALOGUE))
 def sampled(scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]) -> Array:
-    """Return the states (n, 13) of a scheme after the numbers of steps `ends` (n,)."""
+    """Return the states (n, 13) of a scheme after `ends` (n,) steps."""
     rows = step_through(scheme, formulation, scene, timestep, np.diff(ends, prepend=0))
     rows.setflags(write=False)
     return rows

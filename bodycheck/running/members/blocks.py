@@ -1,7 +1,7 @@
-"""Run many members of an ensemble with one method of an engine, in this process, and tell which runs need a closer look.
+"""Run many members of an ensemble with one method of an engine, in this process, and find runs that may have failed.
 
-Members in free flight are `Scenes`, which an engine with batching steps together. Any other member is a case of its own and is
-run by itself, as `simulation.run` does.
+Members in free flight are `Scenes`, which an engine with batching steps together. Any other member is a separate case and is
+run alone, as `simulation.run` does.
 """
 
 import time
@@ -25,8 +25,8 @@ from bodycheck.running import simulation
 from bodycheck.running.simulation import UNIT_TOLERANCE
 from bodycheck.running.state_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE
 
-#: Part of a limit below which a number that is computed for all members at once is certainly below the limit of a single run,
-#: whose sums are rounded in another order.
+#: Factor on a limit: a number that is computed for all members at once and is below the reduced limit is certainly below the
+#: limit in a single run, whose sums are rounded in another order.
 CERTAIN = 0.99
 
 #: The effects that scenes in free flight can require of a model.
@@ -50,11 +50,11 @@ class Flown:
     states
         The states (m, n, 13), in the columns of `Simulation.advance`; NaN in the rows of members in `ended`.
     norm_error
-        (m,) largest deviations from 1 of the norms of quaternions, before the adapter normalised them; 0 where it does not.
+        The largest deviations (m,) from 1 of the norms of quaternions, before the adapter normalised them; 0 if it does not.
     wall_time
         The wall time (s) of stepping, of all members together.
     ended
-        How the runs ended whose states are not in `states`, by the places of their members.
+        The outcomes of the runs without rows in `states`, by the indices of their members.
     """
 
     engine: str
@@ -89,7 +89,7 @@ class NormError:
 
 
 def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: Strides, names: Sequence[str] = ()) -> Flown:
-    """Run members with a method of an engine. Exceptions of the engine are not passed on: they end the runs that raise them.
+    """Run members with a method of an engine. An exception of the engine only ends the run that raises it.
 
     Parameters
     ----------
@@ -100,9 +100,9 @@ def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: St
     members
         The members: scenes in free flight, or cases. Cases are run one by one, each at its own instants.
     steps
-        The numbers of steps (n,) from the start to each state of a scene; those of a case follow from the case.
+        The numbers of steps (n,) from the start to each state of a scene; the steps of a case follow from the case.
     names
-        The names of the cases of scenes, for messages; by default the places of the scenes.
+        The names of the cases of scenes, for messages; by default the indices of the scenes.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: St
 
 
 def doubtful(scenes: Scenes, trajectory: Trajectory, kinetic_energy: Array, off: Array) -> NDArray[np.bool_]:
-    """Return which runs (m,) `simulation.outcome_of` may judge to be anything but completed; it completes all others.
+    """Return which runs (m,) may not have completed by `simulation.outcome_of`; all others have certainly completed.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def doubtful(scenes: Scenes, trajectory: Trajectory, kinetic_energy: Array, off:
     momentum = _length(scenes.moments * scenes.angular_velocity)
     most = scenes.mass * speed**2 / 2 + momentum**2 / (2 * scenes.moments.min(axis=-1))
     parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
-    # A comparison with what is not a number is false. A position that is none changes neither the energy nor the norm.
+    # A comparison with NaN is false, but a position that is not a number changes neither the energy nor the norm.
     sound = np.isfinite(trajectory.position).all(axis=(1, 2))
     sound &= (kinetic_energy <= CERTAIN * DIVERGED_ENERGY_RATIO * most[:, None]).all(axis=-1)
     sound &= (off <= UNIT_TOLERANCE).all(axis=-1)
@@ -171,7 +171,7 @@ def _length(vectors: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """The rows of all members in `Flown`, and how the runs without rows ended."""
+    """The rows of all members in `Flown`, and the outcomes of the runs without rows."""
 
     states: Array
     norm_error: Array
@@ -180,7 +180,7 @@ class _Rows:
 
 
 def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: Strides) -> _Rows | None:
-    """Return the runs of all scenes at once; None if the engine cannot make them, so that each must be made by itself."""
+    """Return the runs of all scenes, made at once; None if the engine cannot do so, and each must be made separately."""
     record = adapter.engine
     if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT:
         return None
@@ -193,7 +193,7 @@ def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: 
             returned = prepared.advance(np.diff(steps, prepend=0))
             wall_time = time.perf_counter() - start
         states = simulation.rows_of(returned, len(scenes), len(steps))
-    except (Exception, SystemExit):  # an engine may raise anything, and only some of the scenes may be the reason
+    except (Exception, SystemExit):  # an engine may raise anything, perhaps only for some of the scenes
         return None
     signals = prepared.signals if isinstance(prepared, Signals) else {}
     ended: dict[int, Outcome] = {index: Diverged(text, "gave up") for index, text in signals.items()}
@@ -205,7 +205,7 @@ def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: 
 def _one_by_one(
     adapter: Adapter, engine: str, scenes: Sequence[Scene], method: Method, steps: Strides, names: Sequence[str]
 ) -> _Rows:
-    """Return the runs of scenes, each made by itself."""
+    """Return the runs of scenes, each made separately."""
     rows = _Rows(np.full((len(scenes), len(steps), 13), np.nan), np.zeros(len(scenes)), 0.0, {})
     wall_time = 0.0
     for index, (scene, name) in enumerate(zip(scenes, names, strict=True)):
@@ -225,7 +225,7 @@ def _one_by_one(
 
 
 def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
-    """Return the runs of cases, each made by itself; all of them are in `Flown.ended`."""
+    """Return the runs of cases, each made separately; the outcomes of all of them are in `Flown.ended`."""
     runs = [simulation.run(case, engine, method) for case in cases]
     return Flown(
         engine=engine,

@@ -1,9 +1,9 @@
-"""The files of chunks in the folder of an ensemble, which appear whole or not at all.
+"""The files of chunks in the folder of an ensemble, which are written completely or not at all.
 
-`chunks/ENGINE/FIRST-COUNT.KIND.parquet` has the table of one kind for some members: the runs, and where the chunk has them, the
-members, the truths and the trajectories. The file of the runs is written last, so that a chunk is done where it exists. Tables
-have one row group for each block, and the digest of the work that they belong to, so that no file of other work is taken for
-one of these. Two workers that carry out the same chunk write the same rows, and the later file takes the place of the earlier.
+`chunks/ENGINE/FIRST-COUNT.KIND.parquet` contains the table of one kind for some members: the runs and, if the chunk has them,
+the members, the truths and the trajectories. The file of the runs is written last, so that a chunk is done if this file exists.
+Tables have one row group for each block, and the digest of the work that they belong to, by which files of other work are
+recognised. Two workers that carry out the same chunk write the same rows, and the later file replaces the earlier.
 """
 
 import re
@@ -27,7 +27,7 @@ from bodycheck.running.members.chunks import Chunk
 #: The folder of the files of chunks, inside the folder of an ensemble.
 CHUNKS = "chunks"
 
-#: The kinds of tables, each of which has a folder of its name in the end.
+#: The kinds of tables. In the end, each kind has a folder of its name.
 RUNS, MEMBERS, TRUTHS, TRAJECTORIES = KINDS = ("runs", "members", "truths", "trajectories")
 
 #: The names of the files of chunks.
@@ -36,10 +36,10 @@ NAME = re.compile(rf"(\d{{12}})-(\d{{12}})\.({'|'.join(KINDS)})\.parquet")
 #: The key of the digest of the work in the metadata of a file.
 IDENTITY = b"bodycheck_identity"
 
-#: The largest size of a file of a chunk in bytes, which are read from strangers too.
+#: The largest size (bytes) of a file of a chunk, because files from strangers are read too.
 MAX_BYTES = 1 << 30
 
-#: Columns that differ each time that something is run.
+#: Columns whose values differ between repetitions of the same run.
 MEASURED = ("wall_time",)
 
 _TEXT, _NUMBER, _COUNT = pa.string(), pa.float64(), pa.int64()
@@ -60,7 +60,7 @@ BOUND_COLUMNS = tuple(
     f"{name}_bound" for name in ("attitude", "position", "velocity", "angular_velocity", "energy", "angular_momentum")
 )
 
-#: The columns of truths. The difference is the largest one of the attitude from those of witnesses (rad).
+#: The columns of truths. The difference is the largest difference (rad) of the attitude from the attitudes of witnesses.
 TRUTH_SCHEMA = pa.schema(
     [
         *(("case", _TEXT), ("timestep", _NUMBER), ("member", _COUNT), ("model", _TEXT), ("reason", _TEXT)),
@@ -69,8 +69,8 @@ TRUTH_SCHEMA = pa.schema(
     ]
 )
 
-#: The columns of trajectories: one row for each instant, and each body of a mechanism, whose name is `body`. `kept` says why it
-#: is kept: it failed, is the worst, or is a sample.
+#: The columns of trajectories: one row for each instant, and each body of a mechanism, whose name is `body`. `kept` says why
+#: the trajectory is kept: its run failed, is the worst, or is a sample.
 TRAJECTORY_SCHEMA = pa.schema(
     [
         *((name, _TEXT) for name in ("case", "engine", "integrator")),
@@ -87,9 +87,9 @@ def member_schema(names: Sequence[str]) -> Any:
 
 
 def table(columns: Mapping[str, Any], schema: Any) -> Any:
-    """Return a table with the columns of a schema, of which those that are missing are empty; NaN is a missing value.
+    """Return a table with the columns of a schema. Missing columns are empty, and NaN is a missing value.
 
-    columns: sequences or arrays of equal lengths by name; a single text or number stands for a column of it.
+    columns: sequences or arrays of equal lengths by name; a single text or number is repeated in all rows.
     """
     count = max(len(values) for values in columns.values() if not isinstance(values, str | float))
     return pa.table([_column(columns.get(field.name), field.type, count) for field in schema], schema=schema)
@@ -108,7 +108,7 @@ def _column(values: Any, kind: Any, count: int) -> Any:
 
 @dataclass(frozen=True)
 class ChunkFile:
-    """A file of a chunk. members: those that it has, without the last."""
+    """A file of a chunk. members: the range of its members."""
 
     path: Path
     engine: str
@@ -157,7 +157,7 @@ def digest(tables: Iterable[Any]) -> str:
 
 
 def found(folder: Path, identity: str) -> list[ChunkFile]:
-    """Return the files of chunks of some work in a folder, in the order of their members. Files of other work are left out.
+    """Return the files of the chunks of some work in a folder, in the order of their members, without files of other work.
 
     Raises `BadFolder` for a folder that cannot be read, and for symbolic links.
     """
@@ -184,9 +184,9 @@ def _belongs(path: Path, identity: str) -> bool:
 
 
 def blocks(files: Sequence[ChunkFile], size: int, block: int) -> dict[int, tuple[ChunkFile, int]]:
-    """Return where each block of an ensemble is: its file and its row group, by its first member.
+    """Return the file and the row group of each block of an ensemble, by the first member of the block.
 
-    A block that several files have is taken from the first.
+    If several files contain a block, the first counts.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def blocks(files: Sequence[ChunkFile], size: int, block: int) -> dict[int, tuple
 def tables(where: Mapping[int, tuple[ChunkFile, int]], schema: Any, block: int, each: int = 1) -> Iterator[Any]:
     """Yield the tables of blocks, in the order of the members.
 
-    Raises `BadFolder` for a file that is damaged, also if a table has other members than the name of its file says.
+    Raises `BadFolder` for a damaged file, and if the members of a table differ from those in the name of its file.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def tables(where: Mapping[int, tuple[ChunkFile, int]], schema: Any, block: int, 
     schema
         The columns that the tables have.
     block, each
-        The number of members of a block, and that of the rows of each member, which follow each other.
+        The number of members of a block, and the number of consecutive rows of each member.
     """
     opened: tuple[Path, Any] | None = None
     for first, (file, group) in where.items():

@@ -1,7 +1,7 @@
-"""The worker processes of a thread that carries out chunks: one for its present engine and one for the reference.
+"""The worker processes of a thread that carries out chunks: one for its current engine and one for the reference.
 
-They are kept from chunk to chunk, because an import takes as long as many members. A thread has one engine at a time, so that
-the memory of a machine does not depend on the number of engines. Processes end with the thread that started them.
+The processes are kept from chunk to chunk, because an import takes as long as many members. A thread has one engine at a time,
+so that the memory of a machine does not depend on the number of engines. Processes end with the thread that started them.
 """
 
 import threading
@@ -17,7 +17,8 @@ from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
 
-#: Variables that make the libraries of a worker process use one thread, as there is a worker process for each processor.
+#: Environment variables that make the libraries of a worker process use one thread, because there is one worker process for
+#: each processor.
 ONE_THREAD = tuple((name, "1") for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"))
 
 
@@ -30,8 +31,8 @@ class Role:
     function
         The function that they call.
     prepare
-        A function that is called with the engine, or None, once in each process, and imports all that calls need: what the
-        first call imported would count as a change of its process, which would not be used again.
+        A function that is called with the engine, or None, once in each process, and imports everything that calls need. An
+        import in the first call would count as a change of the process, which would then not be used again.
     """
 
     function: Callable[[Any], Any]
@@ -48,12 +49,12 @@ class Role:
 class ChunkWorkers:
     """The worker processes of a thread, and a temporary folder in which they leave files for each other.
 
-    The object is a context manager, at whose end the processes end and the folder is removed.
+    The object is a context manager. At the end of the context, the processes end and the folder is removed.
 
     Parameters
     ----------
     cancelled
-        An event that is set when the work of the thread is not needed any more.
+        An event that is set when the work of the thread is no longer needed.
     """
 
     def __init__(self, cancelled: threading.Event | None = None) -> None:
@@ -75,7 +76,7 @@ class ChunkWorkers:
         self._stack.close()
 
     def check(self) -> None:
-        """Raise `Cancelled` if the work of the thread is not needed any more."""
+        """Raise `Cancelled` if the work of the thread is no longer needed."""
         if self._cancelled.is_set():
             raise pool.Cancelled
 
@@ -83,7 +84,7 @@ class ChunkWorkers:
         """Make a call in the process of an engine, or of the reference (None), and return the result.
 
         A process of another engine, or with another role or other limits, is ended first. limit, memory: the limits of the
-        call, in s and bytes. Raises `Cancelled`.
+        call, in s and bytes. Raises `Cancelled` if the work is no longer needed.
         """
         wanted = (role, engine, limit, memory)
         present, workers = self._workers.get(engine is None, (None, None))
@@ -110,7 +111,8 @@ class ChunkWorkers:
 
 Result = TypeVar("Result")
 
-#: Smallest part of the time limit of a whole call that a call about a part of it has; a single thing has all of it.
+#: The smallest fraction of the full time limit for a call about several of the items; a call about a single item has the full
+#: limit.
 LEAST_PART = 1 / 16
 
 
@@ -138,6 +140,6 @@ def in_halves(
 def limit_of(part: int, whole: int, limit: float) -> float:
     """Return the time limit (s) of a call about `part` of `whole` items, from the limit of a call about all of them.
 
-    A call that exceeds it is halved further, so that a small limit costs time and changes no result.
+    A call that exceeds its limit is halved further, so that a small limit costs time but changes no result.
     """
     return limit if part == 1 else limit * max(LEAST_PART, part / whole)

@@ -1,7 +1,7 @@
-"""Chunks: consecutive members of an ensemble that one engine runs with all its methods, and the receipts for them.
+"""Chunks and their receipts. A chunk is consecutive members of an ensemble that one engine runs with all its methods.
 
-Members are treated in aligned blocks, so that no row depends on how an ensemble is cut into chunks: a chunk is a number of
-whole blocks. A chunk holds everything that a worker needs, wherever it runs, and is small enough to be sent there.
+Members are processed in aligned blocks, and a chunk consists of whole blocks, so that no row depends on how an ensemble is cut
+into chunks. A chunk contains everything that a worker needs, wherever it runs, and is small enough to be sent there.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -13,28 +13,30 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.content import Case
 from bodycheck.reference.trajectory import Array
 
-#: The number of members in a block of a case of usual length, and the sizes of blocks of longer ones. All divide the first.
+#: The possible numbers of members in a block: the first for a case of usual length, the others, which divide the first, for
+#: longer cases.
 BLOCK_SIZES = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
-#: Most states of all members of a block, of one method: 26 MiB.
+#: The largest number of states of all members of a block, with one method: 26 MiB.
 MOST_STATES = 1 << 18
 
-#: Most steps of all members of a block, with one method: some minutes for an engine that is stepped from Python.
+#: The largest number of steps of all members of a block, with one method: some minutes for an engine that is stepped from
+#: Python.
 MOST_STEPS = 1 << 21
 
 #: Steps of all members and methods in a chunk: 10 to 60 s for a compiled engine.
 CHUNK_STEPS = 1 << 22
 
-#: Most blocks in a chunk, whose rows are in memory until they are written.
+#: The largest number of blocks in a chunk, whose rows are in memory until they are written.
 MOST_BLOCKS = 100
 
 
 class Source(Protocol):
-    """The source of the numbers in which members differ. It can be pickled, and is the same on every machine."""
+    """The source of the numbers in which members differ. It can be pickled, and gives the same numbers on every machine."""
 
     @property
     def origin(self) -> object:
-        """The distributions that they are drawn from, or a table whose attribute `digest` identifies its content."""
+        """The distributions of the numbers, or a table whose attribute `digest` identifies its content."""
         ...
 
     @property
@@ -67,11 +69,11 @@ class Work:
     block
         The number of members in a block.
     sample
-        Of every so manieth member the trajectory is kept.
+        The trajectories of members whose number is a multiple of this are kept.
     versions
         The versions of bodycheck and of the packages that the rows depend on, which every worker must have.
     today
-        The day as of which known discrepancies are tolerated or not, so that it is the same for all rows.
+        The day for deciding whether known discrepancies are still tolerated, which is the same for all rows.
     limit, memory
         The time limit (s) and the memory limit (bytes) of one call of an engine or of the reference.
     """
@@ -98,8 +100,8 @@ class Share:
     methods
         Its methods, in the order of the plan.
     truths_of
-        The time steps (s) for which its chunks write the truths, so that each is written once; not empty where the chunks also
-        write the members.
+        The time steps (s) for which its chunks write the truths, so that each truth is written once; not empty if the chunks
+        also write the members.
     """
 
     engine: str
@@ -115,9 +117,9 @@ class Chunk:
     Attributes
     ----------
     work, share
-        What it belongs to.
+        The work and the engine's share that the chunk belongs to.
     number
-        The number of the chunk in the whole plan, from 0. A chunk that is cut into several ones passes it on to them.
+        The number of the chunk in the whole plan, from 0. If a chunk is cut into pieces, these have the same number.
     first, count
         The first member and the number of members.
     """
@@ -141,7 +143,7 @@ class Chunk:
 
     @property
     def rows(self) -> int:
-        """The number of its runs."""
+        """The number of runs."""
         return self.count * len(self.share.methods)
 
 
@@ -158,7 +160,7 @@ class Receipt:
     rows, failed
         The number of runs, and of those that failed.
     seconds
-        How long (s) the chunk took, and of this the stepping of the engine and the truths.
+        The times (s) of the whole chunk, of the stepping of the engine, and of the truths.
     digest
         A digest of the rows without measured times.
     """
@@ -176,20 +178,23 @@ class Receipt:
 
 
 def block_size(case: Case, timesteps: Collection[float]) -> int:
-    """Return the number of members in a block of a case, which limits its states, and its steps at these time steps (s)."""
+    """Return the number of members in a block of a case, so that the numbers of states and steps are limited.
+
+    timesteps: the time steps (s) of the runs.
+    """
     steps = max(case.duration / timestep for timestep in timesteps)
     most = min(MOST_STATES / case.samples, MOST_STEPS / max(1.0, steps))
     return next((size for size in BLOCK_SIZES if size <= most), 1)
 
 
 def blocks_of_chunk(case: Case, share: Share, block: int) -> int:
-    """Return the number of blocks in a chunk of an engine, from the steps of its methods alone, so that all workers agree."""
+    """Return the number of blocks in a chunk of an engine, from the steps of its methods, so that all workers agree."""
     steps = sum(case.duration / method.timestep for method in share.methods)
     return int(min(MOST_BLOCKS, max(1, CHUNK_STEPS // (block * max(1.0, steps)))))
 
 
 def cut(work: Work, share: Share, blocks: int, number: int = 0) -> list[Chunk]:
-    """Return the chunks of an engine, each of so many blocks; the first has this number."""
+    """Return the chunks of an engine, each with `blocks` blocks, numbered from `number`."""
     size = blocks * work.block
     firsts = range(0, work.source.size, size)
     return [
@@ -198,7 +203,7 @@ def cut(work: Work, share: Share, blocks: int, number: int = 0) -> list[Chunk]:
 
 
 def left(chunk: Chunk, done: Collection[int]) -> Iterator[Chunk]:
-    """Yield what is left of a chunk, in pieces of consecutive blocks.
+    """Yield the remaining blocks of a chunk, as chunks of consecutive blocks.
 
     done: the first members of the blocks that are done.
     """

@@ -1,6 +1,6 @@
 """Compact the files of chunks into a few files of tens of MB, with the rows in the order of the plan.
 
-Nothing of it depends on how the ensemble was cut into chunks. At most one row group is in memory at a time.
+The result does not depend on how the ensemble was cut into chunks. At most one row group is in memory at a time.
 """
 
 import shutil
@@ -14,21 +14,21 @@ from bodycheck.errors import BadFolder
 from bodycheck.files import reading, writing
 from bodycheck.running.members.chunk_files import encoded
 
-#: Most rows of a row group, and of a file: a row of runs takes some 200 bytes.
+#: The largest number of rows of a row group, and of a file: a row of runs takes some 200 bytes.
 GROUP_ROWS, FILE_ROWS = 1 << 16, 1 << 18
 
 
 def write(tables: Iterable[Any], schema: Any, target: Path, inside: Path) -> int:
-    """Write tables as `target/part-00000.parquet` and further files, in place of those that are there.
+    """Write tables as `target/part-00000.parquet` and further files, replacing existing files.
 
-    Returns the number of rows. Raises `NotWritten`.
+    Returns the number of rows. Raises `NotWritten` if a file cannot be written.
 
     Parameters
     ----------
     tables
         Tables of PyArrow in the order of their rows.
     schema
-        The columns of the tables. Columns of these that it lacks are left out.
+        The columns to write. Other columns of the tables are left out.
     target
         The folder of the files.
     inside
@@ -49,7 +49,7 @@ def write(tables: Iterable[Any], schema: Any, target: Path, inside: Path) -> int
 
 
 def remove(target: Path, inside: Path) -> None:
-    """Remove a folder inside a folder of results, in which nothing is a symbolic link. Raises `BadFolder` and `NotWritten`."""
+    """Remove a folder inside a results folder. Raises `BadFolder` for a symbolic link in it, and `NotWritten`."""
     if target.is_symlink():
         raise BadFolder(f"{target}: is a symbolic link; a results folder must not contain any, remove it")
     reading.refuse_links(target)
@@ -59,7 +59,7 @@ def remove(target: Path, inside: Path) -> None:
 
 
 def _groups(tables: Iterable[Any], schema: Any) -> Iterator[Any]:
-    """Yield the rows of tables in tables of `GROUP_ROWS` rows, of which the last may have fewer."""
+    """Yield the rows of tables, regrouped in tables of `GROUP_ROWS` rows; the last may have fewer."""
     waiting: list[Any] = []
     for table in tables:
         waiting.append(table.select(schema.names))

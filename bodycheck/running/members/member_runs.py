@@ -1,4 +1,4 @@
-"""Fly members of an ensemble in parts, and join what became of them."""
+"""Run members of an ensemble in parts, and join the outcomes."""
 
 import contextlib
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ class Flight:
     names
         The m names of the cases.
     file
-        Where the states are to be written; None to return them.
+        The file for the states; None to return the states.
     """
 
     engine: str
@@ -46,7 +46,7 @@ class Flight:
     file: Path | None = None
 
     def part(self, first: int, last: int) -> "Flight":
-        """Return the flight of some of the members, from one place up to another one, without it."""
+        """Return the flight of some of the members: from the index `first` up to `last`, which is excluded."""
         members = slice(first, last)
         return replace(
             self,
@@ -63,7 +63,7 @@ class Stored:
     Attributes
     ----------
     flown
-        What became of them, without their states.
+        The outcomes of the members, without their states.
     file
         The file of the states.
     """
@@ -77,7 +77,7 @@ class Stored:
         return self.flown.wall_time
 
     def read(self) -> Flown:
-        """Return what became of them with their states. Raises `OSError` and `ValueError`."""
+        """Return the outcomes with the states. Raises `OSError` and `ValueError` if the file cannot be read."""
         return replace(self.flown, states=np.load(self.file, allow_pickle=False))
 
 
@@ -88,21 +88,21 @@ def prepare(engine: str) -> None:
 
 
 def fly(flight: Flight) -> Flown | Stored:
-    """Fly members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
+    """Run members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
     flown = blocks.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
     if flight.file is None or not flown.states.size:
         return flown
     try:
         np.save(flight.file, flown.states)
-    except OSError:  # the disk is full, for example
+    except OSError:  # for example, the disk is full
         return flown
     return Stored(replace(flown, states=np.empty((0, 0, 13))), flight.file)
 
 
 def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed | TimedOut]]) -> Flown | Stored:
-    """Return what became of all members of a flight, from what became of its parts, in their order.
+    """Return the outcomes of all members of a flight, joined from the outcomes of its parts in their order.
 
-    A part that failed as a whole has one member.
+    A part that failed completely has one member.
     """
     if len(parts) == 1 and isinstance(parts[0][1], Flown | Stored):
         return parts[0][1]
@@ -113,7 +113,7 @@ def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed
         if isinstance(result, Crashed | TimedOut):
             ended |= dict.fromkeys(places, result)
             continue
-        assert isinstance(result, Flown)  # a part has no file
+        assert isinstance(result, Flown)  # the result of a part is never in a file
         rows = slice(places.start, places.stop)
         states[rows], norm_error[rows] = result.states, result.norm_error
         ended |= {places[index]: outcome for index, outcome in result.ended.items()}
@@ -131,5 +131,5 @@ def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed
     )
 
 
-#: What worker processes of engines do.
+#: The role of worker processes of engines.
 FLYING = Role(fly, prepare)

@@ -1,9 +1,9 @@
-"""Carry out chunks on a cluster of Dask: any that exists, or one of worker processes on this machine.
+"""Carry out chunks on a cluster of Dask: an existing cluster, or a new cluster of worker processes on this machine.
 
-Few chunks are submitted at a time, and what comes back are receipts, so that neither the scheduler nor this process needs more
-memory for more members. A chunk whose worker is lost is carried out again elsewhere; it may then be carried out twice, which
-leaves the same file. The processes of engines are started by the workers without Python's multiprocessing, so that workers may
-be daemonic, as they are by default.
+Few chunks are submitted at a time, and only receipts are returned, so that neither the scheduler nor this process needs more
+memory for more members. A chunk whose worker is lost is carried out again elsewhere; if it is then carried out twice, the
+result is the same file. The processes of engines are started by the workers without Python's multiprocessing, so that workers
+may be daemonic, as they are by default.
 """
 
 import contextlib
@@ -26,27 +26,28 @@ from bodycheck.running.members.executors import CHUNKS_EACH, Perform
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-#: The address that stands for a cluster on this machine.
+#: The address that stands for a new cluster on this machine.
 LOCAL = "local"
 
 #: Time limit for reaching the scheduler, and for its answers (s).
 CONNECT_S = 30.0
 
-#: Submitted chunks for each thread of the workers, so that no thread waits for the next one; and the least number in all.
+#: The number of submitted chunks for each thread of the workers, so that no thread waits for its next chunk, and the smallest
+#: total number.
 AHEAD, LEAST_WINDOW = 2, 4
 
-#: A number of workers of a cluster for which there are chunks enough.
+#: The number of workers of an external cluster for which there are always enough chunks.
 MANY_WORKERS = 50
 
-#: Interval (s) at which the scheduler is asked for its workers.
+#: Interval (s) at which the number of workers is requested from the scheduler.
 INTERVAL_S = 10.0
 
-#: How often a chunk is submitted again after Dask has given it up, because several workers were lost that had it. The loss may
-#: be the fault of another chunk, or of the machine.
+#: The number of times that a chunk is submitted before it is given up. Dask gives up a chunk if several workers that had it are
+#: lost. The cause may be another chunk, or the machine.
 ATTEMPTS = 5
 
 
-#: The worker processes of the threads of a worker of Dask, by the numbers of these threads, which Dask starts and ends.
+#: The worker processes of the threads of a worker of Dask, by the numbers of the threads, which Dask starts and ends.
 _workers: dict[int, ChunkWorkers] = {}
 
 
@@ -65,7 +66,7 @@ class Cluster:
     jobs
         The number of workers of a cluster on this machine.
     whole
-        It carries out all chunks.
+        True, because it carries out all chunks.
     """
 
     address: str
@@ -74,7 +75,7 @@ class Cluster:
 
     @property
     def chunks(self) -> int:
-        """The smallest number of chunks that keeps it evenly busy. The size of a cluster that is not local is not known."""
+        """The smallest number of chunks that keeps it evenly busy. The size of an external cluster is not known."""
         return CHUNKS_EACH * (self.jobs if self.address == LOCAL else MANY_WORKERS)
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
@@ -83,7 +84,8 @@ class Cluster:
         Raises
         ------
         BadInput
-            Dask is not installed, the scheduler cannot be reached, or a worker has other versions of what the rows depend on.
+            Dask is not installed, the scheduler cannot be reached, or a worker has other versions of packages that the rows
+            depend on.
         ClusterLost
             The scheduler was lost.
         Failed
@@ -94,7 +96,7 @@ class Cluster:
         with _client(self.address, self.jobs) as client:
             _check_workers(client)
             yield from _receipts(client, self.address, perform, chunks)
-            with contextlib.suppress(Exception):  # a worker that is gone has no processes any more
+            with contextlib.suppress(Exception):  # a lost worker has no processes any more
                 client.run(_end_workers, on_error="ignore")
 
 
@@ -108,9 +110,10 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
         stack.callback(_restore, dict(os.environ))
         where: Any = address
         if address == LOCAL:
-            # The memory limit of Dask counts the worker alone, which needs little; the processes of engines have their own.
+            # The memory limit of Dask counts only the worker, which needs little; the processes of engines have their own
+            # limits.
             options = {"threads_per_worker": 1, "memory_limit": 0, "silence_logs": logging.ERROR}
-            # Any free port, because another cluster may have the usual one.
+            # Use any free port, because another cluster may have the usual port.
             page = "127.0.0.1:0"
             where = stack.enter_context(LocalCluster(n_workers=jobs, processes=True, dashboard_address=page, **options))
         try:
@@ -122,13 +125,13 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
 
 
 def _restore(environment: dict[str, str]) -> None:
-    """Give this process its environment again. Dask leaves variables for its workers in it, which later ones would inherit."""
+    """Restore the environment of this process. Dask leaves variables for its workers in it, which others would inherit."""
     os.environ.clear()
     os.environ.update(environment)
 
 
 def _close(client: "Client") -> None:
-    """Disconnect from a scheduler that may be lost, without a word of Dask about what it did not do to the end."""
+    """Disconnect from a scheduler that may be lost, without messages of Dask about unfinished work."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -139,7 +142,7 @@ def _close(client: "Client") -> None:
 
 
 def _check_workers(client: "Client") -> None:
-    """Raise `BadInput` if a worker that is there has other versions than this process. Others are checked with their chunks."""
+    """Raise `BadInput` if a present worker has other versions than this process. Later workers check with their chunks."""
     versions_of_workers: dict[str, Any] = client.run(versions.here, on_error="return")
     for worker, theirs in versions_of_workers.items():
         if isinstance(theirs, BaseException):
@@ -149,7 +152,7 @@ def _check_workers(client: "Client") -> None:
 
 @dataclass
 class _Submitted:
-    """A chunk that was submitted, and how often."""
+    """A submitted chunk, and the number of its submissions."""
 
     chunk: Chunk
     attempts: int = 1
@@ -157,7 +160,7 @@ class _Submitted:
 
 @dataclass
 class _Window:
-    """The number of chunks to submit at a time. The scheduler is asked now and then, because workers come and go."""
+    """The number of chunks to submit at a time. It asks the scheduler from time to time, because workers come and go."""
 
     client: "Client"
     size: int = LEAST_WINDOW
@@ -230,7 +233,7 @@ def _end_workers() -> None:
 
 @contextlib.contextmanager
 def _losing(address: str) -> Iterator[None]:
-    """Turn what Dask raises within the context when its scheduler is gone into `ClusterLost`."""
+    """Convert the exceptions of Dask for a lost scheduler within the context to `ClusterLost`."""
     from distributed import CancelledError
     from distributed.comm import CommClosedError
 

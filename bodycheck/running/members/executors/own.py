@@ -1,4 +1,4 @@
-"""Carry out chunks on this machine, all or a share: threads, each with worker processes for an engine and the reference."""
+"""Carry out all or some chunks on this machine, in threads with worker processes for an engine and the reference."""
 
 import threading
 from collections.abc import Generator, Sequence
@@ -35,8 +35,8 @@ class Own:
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         """Carry out chunks, as `Executor` says.
 
-        Where another chunk has failed, or the generator is closed, the present calls of all threads are stopped, and nothing
-        further is written.
+        If another chunk fails, or the generator is closed, the current calls of all threads are stopped, and nothing further is
+        written.
         """
         cancelled, thread = threading.Event(), threading.local()
         with ExitStack() as workers_of_threads:
@@ -63,11 +63,12 @@ class Shard:
     Attributes
     ----------
     number, count
-        The number of the job, from 1, and the number of jobs. It carries out the chunks k with k mod `count` = `number` - 1.
+        The number of the job, from 1, and the number of jobs. The executor carries out the chunks k with k mod `count` =
+        `number` - 1.
     jobs
         The number of chunks that are carried out at the same time on the machine of the job.
     whole
-        It carries out a share.
+        False, because it carries out only a share.
     """
 
     number: int
@@ -82,7 +83,7 @@ class Shard:
 
     @classmethod
     def parse(cls, text: str, jobs: int) -> "Shard":
-        """Return the executor that an option gives as `NUMBER/OF`. Raises `BadInput`."""
+        """Return the executor that an option gives as `NUMBER/OF`. Raises `BadInput` for any other text."""
         first, slash, second = text.partition("/")
         number, count = (int(part) if part.isascii() and part.isdecimal() else 0 for part in (first, second))
         if not slash or not 1 <= number <= count:
