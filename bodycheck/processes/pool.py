@@ -15,7 +15,6 @@ from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import wait
 from threading import Event
-from time import perf_counter
 from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
@@ -28,10 +27,6 @@ Result = TypeVar("Result")
 
 #: Interval (s) at which silent processes are checked for being alive.
 POLL_INTERVAL_S = 1.0
-
-#: Time (s) for which the first worker of a group is alone. To start another costs more time than the few short calls that the
-#: first can make meanwhile.
-ALONE_S = 1.0
 
 #: Interval (s) at which the rest of a message is sent that a socket did not accept at once.
 SENDING_INTERVAL_S = 0.01
@@ -205,14 +200,13 @@ class Workers(Generic[Argument, Result]):
 class _Queue(Generic[Argument]):
     """The indices of the calls to be made, by group, and of the calls to be repeated in a fresh process.
 
-    A group has at most `most` workers at the same time, and only one in its first `ALONE_S`.
+    A group has at most `most` workers at the same time.
     """
 
     def __init__(self, arguments: Sequence[Argument], group: Callable[[Argument], Hashable], most: int) -> None:
         self.arguments, self._groups, self._most = arguments, list(map(group, arguments)), most
         self._waiting: dict[Hashable, deque[int]] = {}
         self._suspects: dict[Hashable, deque[int]] = {}
-        self._begun: dict[Hashable, float] = {}
         for index, name in enumerate(self._groups):
             self._waiting.setdefault(name, deque()).append(index)
 
@@ -250,9 +244,7 @@ class _Queue(Generic[Argument]):
     def _lacks(self, group: Hashable, workers: "Sequence[_Worker]") -> bool:
         serving = [worker for worker in workers if worker.group == group]
         left = len(self._suspects.get(group, ())) + len(self._waiting.get(group, ()))
-        if len(serving) >= self._most or left <= sum(worker.fresh for worker in serving):
-            return False
-        return not serving or perf_counter() > self._begun.setdefault(group, perf_counter()) + ALONE_S
+        return len(serving) < self._most and left > sum(worker.fresh for worker in serving)
 
 
 class _Answer(NamedTuple):
