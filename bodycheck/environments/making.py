@@ -153,7 +153,7 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     latest_upload = None
     if attempt.as_of_release:
         if (uploaded := installation.release_day(release.installation.distribution, release.version)) is None:
-            raise InstallationFailed("the package sources do not tell when it was released")
+            raise InstallationFailed("the package sources do not say when it was released")
         latest_upload = uploaded + UPLOAD_DELAY
     numpy_here = metadata.version("numpy")
     installation.make(folder)

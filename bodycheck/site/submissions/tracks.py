@@ -282,7 +282,7 @@ def _check_parts(motion: Motion, parts: Sequence[Part], bodies: int, *, turns: b
         raise ValueError(f"have {len(parts)} bodies of {motion.case}, which has {bodies}")
     for part in parts:
         if (turns and part.turning is None) or (goes and part.course is None):
-            raise ValueError(f"lack how a body of {motion.case} moves")
+            raise ValueError(f"lack the rotation or the path of a body of {motion.case}")
         for way in (part.turning, part.course):
             if way is not None and arrays(way)[0][-1] > LATEST * motion.end:
                 raise ValueError(f"have a motion of {motion.case} after its end")
