@@ -181,7 +181,7 @@ def test_a_sphere_rests_on_a_brick() -> None:
     [
         (stack((Sphere(0.1), 1.0, 0.0, 0.0), (CUBE, 1.0, 0.0, 0.0)), "stands on a sphere"),
         (stack((CUBE, 1.0, 0.0, 0.0), (CUBE, 1.0, 0.11, 0.0)), "tips"),
-        (pile(body("one", CUBE, 1.0, (0.0, 0.0, 0.1)), body("two", CUBE, 1.0, (0.1, 0.0, 0.1))), "into each other"),
+        (pile(body("one", CUBE, 1.0, (0.0, 0.0, 0.1)), body("two", CUBE, 1.0, (0.1, 0.0, 0.1))), "overlap at the start"),
         (pile(body("one", CUBE, 1.0, (0.0, 0.0, 0.1)), body("two", CUBE, 1.0, (1.0, 0.0, 0.05))), "into the plane"),
     ],
 )
