@@ -2,8 +2,8 @@
 
 import errno
 
-#: Exit codes of commands. FAILED means that an expectation or a run failed. INTERRUPTED and NO_READER are 128 plus the numbers of
-#: the signals SIGINT and SIGPIPE, as shells have them.
+#: Exit codes of commands. FAILED means that an expectation or a run failed. INTERRUPTED and NO_READER are 128 plus the numbers
+#: of the signals SIGINT and SIGPIPE, as in shells.
 OK, FAILED, BAD_INPUT, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
 
 

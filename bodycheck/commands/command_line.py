@@ -21,8 +21,8 @@ from bodycheck.studies import plain_command
 app = App(
     name="bodycheck",
     help="Compare physics engines with the exact mechanics of a rigid body.",
-    help_epilogue="Exit codes: 0 success; 1 an expectation or a run failed; 2 bad input or usage; 130 interrupted; 141 the program "
-    "that reads the output has ended.",
+    help_epilogue="Exit codes: 0 success; 1 an expectation or a run failed; 2 bad input or usage; 130 interrupted; "
+    "141 the program that reads the output has ended.",
     version_flags=["--version"],
     default_parameter=Parameter(negative=(), show_default=False),
     suppress_keyboard_interrupt=False,  # `main` says that the command was interrupted

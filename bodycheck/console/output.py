@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from textwrap import wrap
 
-
 #: Characters for terminals and logs whose encoding lacks those that they replace.
 SUBSTITUTES = {"→": "->", "…": "...", "\u202f": " ", "\xa0": " ", "–": "-", "−": "-", "×": "x", "·": "-", "≤": "<=", "≥": ">="}
 

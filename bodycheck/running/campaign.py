@@ -130,7 +130,9 @@ def results(
         left = [task for task in everything if _missing(writer, task)]
         count = _Count(tasks, left, writer, progress)
         if writer.resumed:
-            print(f"bodycheck: resuming the interrupted run in {folder}: {count.done} of {len(tasks)} are done", file=sys.stderr)
+            print(
+                f"bodycheck: resuming the interrupted run in {folder}: {count.done} of {len(tasks)} are done", file=sys.stderr
+            )
             progress("", count.done)
         arrivals = _arrivals(meet, writer, left)
         with pool.Workers(perform, jobs, limit, memory, group, engines.home) as workers:

@@ -172,7 +172,9 @@ def test_the_command_goes_on_too(calls_here: None, tmp_path: Path) -> None:
     # How many processes there are, and in what words it is asked for, changes nothing.
     done = bodycheck(*command, "--jobs", 1)
     assert done.returncode == 0
-    assert re.search(rf"resuming the interrupted run in {re.escape(str(out))}: \d of {len(undisturbed)} are done\n", done.stderr)
+    assert re.search(
+        rf"resuming the interrupted run in {re.escape(str(out))}: \d of {len(undisturbed)} are done\n", done.stderr
+    )
     assert "short · " not in done.stderr  # stderr is no terminal: no line a run
     assert "nterrupted" not in (out / "report.md").read_text()
     resumed = pd.read_csv(out / "results.csv")

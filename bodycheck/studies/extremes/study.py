@@ -148,7 +148,9 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         If a case has no axes, if no engine has an integrator, or if there is nothing to run.
     """
     if axisless := [case.name for case in cases if not case.extremes]:
-        raise BadInput(f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes], for example:\n{EXAMPLE}")
+        raise BadInput(
+            f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes], for example:\n{EXAMPLE}"
+        )
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
         Trial(point, name, Method.parse(integrator, point.timestep))
