@@ -8,6 +8,7 @@ from collections.abc import Callable
 from cyclopts import App, CycloptsError, Parameter
 
 from bodycheck.commands.authoring import cases, expect, new, schema, validate
+from bodycheck.commands.compare import compare
 from bodycheck.commands.engines import engines
 from bodycheck.commands.ensembles import gather, query
 from bodycheck.commands.report import diff, report
@@ -34,7 +35,7 @@ COMMANDS: tuple[Callable[..., int] | App, ...] = (
     *plain_command.of_studies(),
     gather,
     query,
-    *(report, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
+    *(compare, report, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
 )
 
 for command in COMMANDS:
@@ -55,7 +56,7 @@ def main() -> None:
 def _exit_code() -> int:
     """Run the command line and return its exit code. Raises `ReaderGone` if nothing reads its output any more."""
     try:
-        code = app(exit_on_error=False, print_error=False, result_action="return_value")
+        code: int = app(exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except (CycloptsError, BadInput) as error:
         print(error, file=sys.stderr)

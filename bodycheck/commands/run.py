@@ -99,14 +99,14 @@ def run(
         else:
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
-            _print_summary(result, out)
+            print_summary_of(result, out)
     if json or quiet:
         results.print_unchecked(runs.results.unchecked, sys.stderr)
     output.say_where(out, quiet)
     return FAILED if runs.engine_failed or result.failed else OK
 
 
-def _print_summary(result: "ResultSet", out: Path | None) -> None:
+def print_summary_of(result: "ResultSet", out: Path | None) -> None:
     """Print the summary of judged results. out: the folder with their report; None if there is none."""
     from bodycheck import reports
     from bodycheck.console.summary import Summary, print_summary
