@@ -1,9 +1,8 @@
 """The models that a parity study is about: files of robots as the user names them, read by bodycheck and copied for engines."""
 
 import os
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -19,7 +18,11 @@ from bodycheck.robots.faults import FileFault
 from bodycheck.robots.from_mechanism import robot_model
 from bodycheck.robots.mjcf_text import mjcf
 from bodycheck.robots.urdf_text import urdf as urdf_text
-from bodycheck.running.robot_readings import Compile
+from bodycheck.running.robot_readings import Compile, Refused
+from bodycheck.studies.parity.files import NamedFile
+from bodycheck.studies.parity.limits import beyond
+from bodycheck.studies.parity.quantities import MODEL
+from bodycheck.studies.parity.rows import Compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +32,7 @@ class Robot:
     Attributes
     ----------
     name
-        The name of its file without the ending, or the name of the case.
+        The name of its file, as in `NamedFile`.
     path
         The path that the user gave.
     file
@@ -42,6 +45,8 @@ class Robot:
         Whether the file states the gravity.
     removed
         The parts of the file that the copy lacks, in words.
+    unanswered
+        The row about an MJCF file for which MuJoCo, which defines the format, has no answer; None for all other files.
     """
 
     name: str
@@ -51,33 +56,24 @@ class Robot:
     faults: tuple[FileFault, ...]
     stated_gravity: bool
     removed: tuple[str, ...]
+    unanswered: Compared | None = None
 
 
-def named(paths: Sequence[Path]) -> dict[str, Path]:
-    """Return the files by distinct names: the name without the ending, or a relative path where several files have one name.
+@dataclass(frozen=True)
+class Unreadable:
+    """A file of which no model was made, and the reasons: it is not there, is no robot's file, or is beyond a limit."""
 
-    Raises `BadInput` for a path that is no file.
-    """
-    by_stem: dict[str, list[Path]] = {}
-    for path in dict.fromkeys(paths):
-        if not path.is_file():
-            raise BadInput(f"{path}: {'is a folder' if path.is_dir() else 'there is no such file'}")
-        by_stem.setdefault(re.sub(r"\.case$", "", path.stem), []).append(path)
-    names: dict[Path, str] = {}
-    for stem, same_stem in by_stem.items():
-        shared = os.path.commonpath([path.resolve() for path in same_stem])
-        names |= {path: stem if len(same_stem) == 1 else path.resolve().relative_to(shared).as_posix() for path in same_stem}
-    return {names[path]: path for path in dict.fromkeys(paths)}
+    name: str
+    path: str
+    reasons: tuple[str, ...]
 
 
-def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_: Compile) -> Robot:
+def read(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compile) -> Robot | Unreadable:
     """Return the model of a file, and its copy for engines in an empty folder.
 
     Parameters
     ----------
-    name
-        The name of the model.
-    path
+    file
         The file: a URDF, an MJCF, or a case of format 2, which is written as a URDF or MJCF.
     packages
         The folders in which packages may be found.
@@ -85,23 +81,34 @@ def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_:
         The folder for the copy.
     compile_
         A function that returns the model of an MJCF.
-
-    Raises
-    ------
-    BadInput
-        If the file is no model.
     """
+    try:
+        return _robot(file, packages, into, compile_)
+    except BadInput as error:
+        return Unreadable(file.name, str(file.path), tuple(str(error).splitlines()))
+
+
+def _robot(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compile) -> Robot:
+    """Return the model of a file. Raises `BadInput` if the file is no model."""
+    name, path = file.name, file.path
+    if file.refused:
+        raise BadInput(f"{path}: {file.refused}")
+    if not os.path.isfile(path):
+        raise BadInput(f"{path}: {'is a folder' if os.path.isdir(path) else 'there is no such file'}")
     if is_case_file(path):
         return _of_case(name, path, into)
     copy = checked(path, packages, into)
     if copy.file.format == "mjcf":
-        compiled = compile_(copy.file.path)
+        compiled = compile_(copy.file)
         if isinstance(compiled, RobotModel):
-            return Robot(name, str(path), copy.file, compiled, (), True, copy.removed)
-        fault = FileFault("model", "", f"{path}: {compiled.reason}")
-        return Robot(name, str(path), copy.file, None, (fault,), True, copy.removed)
+            return _within_limits(Robot(name, str(path), copy.file, compiled, (), True, copy.removed))
+        text = f"{path}: {compiled.reason}"
+        if isinstance(compiled, Refused):
+            return Robot(name, str(path), copy.file, None, (FileFault("model", "", text),), True, copy.removed)
+        row = Compared(compiled.status, None, MODEL, text)
+        return Robot(name, str(path), copy.file, None, (), True, copy.removed, row)
     content = urdf.read(elements.content(path), path.name)
-    return Robot(name, str(path), copy.file, content.model, content.faults, False, copy.removed)
+    return _within_limits(Robot(name, str(path), copy.file, content.model, content.faults, False, copy.removed))
 
 
 def _of_case(name: str, path: Path, into: Path) -> Robot:
@@ -112,7 +119,13 @@ def _of_case(name: str, path: Path, into: Path) -> Robot:
     text, format = _text(model)
     copy = into / f"{case.name}.{format}"
     copy.write_text(text, "utf-8")
-    return Robot(name, str(path), RobotFile(str(copy), format), model, (), format == "mjcf", ())
+    return _within_limits(Robot(name, str(path), RobotFile(str(copy), format), model, (), format == "mjcf", ()))
+
+
+def _within_limits(robot: Robot) -> Robot:
+    """Return a robot without its model, and with further faults, if the model is beyond the limits."""
+    faults = () if robot.model is None else beyond(robot.model, Path(robot.path).name)
+    return replace(robot, model=None, faults=(*robot.faults, *faults)) if faults else robot
 
 
 def _text(model: RobotModel) -> tuple[str, Literal["urdf", "mjcf"]]:

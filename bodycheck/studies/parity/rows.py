@@ -5,7 +5,10 @@ from typing import Annotated
 
 from bodycheck.results.tables import Meaning, table_of
 from bodycheck.robots.elements import printable
-from bodycheck.studies.parity.quantities import Cause, Quantity, Status
+from bodycheck.studies.parity.quantities import FAILED, Cause, Quantity, Status
+
+#: The most characters of a text in a row. Messages of engines and lists of joints repeat the names in a stranger's file.
+LONGEST = 1000
 
 
 @dataclass(frozen=True)
@@ -88,16 +91,21 @@ TABLES = (READINGS,)
 
 
 def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:
-    """Return a row of the table, in which names of bodies and joints and texts of engines are made printable."""
+    """Return a row of the table, in which names of bodies and joints and texts of engines are made printable and shortened."""
     shown = replace(
         compared,
-        subject=printable(compared.subject),
-        engine_value=printable(compared.engine_value),
-        truth_value=printable(compared.truth_value),
+        subject=_shown(compared.subject),
+        engine_value=_shown(compared.engine_value),
+        truth_value=_shown(compared.truth_value),
     )
-    return ParityRow(printable(model), engine, version, **asdict(shown))
+    return ParityRow(_shown(model), engine, version, **asdict(shown))
 
 
 def failed(one: ParityRow | Compared) -> bool:
-    """Return whether a row says that something differs or is refused."""
-    return one.status in ("differs", "refused")
+    """Return whether a row says that something differs, is refused, or could not be read or compared."""
+    return one.status in FAILED
+
+
+def _shown(text: str) -> str:
+    whole = printable(text)
+    return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1]}…"

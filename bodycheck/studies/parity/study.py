@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.robot_reading import RobotReading
+from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.physical import Unphysical, unphysical
 from bodycheck.reference.robots.state import VELOCITIES
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
-from bodycheck.running.robot_readings import Answer, Compile, FormatMissing, Reader
+from bodycheck.running.robot_readings import Answer, AtFault, Compile, FormatMissing, Reader
 from bodycheck.studies.parity.comparing import Asked, asked, compare
 from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
-from bodycheck.studies.parity.models import Robot, named, robot
+from bodycheck.studies.parity.files import NamedFile, named
+from bodycheck.studies.parity.models import Robot, Unreadable, read
 from bodycheck.studies.parity.motion import sentence
 from bodycheck.studies.parity.quantities import FILE, MODEL, QUANTITIES, Quantity
 from bodycheck.studies.parity.rows import Compared, ParityRow, row
@@ -100,19 +103,19 @@ def asking(engines: Mapping[str, Engine], jobs: int) -> Iterator[tuple[Reader, C
 
 def study(
     engines: Mapping[str, Engine],
-    paths: Sequence[Path],
+    files: Sequence[NamedFile],
     asks: Asking,
     jobs: int,
     progress: "Advance",
     only_readers: bool = False,
 ) -> Iterator[Parity]:
-    """Yield the results of each model, in the order of the files.
+    """Yield the results of each model, in the order of the files. A file that cannot be read has a row that says so.
 
     Parameters
     ----------
     engines
         The records of the engines by name.
-    paths
+    files
         The files.
     asks
         The options of the comparison.
@@ -126,30 +129,39 @@ def study(
     Raises
     ------
     BadInput
-        If a path is no file, or a file is no model.
+        If none of the files can be read; the text has the reasons of all of them.
     """
-    files = named(paths)
     with temporary_folder() as folder, asking(engines, jobs) as (reader, compile_):
-        robots = {}
-        for index, (name, path) in enumerate(files.items()):
+        robots = []
+        for index, file in enumerate(files):
             into = folder / str(index)
             into.mkdir()
-            robots[name] = robot(name, path, asks.packages, into, compile_)
-        for name, one in robots.items():
+            robots.append(read(file, asks.packages, into, compile_))
+        unreadable = [one for one in robots if isinstance(one, Unreadable)]
+        if len(unreadable) == len(robots):
+            raise BadInput("\n".join(printable(reason) for one in unreadable for reason in one.reasons))
+        for one in robots:
             yield _of_robot(engines, one, asks, reader, only_readers)
-            progress(name)
+            progress(one.name)
 
 
 def one(engines: Mapping[str, Engine], path: Path, asks: Asking, into: Path, how: tuple[Reader, Compile]) -> Parity:
     """Return the results of one model.
 
-    into: an empty folder for the copy of its file. how: the functions that `asking` provides. Raises as `study` does.
+    into: an empty folder for the copy of its file. how: the functions that `asking` provides.
     """
-    ((name, path),) = named([path]).items()
-    return _of_robot(engines, robot(name, path, asks.packages, into, how[1]), asks, how[0], only_readers=True)
+    (file,) = named([path]).files
+    return _of_robot(engines, read(file, asks.packages, into, how[1]), asks, how[0], only_readers=True)
 
 
-def _of_robot(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
+def _of_robot(
+    engines: Mapping[str, Engine], robot_read: Robot | Unreadable, asks: Asking, reader: Reader, only_readers: bool
+) -> Parity:
+    if isinstance(robot_read, Unreadable):
+        reasons = [Compared("unreadable", None, MODEL, reason) for reason in robot_read.reasons]
+        return Parity(
+            printable(robot_read.name), robot_read.path, tuple(row(robot_read.name, FILE, "", one) for one in reasons)
+        )
     impossible = () if robot_read.model is None else unphysical(robot_read.model)
     rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read, impossible)]
     notes: dict[str, tuple[str, ...]] = {}
@@ -190,6 +202,8 @@ def of_answer(
     """
     if isinstance(answer, FormatMissing):
         return (Compared("not-modelled", None, MODEL, answer.reason),), ()
+    if isinstance(answer, AtFault | Crashed | TimedOut):
+        return (Compared(answer.status, None, MODEL, answer.reason),), ()
     if not isinstance(answer, RobotReading):
         return (Compared("refused", None, MODEL, answer.reason),), ()
     if given is None:
@@ -206,6 +220,8 @@ def of_answer(
 
 def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
     """Yield the rows about the file itself: the faults that its specification refuses, and values that no body can have."""
+    if robot_read.unanswered is not None:
+        yield robot_read.unanswered
     for fault in robot_read.faults:
         yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
     named_faults = {(fault.quantity, fault.subject) for fault in robot_read.faults}

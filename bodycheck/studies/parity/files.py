@@ -1,0 +1,117 @@
+"""The files of robots that a user names: single files, and those in folders, each with a name of its own."""
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bodycheck.casefile.finding import MAX_CASES, Tally, below
+from bodycheck.errors import BadInput
+from bodycheck.robots import elements
+from bodycheck.robots.named_files import local
+
+#: The ends of the names of robot files in folders. Programs of many kinds write files of the last one.
+SUFFIXES = (".urdf", ".mjcf", ".xml")
+OF_ANY_KIND = ".xml"
+
+#: The names of files that many robots have. A file of such a name has the name of its folder.
+OF_ANY_ROBOT = ("robot", "model")
+
+
+@dataclass(frozen=True)
+class NamedFile:
+    """A file that the user names, or that is in a folder which the user names.
+
+    Attributes
+    ----------
+    name
+        The name of its robot in tables: the name of the file without its ending, or the name of its folder if many robots have
+        files of that name, or a relative path if several files would have one name.
+    path
+        The path.
+    refused
+        The reason why it must not be read; empty if it may be.
+    """
+
+    name: str
+    path: Path
+    refused: str = ""
+
+
+@dataclass(frozen=True)
+class NamedFiles:
+    """All files that a user names.
+
+    Attributes
+    ----------
+    files
+        The files, in the order of the arguments; those of a folder are sorted.
+    skipped
+        The XML files in folders that are no robots' files.
+    """
+
+    files: tuple[NamedFile, ...]
+    skipped: tuple[Path, ...] = ()
+
+
+def named(paths: Sequence[Path]) -> NamedFiles:
+    """Return the files that paths stand for, each file once. A folder stands for all robot files in it and below it.
+
+    Of the files *.xml in a folder, those are skipped that are evidently no robot's file: the root is neither <robot> nor
+    <mujoco>, or it is <mujoco> without a body, as in files that others include.
+
+    Raises `BadInput` if a folder cannot be read, or has too many files.
+    """
+    meant: dict[str, tuple[Path, str]] = {}
+    skipped = []
+    for path in paths:
+        for file, refused in _of_folder(path) if os.path.isdir(path) else [(path, "")]:
+            if refused or not os.path.isdir(path) or _may_be_robot(file):
+                meant.setdefault(os.path.realpath(file), (file, refused))
+            else:
+                skipped.append(file)
+    names = _names([file for file, _ in meant.values()])
+    return NamedFiles(tuple(NamedFile(names[file], file, refused) for file, refused in meant.values()), tuple(skipped))
+
+
+def _of_folder(folder: Path) -> list[tuple[Path, str]]:
+    """Return the files in a folder and below it whose names are those of robot files, with the reasons not to read them."""
+    files = sorted(below(folder, lambda name: name.lower().endswith(SUFFIXES), Tally(str(folder))))
+    if len(files) > MAX_CASES:
+        raise BadInput(f"{folder}: has more than {MAX_CASES} files of robots; name fewer")
+    ends = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
+    return files or [(folder, f"there is no robot file ({ends}) in this folder or below it")]
+
+
+def _may_be_robot(path: Path) -> bool:
+    """Return whether a file in a folder may be a robot's; a file that cannot be read may be one."""
+    if path.suffix.lower() != OF_ANY_KIND:
+        return True
+    try:
+        root = elements.read(path)
+    except BadInput:
+        return True
+    tags = {local(element.tag) for element in root.everything()} if root.tag == "mujoco" else set()
+    return root.tag == "robot" or not tags.isdisjoint(("body", "include"))
+
+
+def _names(paths: Sequence[Path]) -> dict[Path, str]:
+    """Return distinct names of files: short ones, or relative paths where several files would have one name."""
+    alike: dict[str, list[Path]] = {}
+    for path in paths:
+        alike.setdefault(_short(path), []).append(path)
+    return {path: name for short, same in alike.items() for path, name in _told_apart(short, same)}
+
+
+def _short(path: Path) -> str:
+    stem, folder = re.sub(r"\.case$", "", path.stem), os.path.basename(os.path.dirname(os.path.abspath(path)))
+    return folder if folder and stem.lower() in OF_ANY_ROBOT else stem
+
+
+def _told_apart(name: str, paths: Sequence[Path]) -> Iterator[tuple[Path, str]]:
+    """Yield files of one name with names of their own."""
+    whole = [Path(os.path.abspath(path)) for path in paths]
+    shared = os.path.commonpath([path.parent for path in whole])
+    for path, absolute in zip(paths, whole, strict=True):
+        yield path, name if len(paths) == 1 else absolute.relative_to(shared).as_posix()
