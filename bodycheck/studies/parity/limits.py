@@ -1,6 +1,6 @@
-"""The limits of a robot model that is compared: those of cases, so that no term of a model overflows.
+"""The limits of a robot model that is compared; its numbers have those of cases, so that no term overflows.
 
-A model beyond them is a fault of its file, and no engine is compared with it.
+A model beyond them is a fault of its file, and engines are not compared with it.
 """
 
 from collections.abc import Iterator
@@ -41,19 +41,26 @@ def beyond(model: RobotModel, file: str) -> tuple[FileFault, ...]:
     return tuple(_beyond(model, file))[:MAX_FAULTS]
 
 
+def is_finite(model: RobotModel) -> bool:
+    """Return whether all numbers of the links and joints of a model are finite."""
+    read = [getattr(link, name) for link in model.links for name in OF_LINK]
+    read += [getattr(joint, name) for joint in model.joints for name in (*OF_JOINT, "rotation", "axis")]
+    return all(np.isfinite(np.asarray(one, np.longdouble)).all() for one in read if one is not None)
+
+
 def _beyond(model: RobotModel, file: str) -> Iterator[FileFault]:
     parts: list[tuple[str, RobotLink | RobotJoint, dict[str, FaultyQuantity]]] = []
     parts += [("link", link, OF_LINK) for link in model.links]
     parts += [("joint", joint, OF_JOINT) for joint in model.joints]
     for kind, part, quantities in parts:
-        where = f"{file}: {kind} {quoted(part.name)}"
         if len(part.name) > MAX_NAME:
-            yield FileFault("model", "parent", f"{where}: its name has more than {MAX_NAME} characters")
+            told = f"name of a {kind}: read {quoted(part.name)}; allowed: at most {MAX_NAME} characters"
+            yield FileFault("model", "parent", f"{file}: {told}")
             continue
         for attribute, quantity in quantities.items():
             if (read := _too_large(getattr(part, attribute))) is not None:
-                what = attribute.replace("_", " ")
-                yield FileFault(part.name, quantity, f"{where}: {what}: read {read:g}; allowed: at most {MAX_NUMBER:g} in size")
+                told = f"{attribute.replace('_', ' ')}: read {read:g}; allowed: at most {MAX_NUMBER:g} in size"
+                yield FileFault(part.name, quantity, f"{file}: {told}")
     if (read := _too_large(model.gravity)) is not None:
         yield FileFault("model", "", f"{file}: gravity: read {read:g}; allowed: at most {MAX_NUMBER:g} in size")
 

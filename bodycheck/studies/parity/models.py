@@ -12,15 +12,16 @@ from bodycheck.casefile.finding import is_case_file
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.physical import Unphysical, unphysical
 from bodycheck.robots import elements, urdf
-from bodycheck.robots.checked import checked
+from bodycheck.robots.checked import Checked, checked
 from bodycheck.robots.faults import FileFault
 from bodycheck.robots.from_mechanism import robot_model
 from bodycheck.robots.mjcf_text import mjcf
 from bodycheck.robots.urdf_text import urdf as urdf_text
 from bodycheck.running.robot_readings import Compile, Refused
 from bodycheck.studies.parity.files import NamedFile
-from bodycheck.studies.parity.limits import beyond
+from bodycheck.studies.parity.limits import beyond, is_finite
 from bodycheck.studies.parity.quantities import MODEL
 from bodycheck.studies.parity.rows import Compared
 
@@ -38,9 +39,11 @@ class Robot:
     file
         The copy.
     model
-        The model that the file describes; None if it describes none.
+        The model that the file describes; None if it describes none, or one with a number that is not finite or too large.
     faults
-        The faults for which the specification of the format refuses the file.
+        The faults for which the specification of the format refuses the file, and what is beyond the limits of models.
+    impossible
+        The values of the model that no body can have.
     stated_gravity
         Whether the file states the gravity.
     removed
@@ -54,6 +57,7 @@ class Robot:
     file: RobotFile
     model: RobotModel | None
     faults: tuple[FileFault, ...]
+    impossible: tuple[Unphysical, ...]
     stated_gravity: bool
     removed: tuple[str, ...]
     unanswered: Compared | None = None
@@ -90,42 +94,52 @@ def read(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compil
 
 def _robot(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compile) -> Robot:
     """Return the model of a file. Raises `BadInput` if the file is no model."""
-    name, path = file.name, file.path
+    path = file.path
     if file.refused:
         raise BadInput(f"{path}: {file.refused}")
     if not os.path.isfile(path):
         raise BadInput(f"{path}: {'is a folder' if os.path.isdir(path) else 'there is no such file'}")
     if is_case_file(path):
-        return _of_case(name, path, into)
+        return _of_case(file, into)
     copy = checked(path, packages, into)
     if copy.file.format == "mjcf":
         compiled = compile_(copy.file)
         if isinstance(compiled, RobotModel):
-            return _within_limits(Robot(name, str(path), copy.file, compiled, (), True, copy.removed))
+            return _of_model(file, copy, compiled, (), True)
         text = f"{path}: {compiled.reason}"
         if isinstance(compiled, Refused):
-            return Robot(name, str(path), copy.file, None, (FileFault("model", "", text),), True, copy.removed)
-        row = Compared(compiled.status, None, MODEL, text)
-        return Robot(name, str(path), copy.file, None, (), True, copy.removed, row)
+            return _of_model(file, copy, None, (FileFault("model", "", text),), True)
+        return replace(_of_model(file, copy, None, (), True), unanswered=Compared(compiled.status, None, MODEL, text))
     content = urdf.read(elements.content(path), path.name)
-    return _within_limits(Robot(name, str(path), copy.file, content.model, content.faults, False, copy.removed))
+    return _of_model(file, copy, content.model, content.faults, False)
 
 
-def _of_case(name: str, path: Path, into: Path) -> Robot:
-    case = load(path)
+def _of_case(file: NamedFile, into: Path) -> Robot:
+    case = load(file.path)
     if not isinstance(case.scene, Mechanism):
-        raise BadInput(f"{path}: is a case of one body; a case of format 2, a URDF or an MJCF is needed")
+        raise BadInput(f"{file.path}: is a case of one body; a case of format 2, a URDF or an MJCF is needed")
     model = robot_model(case.scene, case.name)
     text, format = _text(model)
     copy = into / f"{case.name}.{format}"
     copy.write_text(text, "utf-8")
-    return _within_limits(Robot(name, str(path), RobotFile(str(copy), format), model, (), format == "mjcf", ()))
+    return _of_model(file, Checked(RobotFile(str(copy), format), ()), model, (), format == "mjcf")
 
 
-def _within_limits(robot: Robot) -> Robot:
-    """Return a robot without its model, and with further faults, if the model is beyond the limits."""
-    faults = () if robot.model is None else beyond(robot.model, Path(robot.path).name)
-    return replace(robot, model=None, faults=(*robot.faults, *faults)) if faults else robot
+def _of_model(
+    file: NamedFile, copy: Checked, model: RobotModel | None, faults: Sequence[FileFault], stated_gravity: bool
+) -> Robot:
+    """Return a robot; it has no model if a number of the model is not finite, or if the model is beyond the limits."""
+    further = () if model is None else beyond(model, file.path.name)
+    return Robot(
+        file.name,
+        str(file.path),
+        copy.file,
+        model if model is not None and not further and is_finite(model) else None,
+        (*faults, *further),
+        () if model is None else unphysical(model),
+        stated_gravity,
+        copy.removed,
+    )
 
 
 def _text(model: RobotModel) -> tuple[str, Literal["urdf", "mjcf"]]:

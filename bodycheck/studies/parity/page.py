@@ -18,7 +18,7 @@ from bodycheck.results.verdicts import AGREES, MISSING, ROBOTS
 from bodycheck.studies.parity.quantities import FAILED, FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
-from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file
+from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file, unreadable
 
 #: The name of the part with all robots beside each other.
 MATRIX = "matrix"
@@ -121,7 +121,7 @@ def _cell(rows: Sequence[ParityRow]) -> Entry:
 
 def _robot(anchor: str, one: Parity) -> Part:
     """Return the part of a robot: the results of each engine in sentences, and tables with the values of both sides."""
-    texts = [f"Read from {one.path}."]
+    texts = [] if unreadable(one) else [f"Read from {one.path}."]
     texts += [f"The file: {fault}." for fault in of_file(one)]
     if one.removed:
         texts.append(f"What engines read is a copy without what names other files: {', '.join(one.removed)}.")

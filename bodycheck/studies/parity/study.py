@@ -12,9 +12,9 @@ from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.model import RobotModel
-from bodycheck.reference.robots.physical import Unphysical, unphysical
 from bodycheck.reference.robots.state import VELOCITIES
 from bodycheck.reference.robots.states import seeded_states
+from bodycheck.reports.quantities import count
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
 from bodycheck.running.robot_readings import Answer, AtFault, Compile, FormatMissing, Reader
@@ -158,12 +158,8 @@ def _of_robot(
     engines: Mapping[str, Engine], robot_read: Robot | Unreadable, asks: Asking, reader: Reader, only_readers: bool
 ) -> Parity:
     if isinstance(robot_read, Unreadable):
-        reasons = [Compared("unreadable", None, MODEL, reason) for reason in robot_read.reasons]
-        return Parity(
-            printable(robot_read.name), robot_read.path, tuple(row(robot_read.name, FILE, "", one) for one in reasons)
-        )
-    impossible = () if robot_read.model is None else unphysical(robot_read.model)
-    rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read, impossible)]
+        return _unread(robot_read)
+    rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read)]
     notes: dict[str, tuple[str, ...]] = {}
     gravity = GRAVITY if robot_read.model is None else robot_read.model.gravity
     states = (
@@ -178,10 +174,13 @@ def _of_robot(
     for name, answer in answers.items():
         compared, sentences = of_answer(answer, given, engines[name], asks)
         notes[name] = tuple(map(printable, sentences))
-        rows += [
-            row(robot_read.name, name, engines[name].version, one) for one in judged(compared, answer, robot_read, impossible)
-        ]
+        rows += [row(robot_read.name, name, engines[name].version, one) for one in judged(compared, answer, robot_read)]
     return Parity(printable(robot_read.name), robot_read.path, tuple(rows), notes, robot_read.removed)
+
+
+def _unread(file: Unreadable) -> Parity:
+    reasons = (Compared("unreadable", None, MODEL, reason) for reason in file.reasons)
+    return Parity(printable(file.name), file.path, tuple(row(file.name, FILE, "", one) for one in reasons))
 
 
 def fitting(model: RobotModel, states: int) -> int:
@@ -207,7 +206,7 @@ def of_answer(
     if not isinstance(answer, RobotReading):
         return (Compared("refused", None, MODEL, answer.reason),), ()
     if given is None:
-        content = f"{len(answer.bodies)} bodies, {len(answer.joints)} joints"
+        content = f"{count(len(answer.bodies), 'body', 'bodies')}, {count(len(answer.joints), 'joint')}"
         return (Compared("accepted-unphysical", None, MODEL, content),), answer.notes
     least = SINGLE_PRECISION if engine.precision == "float32" else 0.0
     compared = compare(given, answer, max(asks.tolerance, least, answer.rounding))
@@ -218,24 +217,24 @@ def of_answer(
     return diagnosis.rows, tuple(notes)
 
 
-def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def file_rows(robot_read: Robot) -> Iterator[Compared]:
     """Yield the rows about the file itself: the faults that its specification refuses, and values that no body can have."""
     if robot_read.unanswered is not None:
         yield robot_read.unanswered
     for fault in robot_read.faults:
         yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
     named_faults = {(fault.quantity, fault.subject) for fault in robot_read.faults}
-    for one in impossible:
+    for one in robot_read.impossible:
         if (one.quantity, one.subject) not in named_faults:
             yield Compared("refused", _quantity(one.quantity), one.subject, one.text)
 
 
-def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot) -> Iterator[Compared]:
     """Yield the rows of an engine, with the status "accepted-unphysical" for impossible values of the file that it accepts."""
     if not isinstance(answer, RobotReading) or robot_read.model is None:
         yield from rows
         return
-    left = {(_quantity(one.quantity), one.subject): one.text for one in impossible}
+    left = {(_quantity(one.quantity), one.subject): one.text for one in robot_read.impossible}
     left |= {("parent", fault.subject): fault.text for fault in robot_read.faults if fault.quantity == "parent"}
     for one in rows:
         text = left.pop((one.quantity, one.subject), None)
