@@ -69,9 +69,8 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
         files = sorted(_below(path, tally))
         if not files:
             raise BadInput(f"{argument}: there is no case file (*{SUFFIX}) in this folder or below it")
-    elif WILD.search(argument) and not os.path.lexists(argument):
-        first, parts = (Path(path.anchor), path.parts[1:]) if path.anchor else (Path(), path.parts)
-        files = sorted({file for match in _matches(first, parts, tally) for file in _cases_at(match, tally)})
+    elif is_pattern(argument):
+        files = sorted({file for match in matches(path, tally) for file in _cases_at(match, tally)})
         if not files:
             names = fnmatch.filter(sorted(shipped), argument)
             if not names:
@@ -82,6 +81,17 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
     if len(files) > MAX_CASES:
         raise BadInput(f"{argument}: stands for more than {MAX_CASES} case files; name fewer")
     return [str(file) for file in files]
+
+
+def is_pattern(argument: str) -> bool:
+    """Return whether an argument is a pattern of paths, and not a path that exists."""
+    return WILD.search(argument) is not None and not os.path.lexists(argument)
+
+
+def matches(pattern: Path, tally: "Tally") -> Iterator[Path]:
+    """Yield the files and folders that match a pattern."""
+    first, parts = (Path(pattern.anchor), pattern.parts[1:]) if pattern.anchor else (Path(), pattern.parts)
+    yield from _matches(first, parts, tally)
 
 
 class Tally:

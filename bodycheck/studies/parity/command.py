@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def parity(
     *models: Annotated[
-        Path, Parameter(help="Files of robots (URDF, MJCF, or cases of format 2), or folders of URDF and MJCF files.")
+        Path, Parameter(help="Files of robots (URDF, MJCF, or cases of format 2), or folders or patterns of them.")
     ],
     engine: Engines = (),
     states: Annotated[int, Parameter(help="The number of states at which terms are compared. Default: 100.")] = 100,
@@ -48,8 +48,8 @@ def parity(
     algorithms; of an MJCF it is what MuJoCo makes of it. Differences of masses, inertias and joints, of the mass matrix and of
     forces have a cause that was recomputed, or are called unexplained. The table is parity.csv.
 
-    Each engine reads a copy of its own of a file. A folder stands for all files *.urdf, *.mjcf and *.xml in it and below it
-    whose root is a robot's. A file that is not there or is no robot's file has the status unreadable.
+    Each engine reads a copy of its own of a file. A folder stands for the URDF and MJCF files in it and below it. A file that
+    is not there or is no robot's file has the status unreadable.
 
     Exit codes: 0 everything agrees; 1 something differs, is refused, crashes or cannot be read; 2 no file can be read, or an
     option is wrong.

@@ -1,4 +1,4 @@
-"""The files of robots that a user names: single files, and those in folders, each with a name of its own."""
+"""The files of robots that a user names: single files, and those in folders and of patterns, each with a name of its own."""
 
 import os
 import re
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bodycheck.casefile.finding import MAX_CASES, Tally, below
+from bodycheck.casefile.finding import MAX_CASES, Tally, below, is_case_file, is_pattern, matches
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from bodycheck.robots.named_files import local
@@ -21,7 +21,7 @@ OF_ANY_ROBOT = ("robot", "model")
 
 @dataclass(frozen=True)
 class NamedFile:
-    """A file that the user names, or that is in a folder which the user names.
+    """A file that the user names, or that is in a folder or matches a pattern which the user names.
 
     Attributes
     ----------
@@ -46,9 +46,9 @@ class NamedFiles:
     Attributes
     ----------
     files
-        The files, in the order of the arguments; those of a folder are sorted.
+        The files, in the order of the arguments; those of a folder or pattern are sorted.
     skipped
-        The XML files in folders that are no robots' files.
+        The XML files in folders or of patterns that are no robots' files.
     """
 
     files: tuple[NamedFile, ...]
@@ -56,18 +56,20 @@ class NamedFiles:
 
 
 def named(paths: Sequence[Path]) -> NamedFiles:
-    """Return the files that paths stand for, each file once. A folder stands for all robot files in it and below it.
+    """Return the files that paths stand for, each file once.
 
-    Of the files *.xml in a folder, those are skipped that are evidently no robot's file: the root is neither <robot> nor
-    <mujoco>, or it is <mujoco> without a body, as in files that others include.
+    A folder stands for all robot files in it and below it, and a pattern for all that match it or are in folders that do. Of
+    their files *.xml, those are skipped that are evidently no robot's file: the root is neither <robot> nor <mujoco>, or it is
+    <mujoco> without a body, as in files that others include.
 
     Raises `BadInput` if a folder cannot be read, or has too many files.
     """
     meant: dict[str, tuple[Path, str]] = {}
     skipped = []
     for path in paths:
-        for file, refused in _of_folder(path) if os.path.isdir(path) else [(path, "")]:
-            if refused or not os.path.isdir(path) or _may_be_robot(file):
+        several = os.path.isdir(path) or is_pattern(str(path))
+        for file, refused in _several(path) if several else [(path, "")]:
+            if refused or not several or _may_be_robot(file):
                 meant.setdefault(os.path.realpath(file), (file, refused))
             else:
                 skipped.append(file)
@@ -75,13 +77,24 @@ def named(paths: Sequence[Path]) -> NamedFiles:
     return NamedFiles(tuple(NamedFile(names[file], file, refused) for file, refused in meant.values()), tuple(skipped))
 
 
-def _of_folder(folder: Path) -> list[tuple[Path, str]]:
-    """Return the files in a folder and below it whose names are those of robot files, with the reasons not to read them."""
-    files = sorted(below(folder, lambda name: name.lower().endswith(SUFFIXES), Tally(str(folder))))
+def _several(path: Path) -> list[tuple[Path, str]]:
+    """Return the robot files that a folder or a pattern stands for, with the reasons not to read them."""
+    tally = Tally(str(path))
+    files: set[tuple[Path, str]] = set()
+    for match in [path] if os.path.isdir(path) else matches(path, tally):
+        if os.path.isdir(match):
+            files |= set(below(match, _is_named_as_robot, tally))
+        elif _is_named_as_robot(match.name) or is_case_file(match):
+            files.add((match, ""))
     if len(files) > MAX_CASES:
-        raise BadInput(f"{folder}: has more than {MAX_CASES} files of robots; name fewer")
+        raise BadInput(f"{path}: stands for more than {MAX_CASES} files of robots; name fewer")
     ends = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
-    return files or [(folder, f"there is no robot file ({ends}) in this folder or below it")]
+    where = "in this folder or below it" if os.path.isdir(path) else "of this pattern"
+    return sorted(files) or [(path, f"there is no robot file ({ends}) {where}")]
+
+
+def _is_named_as_robot(name: str) -> bool:
+    return name.lower().endswith(SUFFIXES)
 
 
 def _may_be_robot(path: Path) -> bool:
