@@ -2,7 +2,8 @@
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -110,21 +111,17 @@ def _may_be_robot(path: Path) -> bool:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Return distinct names of files: short ones, or relative paths where several files would have one name."""
-    alike: dict[str, list[Path]] = {}
-    for path in paths:
-        alike.setdefault(_short(path), []).append(path)
-    return {path: name for short, same in alike.items() for path, name in _told_apart(short, same)}
+    """Return distinct names of files: short ones, or paths from their common folder where several would have one name."""
+    absolute = [Path(os.path.abspath(path)) for path in paths]
+    shared = os.path.commonpath([path.parent for path in absolute]) if absolute else ""
+    counts = Counter(map(_short, absolute))
+    return {
+        path: short if counts[short := _short(whole)] == 1 else whole.relative_to(shared).as_posix()
+        for path, whole in zip(paths, absolute, strict=True)
+    }
 
 
 def _short(path: Path) -> str:
-    stem, folder = re.sub(r"\.case$", "", path.stem), os.path.basename(os.path.dirname(os.path.abspath(path)))
+    """Return the short name of a file with an absolute path."""
+    stem, folder = re.sub(r"\.case$", "", path.stem), path.parent.name
     return folder if folder and stem.lower() in OF_ANY_ROBOT else stem
-
-
-def _told_apart(name: str, paths: Sequence[Path]) -> Iterator[tuple[Path, str]]:
-    """Yield files of one name with names of their own."""
-    whole = [Path(os.path.abspath(path)) for path in paths]
-    shared = os.path.commonpath([path.parent for path in whole])
-    for path, absolute in zip(paths, whole, strict=True):
-        yield path, name if len(paths) == 1 else absolute.relative_to(shared).as_posix()

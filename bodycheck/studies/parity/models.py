@@ -10,18 +10,19 @@ from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.casefile.case import load
 from bodycheck.casefile.finding import is_case_file
 from bodycheck.errors import BadInput
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.physical import Unphysical, unphysical
 from bodycheck.robots import elements, urdf
-from bodycheck.robots.checked import Checked, checked
+from bodycheck.robots.checked import checked
 from bodycheck.robots.faults import FileFault
 from bodycheck.robots.from_mechanism import robot_model
 from bodycheck.robots.mjcf_text import mjcf
 from bodycheck.robots.urdf_text import urdf as urdf_text
 from bodycheck.running.robot_readings import Compile, Refused
 from bodycheck.studies.parity.files import NamedFile
-from bodycheck.studies.parity.limits import beyond, is_finite
+from bodycheck.studies.parity.limits import beyond, beyond_in_text, is_finite
 from bodycheck.studies.parity.quantities import MODEL
 from bodycheck.studies.parity.rows import Compared
 
@@ -89,7 +90,12 @@ def read(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compil
     try:
         return _robot(file, packages, into, compile_)
     except BadInput as error:
-        return Unreadable(file.name, str(file.path), tuple(str(error).splitlines()))
+        return Unreadable(file.name, str(file.path), tuple(_with_path(line, file.path) for line in str(error).splitlines()))
+
+
+def _with_path(reason: str, path: Path) -> str:
+    """Return a reason with the path of a file in the place of its name."""
+    return f"{path}{reason.removeprefix(path.name)}" if reason.startswith(f"{path.name}:") else reason
 
 
 def _robot(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Compile) -> Robot:
@@ -97,21 +103,33 @@ def _robot(file: NamedFile, packages: Sequence[Path], into: Path, compile_: Comp
     path = file.path
     if file.refused:
         raise BadInput(f"{path}: {file.refused}")
-    if not os.path.isfile(path):
-        raise BadInput(f"{path}: {'is a folder' if os.path.isdir(path) else 'there is no such file'}")
+    if not os.path.exists(path):
+        raise BadInput(f"{path}: there is no such file")
     if is_case_file(path):
         return _of_case(file, into)
     copy = checked(path, packages, into)
     if copy.file.format == "mjcf":
-        compiled = compile_(copy.file)
-        if isinstance(compiled, RobotModel):
-            return _of_model(file, copy, compiled, (), True)
-        text = f"{path}: {compiled.reason}"
-        if isinstance(compiled, Refused):
-            return _of_model(file, copy, None, (FileFault("model", "", text),), True)
-        return replace(_of_model(file, copy, None, (), True), unanswered=Compared(compiled.status, None, MODEL, text))
+        return _of_mjcf(file, copy.file, copy.removed, beyond_in_text(copy.root), compile_(copy.file))
     content = urdf.read(elements.content(path), path.name)
-    return _of_model(file, copy, content.model, content.faults, False)
+    return _of_model(file, copy.file, copy.removed, content.model, content.faults, False)
+
+
+def _of_mjcf(
+    file: NamedFile,
+    copy: RobotFile,
+    removed: tuple[str, ...],
+    faults: tuple[FileFault, ...],
+    compiled: RobotModel | Refused | Crashed | TimedOut,
+) -> Robot:
+    """Return the robot of an MJCF file with faults in its text, of which MuJoCo has made a model or has not."""
+    if isinstance(compiled, RobotModel):
+        robot = _of_model(file, copy, removed, compiled, faults, True)
+        return replace(robot, model=None) if faults else robot
+    text = f"{file.path}: {compiled.reason}"
+    if isinstance(compiled, Refused):
+        return _of_model(file, copy, removed, None, (*faults, FileFault("model", "", text)), True)
+    row = Compared(compiled.status, None, MODEL, text)
+    return replace(_of_model(file, copy, removed, None, faults, True), unanswered=row)
 
 
 def _of_case(file: NamedFile, into: Path) -> Robot:
@@ -122,23 +140,28 @@ def _of_case(file: NamedFile, into: Path) -> Robot:
     text, format = _text(model)
     copy = into / f"{case.name}.{format}"
     copy.write_text(text, "utf-8")
-    return _of_model(file, Checked(RobotFile(str(copy), format), ()), model, (), format == "mjcf")
+    return _of_model(file, RobotFile(str(copy), format), (), model, (), format == "mjcf")
 
 
 def _of_model(
-    file: NamedFile, copy: Checked, model: RobotModel | None, faults: Sequence[FileFault], stated_gravity: bool
+    file: NamedFile,
+    copy: RobotFile,
+    removed: tuple[str, ...],
+    model: RobotModel | None,
+    faults: Sequence[FileFault],
+    stated_gravity: bool,
 ) -> Robot:
     """Return a robot; it has no model if a number of the model is not finite, or if the model is beyond the limits."""
     further = () if model is None else beyond(model, file.path.name)
     return Robot(
         file.name,
         str(file.path),
-        copy.file,
+        copy,
         model if model is not None and not further and is_finite(model) else None,
         (*faults, *further),
         () if model is None else unphysical(model),
         stated_gravity,
-        copy.removed,
+        removed,
     )
 
 

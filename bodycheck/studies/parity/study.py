@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.robot_reading import RobotReading
 from bodycheck.errors import BadInput
@@ -159,6 +161,11 @@ def _of_robot(
 ) -> Parity:
     if isinstance(robot_read, Unreadable):
         return _unread(robot_read)
+    with np.errstate(all="ignore"):  # what engines answer may be infinite or not a number, which makes a difference
+        return _compared(engines, robot_read, asks, reader, only_readers)
+
+
+def _compared(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
     rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read)]
     notes: dict[str, tuple[str, ...]] = {}
     gravity = GRAVITY if robot_read.model is None else robot_read.model.gravity
