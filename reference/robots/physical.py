@@ -36,6 +36,7 @@ class Unphysical:
     text: str
 
 
+@np.errstate(invalid="ignore")  # numbers of a file may be infinite or not a number
 def unphysical(model: RobotModel) -> tuple[Unphysical, ...]:
     """Return the impossible values of a model: first those of links, then those of joints, in the order of the file.
 

@@ -98,20 +98,20 @@ def _beyond(model: RobotModel, file: str) -> Iterator[FileFault]:
 
 
 def _of_size(model: RobotModel, file: str) -> Iterator[FileFault]:
-    mass = sum(np.longdouble(_largest(link.mass)) for link in model.links)
-    reach = sum(np.longdouble(_largest(joint.position)) for joint in model.joints)
-    reach += max((np.longdouble(_largest(link.center_of_mass)) for link in model.links), default=np.longdouble(0))
+    mass = sum(abs(_largest(link.mass)) for link in model.links)
+    reach = sum(abs(_largest(joint.position)) for joint in model.joints)
+    reach += max((abs(_largest(link.center_of_mass)) for link in model.links), default=0)
     if (size := mass * reach**2) > MAX_SIZE:
         told = f"all masses times the square of the largest distance are {size:.3g} kg m^2; allowed: at most {MAX_SIZE:g}"
         yield FileFault("model", "inertia", f"{file}: {told}")
 
 
 def _largest(numbers: Any) -> np.longdouble:
-    """Return the largest size of finite numbers; 0 if there are none."""
+    """Return the finite number of the largest size; 0 if there is none."""
     values = np.atleast_1d(np.asarray(() if numbers is None else numbers, np.longdouble)).ravel()
-    return np.longdouble(np.abs(values[np.isfinite(values)]).max(initial=0))
+    return max(values[np.isfinite(values)], key=abs, default=np.longdouble(0))
 
 
 def _within(numbers: float | Sequence[float] | None) -> bool:
-    size = _largest(numbers)
+    size = abs(_largest(numbers))
     return bool(size == 0 or 1 / MAX_NUMBER <= size <= MAX_NUMBER)

@@ -134,8 +134,9 @@ FIRST_MASS = ROBOT.index('<mass value="') + len('<mass value="')
 @pytest.mark.parametrize(
     ("number", "told"),
     [
-        ("1e308", "mass: read 1e+308; allowed: at most 1e+100 in size"),
-        ("-1e101", "mass: read -1e+101; allowed: at most 1e+100 in size"),
+        ("1e308", "mass: read 1e+308; allowed: 0, or from 1e-100 to 1e+100 in size"),
+        ("-1e101", "mass: read -1e+101; allowed: 0, or from 1e-100 to 1e+100 in size"),
+        ("1e-101", "mass: read 1e-101; allowed: 0, or from 1e-100 to 1e+100 in size"),
         ("nan", "<mass value>: read 'nan'; allowed: one number"),
     ],
 )
@@ -151,3 +152,26 @@ def test_numbers_beyond_the_limits_are_faults_of_the_file_and_of_no_engine(folde
         ("picky", "refused"),
     }
     assert [row["quantity"] for row in rows if told in row["engine_value"]] == ["mass"]
+
+
+#: A robot as an MJCF in which one attribute of a body is to be put in.
+BODY = (
+    '<mujoco><worldbody><body {}><geom size="1"/><joint/><body pos="1 0 0"><geom size="1"/></body></body></worldbody></mujoco>'
+)
+
+
+@pytest.mark.parametrize(
+    ("attribute", "told"),
+    [
+        ('quat="1e308 1 0 0"', "arm.xml:1: <body quat>: read '1e308 1 0 0'; allowed: 0, or from 1e-100 to 1e+100 in size"),
+        ('pos="inf 0 0"', "arm.xml:1: <body pos>: read 'inf 0 0'; allowed"),
+        ('pos="1e90 0 0"', "all masses times the square of the largest distance are"),
+        (f'name="{"b" * 501}"', "name of a link: read 'bbb"),
+    ],
+)
+def test_limits_hold_for_an_mjcf_too(folder: Path, attribute: str, told: str) -> None:
+    Path("arm.xml").write_text(BODY.format(attribute), "utf-8")
+    done = bodycheck("parity", "arm.xml", "--engine", "takes-all", "--states", "2", "--json")
+    rows = json.loads(done.stdout)
+    assert {(row["engine"], row["status"]) for row in rows} == {("file", "refused"), ("takes-all", "accepted-unphysical")}
+    assert any(told in row["engine_value"] for row in rows)
