@@ -98,9 +98,10 @@ def _beyond(model: RobotModel, file: str) -> Iterator[FileFault]:
 
 
 def _of_size(model: RobotModel, file: str) -> Iterator[FileFault]:
-    mass = sum(abs(_largest(link.mass)) for link in model.links)
-    reach = sum(abs(_largest(joint.position)) for joint in model.joints)
-    reach += max((abs(_largest(link.center_of_mass)) for link in model.links), default=0)
+    masses = [abs(_largest(link.mass)) for link in model.links]
+    centres = [abs(_largest(link.center_of_mass)) for link in model.links]
+    reach = np.sum([max(centres), *(abs(_largest(joint.position)) for joint in model.joints)])
+    mass = np.sum(masses)
     if (size := mass * reach**2) > MAX_SIZE:
         told = f"all masses times the square of the largest distance are {size:.3g} kg m^2; allowed: at most {MAX_SIZE:g}"
         yield FileFault("model", "inertia", f"{file}: {told}")
