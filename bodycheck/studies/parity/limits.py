@@ -70,8 +70,8 @@ def beyond_in_text(root: Element) -> tuple[FileFault, ...]:
         for name, text in element.attributes.items():
             values = read_numbers(text) if local(name) in OF_MJCF else None
             if values is not None and not (np.isfinite(values).all() and _within(values)):
-                told = f"{place(element, name)}: read {quoted(text)}; {ALLOWED}"
-                faults.append(FileFault("model", OF_MJCF[local(name)], told))
+                message = f"{place(element, name)}: read {quoted(text)}; {ALLOWED}"
+                faults.append(FileFault("model", OF_MJCF[local(name)], message))
     return tuple(faults[:MAX_FAULTS])
 
 
@@ -88,13 +88,13 @@ def _beyond(model: RobotModel, file: str) -> Iterator[FileFault]:
     parts += [("joint", joint, OF_JOINT) for joint in model.joints]
     for kind, part, quantities in parts:
         if len(part.name) > MAX_NAME:
-            told = f"name of a {kind}: read {quoted(part.name)}; allowed: at most {MAX_NAME} characters"
-            yield FileFault("model", "parent", f"{file}: {told}")
+            message = f"name of a {kind}: read {quoted(part.name)}; allowed: at most {MAX_NAME} characters"
+            yield FileFault("model", "parent", f"{file}: {message}")
             continue
         for attribute, quantity in quantities.items():
             if not _within(numbers := getattr(part, attribute)):
-                told = f"{attribute.replace('_', ' ')}: read {_largest(numbers):g}; {ALLOWED}"
-                yield FileFault(part.name, quantity, f"{file}: {told}")
+                message = f"{attribute.replace('_', ' ')}: read {_largest(numbers):g}; {ALLOWED}"
+                yield FileFault(part.name, quantity, f"{file}: {message}")
 
 
 def _of_size(model: RobotModel, file: str) -> Iterator[FileFault]:
@@ -103,8 +103,8 @@ def _of_size(model: RobotModel, file: str) -> Iterator[FileFault]:
     reach = np.sum([max(centres), *(abs(_largest(joint.position)) for joint in model.joints)])
     mass = np.sum(masses)
     if (size := mass * reach**2) > MAX_SIZE:
-        told = f"all masses times the square of the largest distance are {size:.3g} kg m^2; allowed: at most {MAX_SIZE:g}"
-        yield FileFault("model", "inertia", f"{file}: {told}")
+        message = f"all masses times the square of the largest distance are {size:.3g} kg m^2; allowed: at most {MAX_SIZE:g}"
+        yield FileFault("model", "inertia", f"{file}: {message}")
 
 
 def _largest(numbers: Any) -> np.longdouble:
