@@ -156,7 +156,7 @@ def ran_of(
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
-        with shown("running", campaign.size(tasks), quiet) as progress:
+        with shown("running", len(tasks), quiet) as progress:
             jobs, files = processes(selection.jobs), given.files
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
