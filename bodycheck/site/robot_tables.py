@@ -8,7 +8,7 @@ from typing import Any, get_args
 from bodycheck.results.verdicts import RobotVerdict
 from bodycheck.site.catalogue import Entry
 from bodycheck.site.submissions.submission import Submission
-from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITIES, Quantity, Status
+from bodycheck.studies.parity.quantities import CAUSES, FAILED, FILE, MEANINGS, QUANTITIES, Quantity, Status
 from bodycheck.studies.parity.rows import READINGS, ParityRow
 from bodycheck.studies.parity.wording import brief, name_of, of_engine
 
@@ -100,8 +100,8 @@ class Reading:
 
     @property
     def listed(self) -> tuple[Entry, ...]:
-        """Return the rows that do not agree, by status: refused, then differing, unphysical and not modelled."""
-        order: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "not-modelled")
+        """Return the rows that do not agree, by status: those that fail, then unphysical and not modelled."""
+        order: tuple[Status, ...] = (*FAILED, "accepted-unphysical", "not-modelled")
         return tuple(entry for status in order for entry in self.rows if entry.get("status") == status)
 
 
