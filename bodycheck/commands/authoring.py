@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Json, Quiet, Timesteps, Viewed
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import OK, BadInput
 
 
 def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL) -> int:
@@ -146,6 +146,7 @@ def expect(
         those that the existing ones limit.
     """
     from bodycheck.console import tables, terminal
+    from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import expectation_writer, judgement
 
@@ -155,6 +156,8 @@ def expect(
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
-        changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)
+        verdicts = judgement.judge(runs.results)
+        changes = expectation_writer.write(runs.results, verdicts, places, margin, figure)
     terminal.print_changes([change for change in changes if not quiet or not change.done], view)
-    return OK if all(change.done for change in changes) else FAILED
+    decision = runs.decided((verdict.row() for verdict in verdicts), failed=not all(change.done for change in changes))
+    return end(decision, None, quiet=quiet)

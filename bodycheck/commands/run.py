@@ -5,6 +5,7 @@ The imports are inside the functions, so that `--help` answers at once.
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,7 +27,7 @@ from bodycheck.console.options import (
     Timesteps,
     Viewed,
 )
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
@@ -102,8 +103,8 @@ def run(
             _print_summary(result, out)
     if json or quiet:
         results.print_unchecked(runs.results.unchecked, sys.stderr)
-    output.say_where(out, quiet)
-    return FAILED if runs.engine_failed or result.failed else OK
+    decision = runs.decided((verdict.row() for verdict in verdicts), result.failed)
+    return output.end(decision if json else replace(decision, unsupported=""), out, json=json, quiet=quiet)
 
 
 def _print_summary(result: "ResultSet", out: Path | None) -> None:

@@ -5,16 +5,18 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
-from bodycheck.console.arguments import case_names, files_of, load_cases, load_engines, processes
+from bodycheck.console.arguments import Engines, case_names, files_of, load_cases, load_engines, processes
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
 from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
 from bodycheck.running import campaign
+from bodycheck.running.named import Decision, check_planned
 from bodycheck.running.pairing import Meet, unmet
 from bodycheck.running.plan import Plan, without_method
 
@@ -81,16 +83,22 @@ class Ran:
     ----------
     results, cases
         The results, and the cases that were run.
-    engines
-        The records of the engines by name.
-    engine_failed
-        Whether an engine fails to load that the user named, or for which a case has expectations.
+    loaded
+        The engines, with the names that the user gave.
     """
 
     results: Results
     cases: list[Case]
-    engines: dict[str, Engine]
-    engine_failed: bool
+    loaded: Engines
+
+    @property
+    def engines(self) -> dict[str, Engine]:
+        """The records of the engines by name."""
+        return self.loaded.records
+
+    def decided(self, rows: Iterable[Mapping[str, Any]], failed: bool = False, batch: tuple[int, ...] = ()) -> Decision:
+        """Return the decision on the command from the rows of its main table; see `bodycheck.running.named.decide`."""
+        return self.loaded.decided(rows, self.cases, failed, batch=batch)
 
 
 @contextmanager
@@ -145,8 +153,9 @@ def ran_of(
     """
     cases = list(given.cases)
     tolerated = _tolerated(selection.allow_missing, given.shipped)
-    engines = load_engines(selection.engines, _releases(cases, tolerated))
+    engines = load_engines(selection.engines, _releases(cases, tolerated), selection.integrators)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
+    check_planned(engines.named, engines.records, ((task.engine, task.method) for task in tasks))
     header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
@@ -155,7 +164,7 @@ def ran_of(
             jobs, files = processes(selection.jobs), given.files
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
-        yield Ran(results, cases, engines.records, engines.failed(cases))
+        yield Ran(results, cases, engines)
 
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:

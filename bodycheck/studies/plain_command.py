@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Iterator
 
 from bodycheck.console.options import AS_USUAL, CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK
 from bodycheck.studies import registry
 
 
@@ -27,22 +26,21 @@ def command(name: str) -> Callable[..., int]:
     ) -> int:
         from bodycheck.console import terminal
         from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
-        from bodycheck.console.output import say_where
+        from bodycheck.console.output import end
         from bodycheck.studies import plain
         from bodycheck.studies.output import Output
 
         check_has_folder(figures, out)
         plain.check_view(name, view)
         loaded = plain.suited(name, load_cases(cases), named=bool(cases))
-        engines = load_engines(engine)
+        engines = load_engines(engine, integrators=integrator)
         results = plain.carry_out(name, loaded, engines, integrator, sys.argv, processes(jobs), Output(out, figures, quiet))
         if json:
             first, *others = results.tables
             terminal.print_json({"rows": results.tables[first].rows} | {table: results.tables[table].rows for table in others})
         elif not quiet:
             plain.print_tables(name, results, view)
-        say_where(out, quiet)
-        return FAILED if engines.failed(loaded) else OK
+        return end(plain.decided(name, results, engines, loaded), out, json=json, quiet=quiet)
 
     study.__name__ = study.__qualname__ = name
     study.__doc__ = registry.about(name)

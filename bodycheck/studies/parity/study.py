@@ -222,7 +222,7 @@ def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot, impossib
     left = {(_quantity(one.quantity), one.subject): one.text for one in impossible}
     left |= {("parent", fault.subject): fault.text for fault in robot_read.faults if fault.quantity == "parent"}
     for one in rows:
-        text = left.pop((one.quantity, one.subject), None)
+        text = None if one.status == "not-modelled" else left.pop((one.quantity, one.subject), None)
         if text is not None and one.status == "agrees":
             yield Compared("accepted-unphysical", one.quantity, one.subject, one.engine_value, text)
         else:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from bodycheck.reports.quantities import count, listing, verb
 from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
-from bodycheck.studies.parity.rows import ParityRow, failed
+from bodycheck.studies.parity.rows import ParityRow, failed, is_compared
 from bodycheck.studies.parity.study import Parity
 
 #: The words for each cause, which the subjects follow.
@@ -45,6 +45,9 @@ DOES: dict[Cause, str] = {
     "base-welded": "welds the base to the world",
     "unexplained": "differs for an unknown reason",
 }
+
+#: The quantities of links that an engine may not report.
+OF_LINKS: tuple[Quantity, ...] = ("mass", "center_of_mass", "inertia", "parent")
 
 #: The most subjects that a sentence names.
 MOST = 4
@@ -86,9 +89,23 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
     more = [f"accepts what cannot be: {listing(accepted, MOST, 'subject')}"] if accepted else []
     more += [f"does not model: {listing(missing, MOST, 'joint')}"] if missing else []
+    more += _unreported(rows)
+    compared = sum(map(is_compared, rows))
+    if not compared:
+        return ("nothing was compared", *more)
     if not sentences:
-        return (f"agrees{_largest(rows)}", *more)
+        return (f"agrees{_largest(rows)}, {count(compared, 'quantity', 'quantities')} compared", *more)
     return ("differs", *sentences, *more)
+
+
+def _unreported(rows: Sequence[ParityRow]) -> list[str]:
+    """Return a clause with the links about which an engine does not report everything; none if there is no such link."""
+    links: dict[str, list[str]] = defaultdict(list)
+    for row in rows:
+        if row.status == "not-modelled" and row.quantity in OF_LINKS and row.subject != MODEL:
+            links[row.subject].append(name_of(row.quantity))
+    told = [f"{link} ({listing(quantities)})" for link, quantities in links.items()]
+    return [f"does not report: {listing(told, MOST, 'link')}"] if told else []
 
 
 def brief(rows: Sequence[ParityRow]) -> str:

@@ -45,7 +45,7 @@ def releases(
     Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
     steps are those of `bodycheck run`. The tables are releases.csv and changes.csv; with --model it is parity.csv.
 
-    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured.
+    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release or a named method has no result.
 
     Parameters
     ----------
@@ -64,8 +64,9 @@ def releases(
     from bodycheck.console import progress as shown
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_engine, check_has_folder, load_cases, make_folder, processes
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.console.terminal import print_json
+    from bodycheck.running.named import Named, decide
     from bodycheck.studies.releases import printing, study
 
     check_engine(engine)
@@ -91,8 +92,9 @@ def releases(
         printing.print_releases(results, view)
     for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
-    say_where(out, quiet)
-    return FAILED if notices or results.header["unmeasured"] else OK
+    named = Named(integrator=integrator, version=chosen)
+    decision = decide(named, results.rows, failed=bool(notices or results.header["unmeasured"]))
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _models(

@@ -106,6 +106,11 @@ class Ensemble:
         return self.supported & (~self._has(OK) | self.broken)
 
     @property
+    def measured(self) -> Flags:
+        """Flags (m, n) of the runs that are results: they completed, or ended as an expectation of the case says."""
+        return self.supported & (self._has(OK) | ~self.broken)
+
+    @property
     def sequence(self) -> NDArray[np.int64]:
         """The sequence that each member (n,) was drawn from."""
         return self.members % SEQUENCES
