@@ -70,12 +70,14 @@ class Decision:
 def check(named: Named, records: Mapping[str, Engine]) -> None:
     """Raise `BadInput`, naming the methods that there are, for a named engine that has none of the named methods.
 
-    records: the records of the usable engines by their requested names.
+    Methods that no engine has are left to `bodycheck.running.plan.check`. records: the records of the usable engines by their
+    requested names.
     """
     methods = [Method.parse(spelling, 0.0) for spelling in named.integrator]
-    for name in named.engine:
+    with_method = [name for name, record in records.items() if any(offers.knows(record, method.name) for method in methods)]
+    for name in named.engine if with_method else ():
         record = records.get(name)
-        if record is None or not methods or any(offers.knows(record, method.name) for method in methods):
+        if record is None or name in with_method:
             continue
         for method in methods:
             if offers.integrator_of(record, method) is not None:

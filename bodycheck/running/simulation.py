@@ -34,8 +34,8 @@ from bodycheck.reference.modelled import missing_model
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
+from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.running.instants import check_timestep, sampling_steps
 from bodycheck.running.state_checks import check_start, divergence, standstill
 

@@ -48,7 +48,7 @@ class Made:
     worst
         The number of worst members that `publishing.write` treats.
     outcomes
-        A row for each method: "ok" if a member completed or kept its expectations; otherwise how most members ended, and why.
+        A row for each method: "ok" if a member completed, diverged or kept its expectations; otherwise how most members ended.
     """
 
     analysis: Analysis
