@@ -180,7 +180,8 @@ def _decide(session: pytest.Session, engines: tuple[str, ...]) -> None:
         return
     from bodycheck.running.named import Named, decide
 
-    decision = decide(Named(engine=engines), session.config.stash[ROWS])
+    rows: list[dict[str, Any]] = session.config.stash[ROWS]
+    decision = decide(Named(engine=engines), rows)
     session.config.stash[LOST] = decision.lost
     if decision.lost and session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED

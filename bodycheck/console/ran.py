@@ -18,7 +18,8 @@ from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
 from bodycheck.running import campaign
 from bodycheck.running.named import Decision, check_planned
 from bodycheck.running.pairing import Meet, unmet
-from bodycheck.running.plan import Plan, without_method
+from bodycheck.running.plan import Plan, Task, without_method
+from bodycheck.suggestion import first_names
 
 
 @dataclass(frozen=True)
@@ -156,6 +157,8 @@ def ran_of(
     engines = load_engines(selection.engines, _releases(cases, tolerated), selection.integrators)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
     check_planned(engines.named, engines.records, ((task.engine, task.method) for task in tasks))
+    if selection.cases and not quiet:
+        _tell_left_out(cases, tasks)
     header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
@@ -165,6 +168,14 @@ def ran_of(
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
         yield Ran(results, cases, engines)
+
+
+def _tell_left_out(cases: Iterable[Case], tasks: Iterable[Task]) -> None:
+    """Print to stderr which cases have no run, because no engine has a method for their scenes."""
+    planned = {task.case.name for task in tasks}
+    if left_out := [case.name for case in cases if case.name not in planned]:
+        names = ", ".join(first_names(left_out))
+        print(f"bodycheck: not run, since no engine has a method for the scene: {names}", file=sys.stderr)
 
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:

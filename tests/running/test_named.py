@@ -1,4 +1,4 @@
-"""Everything that is named is measured, or the command fails: what is refused before anything runs, and what is decided after."""
+"""Everything that is named is measured, or the command fails: the refusals before anything runs, and the decision after it."""
 
 import json
 from collections.abc import Mapping

@@ -33,7 +33,7 @@ def text(numbers: Sequence[float] | Array | Wide) -> str:
 
 
 def bodies(match: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
-    """Yield rows for the mass, the centre of mass and the inertia of each body of the file, also if the engine does not report it.
+    """Yield rows for the mass, the centre of mass and the inertia of each body, also of those that the engine does not report.
 
     A link that the engine knows and has joined to another one is compared as a part of that one. length: the reach of the robot
     (m), to which differences of centres of mass are relative.

@@ -95,10 +95,11 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
 
 def outcomes(ensemble: Ensemble, aggregates: Aggregates) -> Iterator[dict[str, str]]:
     """Yield the row of each method in `Made.outcomes`."""
-    for method, has_result in zip(aggregates.methods, ensemble.measured.any(axis=1), strict=True):
+    measured = ensemble.measured
+    for index, method in enumerate(aggregates.methods):
         by = method.engine_method
-        end = ("ok", "")
-        if not has_result:
+        end = (stored.OK, "")
+        if not measured[index].any():
             end = (method.ways[0].name, method.ways[0].reason) if method.ways else (stored.UNSUPPORTED, method.unsupported)
         yield {"engine": by.engine, "integrator": by.integrator, "status": end[0], "reason": end[1]}
 
