@@ -104,10 +104,10 @@ def ensemble(
     engines = load_engines(engine, integrators=integrator)
     shown = _Shown(out, figures, json, view, quiet)
     executor = _executor(dask, shard, processes(jobs))
-    made = _carry_out(loaded, source, engines, (integrator, timestep), executor, shown)
-    if made is None:
+    results = _carry_out(loaded, source, engines, (integrator, timestep), executor, shown)
+    if results is None:
         return FAILED if engines.failed([loaded]) else OK
-    return end(engines.decided(made.outcomes, [loaded], bool(made.broken)), out, json=json, quiet=quiet)
+    return end(engines.decided(results.outcomes, [loaded], bool(results.broken)), out, json=json, quiet=quiet)
 
 
 @dataclass(frozen=True)

@@ -104,8 +104,8 @@ def _unreported(rows: Sequence[ParityRow]) -> list[str]:
     for row in rows:
         if row.status == "not-modelled" and row.quantity in OF_LINKS and row.subject != MODEL:
             links[row.subject].append(name_of(row.quantity))
-    told = [f"{link} ({listing(quantities)})" for link, quantities in links.items()]
-    return [f"does not report: {listing(told, MOST, 'link')}"] if told else []
+    entries = [f"{link} ({listing(quantities)})" for link, quantities in links.items()]
+    return [f"does not report: {listing(entries, MOST, 'link')}"] if entries else []
 
 
 def brief(rows: Sequence[ParityRow]) -> str:

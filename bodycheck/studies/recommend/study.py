@@ -104,8 +104,8 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     Raises
     ------
     BadInput
-        If the error is not positive, not finite, 1 or more for a relative figure, or so large that every method keeps it; if the
-        figure does not exist, if no engine has a method, or if there is nothing to run.
+        If the error is not positive, not finite, at least 1 for a relative figure, or so large that every method keeps it; if
+        the figure does not exist, if no engine has a method, or if there is nothing to run.
     """
     figure = figure_of(case, quantity)
     if not 0 < error < math.inf:
