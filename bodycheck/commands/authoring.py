@@ -156,8 +156,7 @@ def expect(
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
-        verdicts = judgement.judge(runs.results)
-        changes = expectation_writer.write(runs.results, verdicts, places, margin, figure)
+        changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)
     terminal.print_changes([change for change in changes if not quiet or not change.done], view)
-    decision = runs.decided((verdict.row() for verdict in verdicts), failed=not all(change.done for change in changes))
-    return end(decision, None, quiet=quiet)
+    written = [change.verdict.row() | {"passed": change.done} for change in changes]  # a status is written too
+    return end(runs.decided(written, failed=not all(change.done for change in changes)), None, quiet=quiet)

@@ -92,9 +92,8 @@ def releases(
         printing.print_releases(results, view)
     for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
-    named = Named(integrator=integrator, version=chosen)
-    decision = decide(named, results.rows, failed=bool(notices or results.header["unmeasured"]))
-    return end(decision, out, json=json, quiet=quiet)
+    failed = bool(notices or results.header["unmeasured"])
+    return end(decide(Named(integrator=integrator, version=chosen), results.rows, failed), out, json=json, quiet=quiet)
 
 
 def _models(
@@ -112,13 +111,14 @@ def _models(
     from dataclasses import asdict
 
     from bodycheck.console import terminal
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.results import origin
     from bodycheck.running import campaign, engines
+    from bodycheck.running.named import Named, decide
     from bodycheck.studies.output import Output
     from bodycheck.studies.parity import printing, releases
     from bodycheck.studies.parity.page import present
-    from bodycheck.studies.parity.rows import READINGS
+    from bodycheck.studies.parity.rows import READINGS, comparisons
     from bodycheck.studies.parity.study import Asking
 
     models_read, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
@@ -138,8 +138,9 @@ def _models(
         printing.print_changes(changed)
     for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
-    say_where(out, quiet)
-    return FAILED if notices or missing else OK
+    answers = [row | {"version": row["engine"].partition("@")[2]} for one in models_read for row in comparisons(one.rows)]
+    decision = decide(Named(version=versions), answers, bool(notices or missing), measured=("ok", "refused"))
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _write(results: "Found", out: Path, figures: Figures) -> None:
