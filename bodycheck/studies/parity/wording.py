@@ -90,12 +90,18 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     more = [f"accepts what cannot be: {listing(accepted, MOST, 'subject')}"] if accepted else []
     more += [f"does not model: {listing(missing, MOST, 'joint')}"] if missing else []
     more += _unreported(rows)
-    compared = sum(map(is_compared, rows))
-    if not compared:
+    if not any(map(is_compared, rows)):
         return ("nothing was compared", *more)
     if not sentences:
-        return (f"agrees{_largest(rows)}, {count(compared, 'quantity', 'quantities')} compared", *more)
+        return (f"agrees{_largest(rows)}", *more)
     return ("differs", *sentences, *more)
+
+
+def of_engine_counted(rows: Sequence[ParityRow]) -> tuple[str, ...]:
+    """Return the clauses of `of_engine`, with the number of compared quantities in the verdict; for all rows of a study."""
+    verdict, *more = of_engine(rows)
+    compared = sum(map(is_compared, rows))
+    return (f"{verdict}, {count(compared, 'quantity', 'quantities')} compared" if compared else verdict, *more)
 
 
 def _unreported(rows: Sequence[ParityRow]) -> list[str]:
