@@ -129,7 +129,8 @@ def decide(
     named
         The names.
     rows
-        The rows of the main table, with the columns `status` and `reason`, the columns of the names, and perhaps `passed`.
+        The rows of the main table, with the columns `status`, and `reason` or `detail`, the columns of the names, and perhaps
+        `passed`.
     failed
         Whether something that was measured failed.
     missing
@@ -153,16 +154,20 @@ def decide(
 
 def _why(rows: Sequence[Mapping[str, Any]], reason: str) -> str:
     """Return the most frequent status and reason of rows without a measurement; if there are no rows, the given reason."""
-    ends = Counter((str(row.get("status", "")), str(row.get("reason") or "")) for row in rows)
+    ends = Counter((str(row.get("status", "")), _reason(row)) for row in rows)
     if not ends:
         return reason or "nothing was run"
     (status, why), amount = ends.most_common(1)[0]
-    others = f" (and {len(rows) - amount} rows for other reasons)" if len(rows) > amount else ""
+    others = f" ({amount} of {len(rows)} rows; the others for other reasons)" if len(rows) > amount else ""
     return f"{': '.join(filter(None, (status, why)))}{others}"
 
 
+def _reason(row: Mapping[str, Any]) -> str:
+    return str(row.get("reason") or row.get("detail") or "")
+
+
 def _unsupported(rows: Sequence[Mapping[str, Any]]) -> str:
-    reasons = [str(row.get("reason") or "") for row in rows if row.get("status") == Unsupported.status]
+    reasons = [_reason(row) for row in rows if row.get("status") == Unsupported.status]
     if not reasons:
         return ""
     example = next(filter(None, reasons), "")

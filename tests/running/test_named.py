@@ -106,7 +106,7 @@ UNSUPPORTED = row("two", "rk4", "unsupported", "two does not model drag")
             [row("one", "RK4"), UNSUPPORTED, UNSUPPORTED, row("two", "rk4", "diverged", "energy")],
             [
                 "there is no result of the integrator rk4, which is named: unsupported: two does not model drag "
-                "(and 1 rows for other reasons)"
+                "(2 of 3 rows; the others for other reasons)"
             ],
         ),
         (Named(engine=("two",)), [], ["there is no result of the engine two, which is named: it fails"]),
