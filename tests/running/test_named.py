@@ -196,3 +196,19 @@ def test_an_expected_status_is_a_result(calls_here: None, miniatures: Path, tmp_
     assert bodycheck("run", case, "--engine", "raising", "--timestep", "0.1").returncode == 0
     case.write_text(a_case())
     assert bodycheck("run", case, "--engine", "raising", "--timestep", "0.1").returncode == 1
+
+
+def test_a_case_without_any_run_is_told(calls_here: None, tmp_path: Path) -> None:
+    """The law of friction is of a plane, and the other case is a free flight."""
+    case = tmp_path / "flight.case.toml"
+    case.write_text(a_case("flight"))
+    done = bodycheck("run", "sliding-brick", case, "--integrator", "law-force", "--timestep", "0.01", "--jobs", "1")
+    assert done.returncode == 0
+    assert done.stderr.splitlines()[0] == "bodycheck: not run, since no engine has a method for the scene: flight"
+
+
+@pytest.mark.parametrize("error", ["1", "2.5", "inf", "nan"])
+def test_an_error_that_a_relative_figure_always_keeps_is_refused(error: str) -> None:
+    done = bodycheck("recommend", "free-brick", "--quantity", "energy", "--error", error)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"--error {error}: must be ")
