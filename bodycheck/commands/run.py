@@ -57,9 +57,9 @@ def run(
     summary of the step.
 
     Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
-    that was named or of which something is expected; 2 bad input or usage. An
-    expectation of an engine that is not installed counts as failed, except in a
-    shipped case, or with --allow-missing.
+    of which something is expected, or something that was named has no result;
+    2 bad input or usage. An expectation of an engine that is not installed
+    counts as failed, except in a shipped case, or with --allow-missing.
 
     Parameters
     ----------

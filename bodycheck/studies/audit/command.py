@@ -29,7 +29,8 @@ def audit(
     again with the same --out.
 
     Exit codes: 0 every probe gave an answer, whatever was found; 1 a probe
-    crashed; 2 bad input or usage.
+    crashed, or no probe of a named engine or method gave an answer; 2 bad
+    input or usage.
 
     Parameters
     ----------
