@@ -39,6 +39,8 @@ MODELS = "bodycheck_models"
 #: Names of the user properties of a test that describe a known discrepancy, and the reason why nothing was checked.
 KNOWN_PROPERTY = "known"
 UNCHECKED_PROPERTY = "not checked"
+#: Name of the user property of a test with an engine of which the test has a result.
+ENGINE_PROPERTY = "engine"
 #: Sections of the summary of a session, by the name of the property and the outcome of the tests that they list.
 SUMMARIES = {
     (KNOWN_PROPERTY, "passed"): "known discrepancies according to the case files",
@@ -55,6 +57,12 @@ PERFORM_KEY = pytest.StashKey["Perform"]()
 BARE_FILES = pytest.StashKey[dict[str, None]]()
 #: The key under which a worker process of xdist passes these files to the main process.
 BARE_OUTPUT = "bodycheck_bare_files"
+#: Whether tests of engines were collected in this process, or in the worker processes of xdist, and its key there.
+COLLECTED, COLLECTED_OUTPUT = pytest.StashKey[bool](), "bodycheck_collected"
+#: The reports of these tests: for each engine of a test, whether the test passed.
+ROWS = pytest.StashKey[list[dict[str, Any]]]()
+#: A sentence for each engine that is named and has no result.
+LOST = pytest.StashKey[tuple[str, ...]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -78,10 +86,12 @@ def pytest_configure(config: pytest.Config) -> None:
     # This hook runs before plug-ins register their markers, so all markers are those of the user.
     config.stash[OWN_MARKERS] = _markers(config)
     config.stash[BARE_FILES] = {}
+    config.stash[COLLECTED], config.stash[ROWS], config.stash[LOST] = False, [], ()
     config.addinivalue_line("markers", f"{MARKER}: a test in a case file of bodycheck")
     if engines := config.getoption(OPTION):
         from bodycheck.running.engines import faults
 
+        config.pluginmanager.register(_Reports(config.stash[ROWS]))
         for fault in faults(engines).values():
             raise pytest.UsageError(f"{OPTION}: {fault.reason}")
 
@@ -105,8 +115,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     return file if nodeid == file.nodeid else kind.from_parent(parent, path=file_path, nodeid=nodeid)
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     engines = config.getoption(OPTION)
+    config.stash[COLLECTED] = any(getattr(item, "of_engines", False) for item in items)
     others = [item for item in items if engines and isinstance(item, CaseItem) and item.engine not in engines]
     if others:
         config.hook.pytest_deselected(items=others)
@@ -135,6 +147,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if (output := getattr(session.config, "workeroutput", None)) is not None:  # this is a worker process of xdist
         bare: dict[str, None] = session.config.stash[BARE_FILES]
         output[BARE_OUTPUT] = list(bare)
+        output[COLLECTED_OUTPUT] = session.config.stash[COLLECTED]
+    elif engines := session.config.getoption(OPTION):
+        _decide(session, tuple(engines))
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -142,6 +157,34 @@ def pytest_testnodedown(node: Any) -> None:
     files: list[str] = getattr(node, "workeroutput", {}).get(BARE_OUTPUT, [])
     bare: dict[str, None] = node.config.stash[BARE_FILES]
     bare.update(dict.fromkeys(files))
+    if getattr(node, "workeroutput", {}).get(COLLECTED_OUTPUT, False):
+        node.config.stash[COLLECTED] = True
+
+
+class _Reports:
+    """The plug-in of one session that keeps what its reports say of engines."""
+
+    def __init__(self, rows: list[dict[str, Any]]) -> None:
+        self.rows = rows
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        engines = [value for name, value in report.user_properties if name == ENGINE_PROPERTY]
+        if report.when == "call":
+            status = "ok" if report.passed else "failed"
+            self.rows += [{"engine": engine, "status": status, "reason": report.nodeid} for engine in engines]
+
+
+def _decide(session: pytest.Session, engines: tuple[str, ...]) -> None:
+    """Make a session fail in which tests of engines were collected, but none of a named engine was made."""
+    if not session.config.stash[COLLECTED] or session.config.getoption("collectonly"):
+        return
+    from bodycheck.running.named import Named, decide
+
+    rows: list[dict[str, Any]] = session.config.stash[ROWS]
+    decision = decide(Named(engine=engines), rows)
+    session.config.stash[LOST] = decision.lost
+    if decision.lost and session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
@@ -156,6 +199,8 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         _tell(terminalreporter, title, sentences)
     bare: dict[str, None] = terminalreporter.config.stash[BARE_FILES]
     _tell(terminalreporter, "case files collected without expectations", bare)
+    lost: tuple[str, ...] = terminalreporter.config.stash[LOST]
+    _tell(terminalreporter, f"engines without a result ({OPTION})", lost)
 
 
 def _tell(terminalreporter: Any, title: str, lines: Collection[str]) -> None:
@@ -203,7 +248,10 @@ class CaseItem(pytest.Item):
 
     `line` is the line of the first such expectation in the file, and `lines` are the lines of all expectations of the case.
     `missing` says why the engine is not available. It is empty if the engine is available, and before the test is set up.
+    `of_engines` distinguishes tests of engines from all others.
     """
+
+    of_engines = True
 
     def __init__(self, *, case: "Case", engine: str, method: "Method", line: int, lines: list[int], **more: Any) -> None:
         super().__init__(**more)

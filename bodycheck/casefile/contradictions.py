@@ -93,7 +93,7 @@ def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iter
     for one, other in (("known", "until"), ("until", "known")):
         if one in expectation and other not in expectation:
             yield (other,), f"is missing; {one} requires it"
-    timestep = number(expectation.get("timestep"))
+    timestep = number(expectation.get("timestep")) / (REFINEMENTS[-1] if ORDER in expectation else 1)
     if duration > 0 and timestep > 0 and duration / timestep > MAX_STEPS:
         yield ("timestep",), f"results in {duration / timestep:.3g} steps; at most {MAX_STEPS:.0e} are allowed"
 
@@ -202,7 +202,8 @@ def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
 def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     """Yield the faults of expectations that cannot be checked, as pairs of path and message.
 
-    Their engine does not exist, or a limit cannot fail, so that the test would always pass without any meaning.
+    Their engine does not exist, their time step is longer than the run, or a limit cannot fail, so that the test would always
+    pass without any meaning.
 
     Texts stored in results are not checked for this, because they may come from earlier versions of bodycheck and from machines
     with other engines. The raw document may also have other faults.
@@ -213,6 +214,8 @@ def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
         expectation = mapping(table)
         if (fault := _unknown_engine(expectation.get("engine"))) is not None:
             yield ("expect", index, "engine"), fault
+        if number(expectation.get("timestep")) > duration > 0:
+            yield ("expect", index, "timestep"), f"is longer than the run; allowed: at most its duration, {duration:g} s"
         last = duration + number(expectation.get("timestep")) / 2  # the instants of a run are the nearest ends of steps
         for name in [name for name in expectation if name in LIMITED]:
             for path, message in _idle(name, expectation[name], last):

@@ -50,8 +50,6 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
     pair = contact.get("bodies")
     if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         return
-    if PLANE in pair and PLANE in names:
-        yield ("bodies",), "a body has the name of the plane; give the body another one"
     for index, pattern in enumerate(pair):
         if len(pattern) > MAX_NAME_LENGTH or re.fullmatch(BODY_PATTERN, pattern) is None:
             continue  # reported as another fault

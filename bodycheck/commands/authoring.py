@@ -149,6 +149,7 @@ def expect(
         those that the existing ones limit.
     """
     from bodycheck.console import tables, terminal
+    from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import expectation_writer, judgement
 
@@ -160,4 +161,5 @@ def expect(
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
         changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)
     terminal.print_changes([change for change in changes if not quiet or not change.done], view)
-    return OK if all(change.done for change in changes) else FAILED
+    written = [change.verdict.row() | {"passed": change.done} for change in changes]  # a status is written too
+    return end(runs.decided(written, failed=not all(change.done for change in changes)), None, quiet=quiet)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Figures, Jobs, Json, Quiet, Viewed
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.studies.ensemble.findings.queries import Answer
@@ -45,7 +45,8 @@ def gather(
     """
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import processes
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
+    from bodycheck.running.named import Named, decide
     from bodycheck.studies.ensemble import header, printing
     from bodycheck.studies.ensemble.execution.result_tables import case_of
     from bodycheck.studies.ensemble.execution.result_tables import gather as gather_chunks
@@ -59,8 +60,7 @@ def gather(
     with terminal.progress("worst members", ensemble.worst, quiet) as progress:
         publishing.write(ensemble, folder, case, head, _text_of(case, head), processes(jobs), progress, figures)
     printing.print_made(ensemble, json, view, quiet)
-    say_where(folder, quiet)
-    return FAILED if ensemble.broken else OK
+    return end(decide(Named(), ensemble.outcomes, bool(ensemble.broken)), folder, json=json, quiet=quiet)
 
 
 def _text_of(case: "Case", head: "EnsembleHeader") -> Callable[[int], str] | None:

@@ -170,8 +170,8 @@ def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json 
     has changed between the versions of bodycheck that made the baselines is named and not compared. The command also prints
     improvements and new runs, which do not make it fail.
 
-    Exit codes: 0 nothing got worse; 1 an error or a status got worse, or a run is missing; 2 the files are not baselines of
-    the same cases, or a figure of --fail-on could not be compared.
+    Exit codes: 0 nothing got worse; 1 an error or a status got worse, a run is missing, or nothing could be compared; 2 the
+    files are not baselines of the same cases, or a figure of --fail-on could not be compared.
 
     Parameters
     ----------
@@ -184,8 +184,10 @@ def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json 
         then do not make the command fail; a worse status and a missing run still do. Default: any growth of any figure fails.
     """
     from bodycheck.console import tables, terminal
+    from bodycheck.console.output import end
     from bodycheck.judging.baselines import baseline, difference
     from bodycheck.reports.runs import github
+    from bodycheck.running.named import Named, decide
 
     allowed = difference.tolerances_of(fail_on)
     tables.check(view, terminal.DIFFERENCES)
@@ -198,4 +200,4 @@ def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json 
         terminal.print_difference(changed, summary, view)
     if changed.changes and github.is_running(os.environ):
         print_command(github.annotation("error" if broken else "notice", "; ".join(summary), "bodycheck diff"))
-    return FAILED if broken else OK
+    return end(decide(Named(), difference.comparisons(changed), bool(broken)), None, json=json)

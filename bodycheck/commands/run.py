@@ -5,6 +5,7 @@ The imports are inside the functions, so that `--help` answers at once.
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,7 +27,7 @@ from bodycheck.console.options import (
     Timesteps,
     Viewed,
 )
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
@@ -56,10 +57,10 @@ def run(
     summary of the step.
 
     Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
-    that was named or of which something is expected, or a case file has a fault
-    and was left out; 2 bad input or usage, or no case file can be read. An
-    expectation of an engine that is not installed counts as failed, except in a
-    shipped case, or with --allow-missing.
+    of which something is expected, or something that was named has no result,
+    or a case file has a fault and was left out; 2 bad input or usage, or no
+    case file can be read. An expectation of an engine that is not installed
+    counts as failed, except in a shipped case, or with --allow-missing.
 
     Parameters
     ----------
@@ -102,8 +103,8 @@ def run(
             print_summary_of(result, out)
     if json or quiet:
         results.print_unchecked(runs.results.unchecked, sys.stderr)
-    output.say_where(out, quiet)
-    return FAILED if runs.engine_failed or runs.left_out or result.failed else OK
+    decision = runs.decided((verdict.row() for verdict in verdicts), result.failed)
+    return output.end(decision if json else replace(decision, unsupported=""), out, json=json, quiet=quiet)
 
 
 def print_summary_of(result: "ResultSet", out: Path | None) -> None:

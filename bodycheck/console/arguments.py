@@ -2,10 +2,10 @@
 
 import os
 import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bodycheck.errors import BadInput, Failed
 from bodycheck.files import writing
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
     from bodycheck.casefile.case import Case, Fault
     from bodycheck.results.unchecked import Absence
+    from bodycheck.running.named import Decision, Named
 
 
 #: The largest number of scenes in a batch. Their models and states need some gigabytes in some engines.
@@ -115,30 +116,50 @@ class Engines:
     broken
         The missing engines that fail when they are imported.
     named
-        Whether the user named the engines.
+        The engines and methods that the user named.
     """
 
     records: "dict[str, Engine]"
     missing: dict[str, str]
     broken: frozenset[str]
-    named: bool
+    named: "Named"
 
     def absence(self, name: str) -> "Absence | None":
         """Return why an engine cannot be used; None if it can, or if the user named others."""
         from bodycheck.results.unchecked import Absence
         from bodycheck.running import engines
 
-        if name in self.records or (self.named and name not in self.missing):
+        if name in self.records or (self.named.engine and name not in self.missing):
             return None
         fault = engines.faults([name])[name]
         return Absence(fault.reason, fault.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether a named engine fails or, if none is named, an engine for which a case has expectations."""
-        return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
+        expected = {expectation.engine for case in cases for expectation in case.expectations}
+        return bool(self.broken if self.named.engine else self.broken & expected)
+
+    def decided(
+        self,
+        rows: "Iterable[Mapping[str, Any]]",
+        cases: "Iterable[Case]" = (),
+        failed: bool = False,
+        measured: "Collection[str] | None" = None,
+        batch: tuple[int, ...] = (),
+    ) -> "Decision":
+        """Return the decision on a command that used these engines; for the arguments see `bodycheck.running.named`.
+
+        cases: the cases of the command. An engine for which one of them has expectations must not fail.
+        """
+        from bodycheck.running import named
+
+        statuses = named.MEASURED if measured is None else measured
+        return named.decide(replace(self.named, batch=batch), rows, failed or self.failed(cases), self.missing, statuses)
 
 
-def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" = None) -> Engines:
+def load_engines(
+    names: tuple[str, ...], expected: "Mapping[str, bool] | None" = None, integrators: tuple[str, ...] = ()
+) -> Engines:
     """Return the named engines, each `NAME` or `NAME@VERSION`. None is imported here.
 
     If none is named, return all installed engines, and the releases for which a case has expectations.
@@ -149,17 +170,19 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
         The engines that the user named.
     expected
         Releases of engines, each `NAME@VERSION`, for which a case has expectations, and whether their absence is tolerated.
+    integrators
+        The spellings of the methods that the user named.
 
     Raises
     ------
     BadInput
-        A named engine, or an expected engine whose absence is not tolerated, is unknown or not installed, or no engine can be
-        used.
+        A named engine, or an expected engine whose absence is not tolerated, is unknown or not installed, no engine can be
+        used, or a named engine has none of the named methods.
     Failed
         All named engines fail.
     """
     from bodycheck.adapters import registry
-    from bodycheck.running import engines
+    from bodycheck.running import engines, named
 
     releases = expected or {}
     needed = names or [name for name, tolerated in releases.items() if not tolerated]
@@ -174,11 +197,13 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
         print(f"bodycheck: {reason}; continuing without it", file=sys.stderr)
     if not records:
         raise Failed("no engine can be used") if names else BadInput("no engine can be used")
+    asked = named.Named(engine=names, integrator=integrators)
+    named.check(asked, records)
     return Engines(
         records=records,
         missing=missing,
         broken=frozenset(name for name, fault in faults.items() if fault.broken),
-        named=bool(names),
+        named=asked,
     )
 
 

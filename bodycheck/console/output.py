@@ -6,6 +6,10 @@ import shutil
 import sys
 from pathlib import Path
 from textwrap import wrap
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bodycheck.running.named import Decision
 
 #: Characters for terminals and logs whose encoding lacks those that they replace.
 SUBSTITUTES = {"→": "->", "…": "...", "\u202f": " ", "\xa0": " ", "–": "-", "−": "-", "×": "x", "·": "-", "≤": "<=", "≥": ">="}
@@ -49,6 +53,20 @@ def bold(line: str) -> None:
     """Print a line, in bold letters if stdout is a terminal that supports them and the user does not disable them."""
     has = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
     say(f"\033[1m{line}\033[0m" if has else line)
+
+
+def end(decision: "Decision", out: Path | None, *, json: bool = False, quiet: bool = False) -> int:
+    """Print what was named and has no result, the number of unsupported rows, and the path of the report; return the exit code.
+
+    out: the folder of the report; None if there is none. json: whether stdout has JSON, so that all lines go to stderr.
+    """
+    if decision.unsupported and not quiet:
+        print(f"{decision.unsupported}.", file=sys.stderr) if json else tell(f"{decision.unsupported}.")
+    say_where(out, quiet)
+    sys.stdout.flush()
+    for sentence in decision.lost:
+        print(f"bodycheck: {sentence}", file=sys.stderr)
+    return decision.code
 
 
 def say_where(folder: Path | None, quiet: bool = False) -> None:

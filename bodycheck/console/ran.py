@@ -5,18 +5,21 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
-from bodycheck.console.arguments import files_of, load_engines, processes, read_cases, tell_left_out
+from bodycheck.console.arguments import Engines, files_of, load_engines, processes, read_cases, tell_left_out
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
 from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
 from bodycheck.running import campaign
+from bodycheck.running.named import Decision, check_planned
 from bodycheck.running.pairing import Meet, unmet
-from bodycheck.running.plan import Plan, without_method
+from bodycheck.running.plan import Plan, Task, without_method
+from bodycheck.suggestion import first_names
 
 
 @dataclass(frozen=True)
@@ -81,10 +84,8 @@ class Ran:
     ----------
     results, cases, files
         The results, the cases that were run, and the files of those that were not given by the name of a shipped case.
-    engines
-        The records of the engines by name.
-    engine_failed
-        Whether an engine fails to load that the user named, or for which a case has expectations.
+    loaded
+        The engines, with the names that the user gave.
     left_out
         Whether the user named a file with faults, which was left out.
     """
@@ -92,9 +93,17 @@ class Ran:
     results: Results
     cases: list[Case]
     files: Mapping[str, Path]
-    engines: dict[str, Engine]
-    engine_failed: bool
+    loaded: Engines
     left_out: bool = False
+
+    @property
+    def engines(self) -> dict[str, Engine]:
+        """The records of the engines by name."""
+        return self.loaded.records
+
+    def decided(self, rows: Iterable[Mapping[str, Any]], failed: bool = False, batch: tuple[int, ...] = ()) -> Decision:
+        """Return the decision on the command from the rows of its main table; see `bodycheck.running.named.decide`."""
+        return self.loaded.decided(rows, self.cases, failed or self.left_out, batch=batch)
 
 
 @contextmanager
@@ -150,8 +159,11 @@ def ran_of(
     """
     cases = list(given.cases)
     tolerated = _tolerated(selection.allow_missing, given.shipped)
-    engines = load_engines(selection.engines, _releases(cases, tolerated))
+    engines = load_engines(selection.engines, _releases(cases, tolerated), selection.integrators)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
+    check_planned(engines.named, engines.records, ((task.engine, task.method) for task in tasks))
+    if selection.cases and not quiet:
+        _tell_not_run(cases, tasks)
     header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
@@ -160,7 +172,15 @@ def ran_of(
             jobs, files = processes(selection.jobs), given.files
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
-        yield Ran(results, cases, files, engines.records, engines.failed(cases))
+        yield Ran(results, cases, files, engines)
+
+
+def _tell_not_run(cases: Iterable[Case], tasks: Iterable[Task]) -> None:
+    """Print to stderr which cases have no run, because no engine has a method for their scenes."""
+    planned = {task.case.name for task in tasks}
+    if left_out := [case.name for case in cases if case.name not in planned]:
+        names = ", ".join(first_names(left_out))
+        print(f"bodycheck: not run, since no engine has a method for the scene: {names}", file=sys.stderr)
 
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:

@@ -33,7 +33,7 @@ class Summary:
     counts
         The numbers of runs by their outcomes, in a sentence.
     unsupported
-        The reason why runs were not made, in one line; empty if all were made.
+        The number of runs that were not made and the reasons, in one line, which is the last; empty if all were made.
     where
         Places of further information, one per line.
     steps
@@ -66,8 +66,8 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
     """
     first = output.lines(summary.headline, width)
     last = output.lines(summary.counts, width)
-    last += [_shortened(summary.unsupported, 1, width)[0]] if summary.unsupported else []
     last += [line for text in summary.where for line in output.lines(text, width, "  ")]
+    last += [_shortened(summary.unsupported, 1, width)[0]] if summary.unsupported else []
     findings = summary.findings[:MOST_FINDINGS]
     room = sys.maxsize if height is None else height - FREE_LINES - len(first) - len(last) - 2
     steps: list[str] = []

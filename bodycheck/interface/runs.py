@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from bodycheck import reports
 from bodycheck.console.ran import Selection, ran_of
-from bodycheck.errors import BadInput
+from bodycheck.errors import OK, BadInput
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
@@ -60,7 +60,7 @@ class RunResults(Results):
     found
         The results and the verdicts on them.
     passed
-        Whether all expectations hold, and no engine failed that was named or that a case has expectations of.
+        Whether all expectations hold, all that was named has a result, and no engine failed that a case has expectations of.
     """
 
     found: ResultSet
@@ -195,6 +195,7 @@ def run(
             if folder is not None:
                 result_set.write([judged], folder)
                 reports.write([judged], folder)
-        results = RunResults(judged, passed=not (runs.engine_failed or judged.failed))
+        decision = runs.decided((verdict.row() for verdict in judged.verdicts), judged.failed)
+        results = RunResults(judged, passed=decision.code == OK)
         kept.keep_for(results)
     return results

@@ -89,6 +89,10 @@ class Diverged:
     failed: ClassVar[bool] = True
 
 
+#: The outcome of a run whose time step is so long that the engine would make no step, which says nothing about it.
+NO_STEP = Unsupported("the time step is longer than the run, in which no step ends")
+
+
 Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
 
 

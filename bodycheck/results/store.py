@@ -30,7 +30,7 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import journal, records, trajectory_files, truth_records
 from bodycheck.results.header import LATER, Header, StoredHeader
 from bodycheck.results.key import RunKey
-from bodycheck.results.outcome import Completed, Diverged, Run, Unsupported
+from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Run, Unsupported
 from bodycheck.results.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
 from bodycheck.results.unchecked import Unchecked
 
@@ -284,6 +284,8 @@ class Results:
         scene = self.cases[key.case].scene
         run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None, scene)
         match record["status"]:
+            case Completed.status if record["steps"] == 0:  # earlier versions called this a completed run
+                return replace(run, outcome=NO_STEP)
             case Completed.status:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None

@@ -13,7 +13,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
@@ -30,7 +29,6 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption, store
-from bodycheck.results.header import Header
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.results.store import Results, Writer
 from bodycheck.running import campaign, tasks
@@ -142,7 +140,7 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
     with ExitStack() as stack:
         place = folder or stack.enter_context(temporary_folder())
         identity = resumption.identity(case.text, run.key, run.version, t.tobytes(), datetime.now(UTC))
-        with Writer(place, cast(Header, head), identity, (case,), files=files) as writer:
+        with Writer(place, head, identity, (case,), files=files) as writer:
             home = pool.Home(prepare=tasks.leave_out_sympy)
             with pool.Workers(tasks.answer, 1, campaign.TIME_LIMIT_S, home=lambda group: home) as workers:
                 truth = workers.call(tasks.Question(case, tuple(t.tolist()), certified=False))

@@ -34,8 +34,8 @@ from bodycheck.reference.modelled import missing_model
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.results.outcome import AdapterFault as AdapterFault
-from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.running.instants import check_timestep, sampling_steps
 from bodycheck.running.state_checks import check_start, divergence, standstill
 
@@ -117,6 +117,8 @@ def where_rounded_to_nearest(outcome: Outcome) -> Outcome:
 
 def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, steps: Strides) -> Outcome:
     """Return the outcome of a run of a scene, sampled after numbers of steps (n,). Raises whatever the engine raises."""
+    if steps[-1] == 0:
+        return NO_STEP
     named = in_words(engine, adapter.engine.version)
     if (lacking := offers.not_offered(adapter.engine, scene, method)) is not None:
         return Unsupported(f"{named} {lacking}")

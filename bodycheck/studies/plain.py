@@ -3,12 +3,14 @@
 The module `rows` of such a study has `TABLES`, the descriptions of its tables, and `RECORDS`, the name of the journal in its
 folder. Its module `study` has
 
-- `prepare(cases, engines, integrators)`, which returns the plan of the work; its `size` is the number of parts;
+- `prepare(cases, engines, integrators)`, which returns the plan of the work; its `size` is the number of parts, and its
+  `methods` are pairs of the name of an engine and a method, of which every run is made;
 - `results(plan, folder, header, jobs, progress)`, a context that does the work and provides the rows of each table;
 - `suits(case)`, which is needed only if the study is not made of every case. It returns whether the study is made of a shipped
   case when the user names no case.
 
-The rows of the main table are recorded in the journal, as the entry `row` of records. The docstring of the folder, up to its
+The rows of the main table are recorded in the journal, as the entry `row` of records. If they have a status, `MEASURED` in the
+module `rows` names the statuses that are results; without it, this is ok alone. The docstring of the folder, up to its
 first list, is the help of the command.
 """
 
@@ -28,7 +30,8 @@ from bodycheck.interface.results import StudyResults
 from bodycheck.interface.results import Table as FrameTable
 from bodycheck.results import origin
 from bodycheck.results.tables import Table
-from bodycheck.running import campaign
+from bodycheck.running import campaign, named
+from bodycheck.running.named import Decision
 from bodycheck.studies import plain_report, registry
 from bodycheck.studies.output import Output
 
@@ -93,6 +96,7 @@ def carry_out(
     """
     study, described = registry.required(name, "study"), registry.required(name, "rows").TABLES
     planned = study.prepare(cases, engines.records, integrators)
+    named.check_planned(engines.named, engines.records, planned.methods)
     header = campaign.header(command, engines.records, engines.missing)
     with (
         output.work(name, planned.size) as (folder, progress),
@@ -102,6 +106,13 @@ def carry_out(
         origins = [origin.origin(header, {case.name: case.text for case in cases})]
         output.write(report, tuple(zip(described, rows, strict=True)), origins)
     return PlainResults(report, rows, described)
+
+
+def decided(name: str, results: PlainResults, engines: Engines, cases: Iterable[Case], failed: bool) -> Decision:
+    """Return the decision on the command of a study from the rows of its main table. failed: whether a file was left out."""
+    (main, *_), (rows, *_) = results.described, results.rows_by_table
+    measured = getattr(registry.required(name, "rows"), "MEASURED", named.MEASURED)
+    return engines.decided(main.records(rows), cases, failed, measured=measured)
 
 
 def function(name: str) -> Callable[..., PlainResults]:
@@ -128,12 +139,12 @@ def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str |
     Raises `BadInput` with the same messages as the command line.
     """
     each = arguments.listed(cases)
-    named, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
+    chosen, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
     processes = arguments.jobs_of(jobs)
     given = suited(name, arguments.given_cases(each).cases, named=bool(each))
-    command = arguments.command(name, each, engine=named, integrator=spellings)
+    command = arguments.command(name, each, engine=chosen, integrator=spellings)
     output = Output(arguments.path("--out", out))
-    return carry_out(name, given, load_engines(named), spellings, command, processes, output)
+    return carry_out(name, given, load_engines(chosen, integrators=spellings), spellings, command, processes, output)
 
 
 def check_view(name: str, view: View) -> None:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Iterator
 
 from bodycheck.console.options import AS_USUAL, CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK
 from bodycheck.studies import registry
 
 
@@ -27,7 +26,7 @@ def command(name: str) -> Callable[..., int]:
     ) -> int:
         from bodycheck.console import terminal
         from bodycheck.console.arguments import check_has_folder, load_engines, processes, read_cases, tell_left_out
-        from bodycheck.console.output import say_where
+        from bodycheck.console.output import end
         from bodycheck.studies import plain
         from bodycheck.studies.output import Output
 
@@ -36,15 +35,15 @@ def command(name: str) -> Callable[..., int]:
         read = read_cases(cases)
         tell_left_out(read)
         loaded = plain.suited(name, read.cases, named=bool(cases))
-        engines = load_engines(engine)
+        engines = load_engines(engine, integrators=integrator)
         results = plain.carry_out(name, loaded, engines, integrator, sys.argv, processes(jobs), Output(out, figures, quiet))
         if json:
             first, *others = results.tables
             terminal.print_json({"rows": results.tables[first].rows} | {table: results.tables[table].rows for table in others})
         elif not quiet:
             plain.print_tables(name, results, view)
-        say_where(out, quiet)
-        return FAILED if engines.failed(loaded) or read.faults else OK
+        decision = plain.decided(name, results, engines, loaded, failed=bool(read.faults))
+        return end(decision, out, json=json, quiet=quiet)
 
     study.__name__ = study.__qualname__ = name
     study.__doc__ = registry.about(name)

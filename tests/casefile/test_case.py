@@ -156,6 +156,8 @@ timestep = 0.002
         ("[0.1, 0.2, 0.3]", "[0.1, 0.2]", "11 initial.euler_zxz", "is missing"),
         ("duration = 10.0", "duration = 1e9", "29 expect[1].timestep", "steps; at most"),
         ("timestep = 0.002", "timestep = 1e-30", "29 expect[1].timestep", "steps; at most"),
+        ("timestep = 0.002", "timestep = 10.5", "29 expect[1].timestep", "longer than the run; allowed: at most"),
+        ("0.002\nattitude_error = 1e-6", "2e-8\norder = 4.0", "29 expect[1].timestep", "results in 2e+09 steps; at most"),
         ("samples = 1001", "samples = 1e3", "24 run.samples", "valid integer"),
         ("attitude_error = 1e-6", "atitude_error = 1e-6", "30 expect[1].atitude_error", "unknown key; allowed: engine"),
         ('engine = "mujoco"', 'engine = "=cmd()"', "27 expect[1].engine", "'=cmd()' is no name of an engine"),

@@ -138,7 +138,7 @@ def test_with_one_engine_absent_the_other_runs(
 def test_what_is_not_modelled_yet_is_unsupported(calls_here: None, short: Path) -> None:
     short.write_text(a_case("short", scene=GRAVITY | {"plane": {"friction": 0.5}, "drag": {"quadratic": 0.1}}))
     done = bodycheck("run", short, "--json")
-    assert done.returncode == 0
+    assert done.returncode == 1  # a command without any result does not pass
     rows = json.loads(done.stdout)
     assert {row["status"] for row in rows} == {"unsupported"}
     assert all(row["reason"] and row["attitude_error"] is None for row in rows)

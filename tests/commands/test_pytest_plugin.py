@@ -245,6 +245,39 @@ def test_an_engine_that_is_asked_for_must_be_there(repository: pytest.Pytester) 
     result.stderr.fnmatch_lines(["ERROR: --bodycheck-engine: there is no engine 'nobody'; there are: *"])
 
 
+NAMED = ("--bodycheck-engine", "exact", "--bodycheck-engine", "wrong")
+MISSED = "there is no result of the engine wrong, which is named: nothing was run"
+
+
+def test_an_engine_that_is_named_has_a_result_or_the_session_fails(calls_here: None, repository: pytest.Pytester) -> None:
+    """The case expects something of exact only; a session without any test of an engine has nothing to miss."""
+    write(repository, SPIN + expect("position_error = 1e-9"))
+    other = repository.makepyfile("def test_other(): pass")
+    result = repository.runpytest(*NAMED)
+    result.assert_outcomes(passed=2)
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["*engines without a result (--bodycheck-engine)*", MISSED])
+    assert repository.runpytest(*NAMED[:2]).ret == pytest.ExitCode.OK
+    assert repository.runpytest(*NAMED, other).ret == pytest.ExitCode.OK
+
+
+@pytest.mark.slow
+def test_processes_know_the_engines_without_a_result(repository: pytest.Pytester) -> None:
+    write(repository, SPIN + expect("position_error = 1e-9"))
+    result = repository.runpytest_subprocess("-n", "1", *NAMED)
+    result.stdout.fnmatch_lines([MISSED])
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+
+
+def test_a_step_longer_than_the_run_is_a_fault_of_the_file(repository: pytest.Pytester) -> None:
+    write(repository, SPIN + expect("position_error = 1e-9", timestep=2.0))
+    result = repository.runpytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(
+        ["spin.case.toml:18:1: expect[[]1[]].timestep: read 2.0; is longer than the run; allowed: at most its duration, 0.5 s"]
+    )
+
+
 def test_processes_share_the_tests_and_figures_reach_junit(repository: pytest.Pytester) -> None:
     limit = "position_error = 1e-9"
     for name in ("one", "two"):

@@ -19,7 +19,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
 from bodycheck.judging.baselines import baseline, difference, rounding
-from bodycheck.judging.baselines.baseline import ALLOWANCE, Baseline
+from bodycheck.judging.baselines.baseline import ALLOWANCE, FIGURES, Baseline
 from bodycheck.judging.baselines.difference import Difference
 from bodycheck.reference.integration.sensitivity import growth
 from bodycheck.results.key import RunKey
@@ -96,6 +96,21 @@ def test_a_run_against_itself_has_one_line_that_says_so(flips: Path) -> None:
     assert "attitude_error" in told.pop("compared")
     counts = {"worse": 0, "failed": 0, "runs": 2}
     assert told == counts | {"changes": [], "versions": {}, "redefined": [], "text": nothing}
+
+
+def test_a_comparison_of_no_figure_is_no_success(flips: Path, tmp_path: Path) -> None:
+    """Both baselines have the same runs, which the engine does not support, so that no figure can have changed."""
+
+    def unsupported(table: pa.Table) -> pa.Table:
+        figures = [name for name in table.column_names if name.removesuffix(ALLOWANCE) in FIGURES]
+        column = table.column_names.index("status")
+        return table.drop_columns(figures).set_column(column, "status", pa.array(["unsupported"] * len(table)))
+
+    nothing = edited(flips, tmp_path / "nothing.parquet", unsupported)
+    done = diff(nothing, nothing)
+    why = "no run of both baselines has a figure that could be compared"
+    assert (done.returncode, done.stdout) == (1, f"nothing was compared: {why}\n")
+    assert done.stderr == f"bodycheck: there is no result: not compared: {why}\n"
 
 
 def test_a_run_made_again_has_not_changed(base: Baseline, tmp_path: Path) -> None:

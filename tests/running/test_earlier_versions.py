@@ -15,6 +15,7 @@ from bodycheck.judging import judgement
 from bodycheck.judging.baselines import baseline, difference
 from bodycheck.results import store
 from bodycheck.results.header import LATER
+from bodycheck.results.outcome import NO_STEP
 from bodycheck.running.plan import Task
 from tests.support import campaigns, journals
 from tests.support.commands import call
@@ -67,6 +68,19 @@ def test_old_results_are_judged_and_reported_under_the_new_spelling(results: sto
     table = (results.folder / "results.csv").read_text("utf-8")
     assert NEW in table
     assert OLD not in table
+
+
+def test_a_stored_run_without_a_step_is_no_result(results: store.Results) -> None:
+    """Earlier versions made runs with a time step longer than the case, and said that they had completed."""
+    records = results.folder / store.RECORDS
+    lines = journals.records(records)
+    for record in lines:
+        record |= {"steps": 0} if "steps" in record else {}
+    journals.write_without_checksums(records, lines)
+    (verdict,) = judgement.judge(store.read(results.folder))
+    assert (verdict.outcome, verdict.passed) == (NO_STEP, False)
+    assert verdict.reason == f"status is unsupported, expected ok; {NO_STEP.reason}"
+    assert call("report", results.folder) == 1
 
 
 def test_old_baselines_are_compared_under_the_new_spelling(results: store.Results, tmp_path: Path) -> None:

@@ -17,8 +17,9 @@ from bodycheck.adapters.contract import Engine, Integrator, Method, choice
 from bodycheck.errors import BadInput
 from bodycheck.processes.failures import Crashed
 from bodycheck.reference.scene import Plane, Scene, State
-from bodycheck.results.outcome import Completed, Diverged
+from bodycheck.results.outcome import NO_STEP, Completed, Diverged
 from bodycheck.running.plan import plan
+from bodycheck.running.simulation import run
 from bodycheck.running.smoke import check
 from tests.support.cases import STEADY_SPIN, shortened
 
@@ -209,6 +210,14 @@ def test_simulate_answers_failures_with_outcomes(miniatures: Path) -> None:
         compare(truth(STEADY_SPIN), simulate(STEADY_SPIN, "raising", "closed-form", 0.1))
     with pytest.raises(registry.EngineMissing, match=r"there is no engine 'nobody'; there are: .*mujoco"):
         simulate(STEADY_SPIN, "nobody", "closed-form")
+
+
+def test_a_run_without_a_step_is_no_result(miniatures: Path) -> None:
+    """Commands refuse such time steps. An engine whose own time step is longer than a short case is asked for one."""
+    for timestep in (2.5, 1e9):
+        done = run(STEADY_SPIN, "exact", Method.parse("closed-form", timestep))
+        assert (done.outcome.status, done.outcome) == ("unsupported", NO_STEP)
+    assert isinstance(run(STEADY_SPIN, "exact", Method.parse("closed-form", 1.5)).outcome, Completed)
 
 
 def test_any_time_step_is_sampled_at_its_own_instants() -> None:

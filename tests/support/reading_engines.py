@@ -19,6 +19,9 @@ ENGINES = {
     "faithful": READS + "def read_robot(file, states, gravity):\n    return reading(model_of(file), states)",
     "heavy": READS + "def read_robot(file, states, gravity):\n"
     "    return reading(with_joint(model_of(file), 'elbow', armature=0.1), states)",
+    "bodiless": READS + "from dataclasses import replace\n"
+    "def read_robot(file, states, gravity):\n"
+    "    return replace(reading(model_of(file), states), bodies=(), links=())",
     "picky": "from bodycheck.adapters.robot_reading import ModelRefused\n"
     "def read_robot(file, states, gravity):\n    raise ModelRefused('joint elbow is not to my taste')",
     "mjcf-only": "from bodycheck.adapters.robot_reading import FormatUnknown\n"

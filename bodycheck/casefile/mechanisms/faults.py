@@ -6,7 +6,7 @@ from typing import Any
 from bodycheck.casefile.contradictions import body_faults, run_faults, start_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
 from bodycheck.casefile.raw_values import mapping, numbers, tables_of
-from bodycheck.casefile.surroundings import surroundings_faults
+from bodycheck.casefile.surroundings import PLANE, surroundings_faults
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_PUSHES
 from bodycheck.suggestion import did_you_mean, first_names
@@ -39,7 +39,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
-    """Yield faults for names that a table of an array repeats, and for a body that has the name of the world."""
+    """Yield faults for names that a table of an array repeats, and for a body that has the name of the world or the plane."""
     seen: set[str] = set()
     for index, table in enumerate(tables):
         name_of_table = table.get("name")
@@ -47,8 +47,8 @@ def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Pat
             continue
         if name_of_table in seen:
             yield (name, index, "name"), f"stands twice; names of {name} must be unique"
-        if name_of_table == WORLD and name == "bodies":
-            yield (name, index, "name"), "is the name of the world; give the body another one"
+        if name_of_table in (WORLD, PLANE) and name == "bodies":
+            yield (name, index, "name"), f"is the name of the {name_of_table}; give the body another one"
         seen.add(name_of_table)
 
 

@@ -23,6 +23,9 @@ MOST_KEYS, LONGEST_VALUE = 4, 60
 #: Below this factor between two figures, their difference is stated as a fraction.
 NEARLY_EQUAL_FACTOR = 1.01
 
+#: The reason why two baselines are not compared in any figure.
+NOT_COMPARED = "no run of both baselines has a figure that could be compared"
+
 Direction = Literal["worse", "better", "new"]
 DIRECTIONS = get_args(Direction)
 
@@ -141,6 +144,8 @@ class Difference:
     def text(self) -> str:
         """One sentence: the number of changes with the worst change, or that there are none."""
         versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
+        if not self.changes and not self.compared:
+            return f"nothing was compared: {NOT_COMPARED}{versions}"
         if not self.changes:
             runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
             return f"no change in {runs} beyond rounding and the truth's own error{versions}"
@@ -182,6 +187,12 @@ def diff(base: Baseline, now: Baseline) -> Difference:
     changed.sort(key=lambda change: change.severity, reverse=True)
     changed.sort(key=lambda change: DIRECTIONS.index(change.direction))
     return Difference(tuple(changed), tuple(_versions(base, now)), lost, len(shared), compared)
+
+
+def comparisons(difference: Difference) -> list[dict[str, str]]:
+    """Return a row for each figure that was compared, with the status "ok"; if there is none, one row with the reason."""
+    rows = [{"status": Completed.status, "figure": name} for name in difference.compared]
+    return rows or [{"status": "not compared", "reason": NOT_COMPARED}]
 
 
 def as_json(difference: Difference) -> dict[str, Any]:

@@ -182,7 +182,7 @@ class _Rows:
 def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: Strides) -> _Rows | None:
     """Return the runs of all scenes, made at once; None if the engine cannot do so, and each must be made separately."""
     record = adapter.engine
-    if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT:
+    if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT or steps[-1] == 0:
         return None
     if offers.not_offered(record, scenes[0], method) is not None:
         return None

@@ -106,6 +106,8 @@ def _check_run(name: str, line: int, row: Row, case: Case) -> None:
         if not row.get("reason"):
             raise fault(name, line, "reason", row.get("reason"), f"the reason why the run is {row['status']}")
         return
+    if row.get("steps") == 0:
+        raise fault(name, line, "steps", 0, f"at least 1 in a run that is {Completed.status}")
     for figure in LIMITED:
         value = row.get(figure)
         if value is not None and value > (most := most_possible(figure, case.duration)) * ROUNDING:

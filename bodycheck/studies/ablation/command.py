@@ -20,7 +20,6 @@ from bodycheck.console.options import (
     Timesteps,
     Viewed,
 )
-from bodycheck.errors import FAILED, OK
 
 
 def ablate(
@@ -45,7 +44,7 @@ def ablate(
     """
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
     from bodycheck.results import origin
     from bodycheck.studies.ablation import printing, study
@@ -64,8 +63,7 @@ def ablate(
         terminal.print_json(records(rows))
     elif not quiet:
         printing.print_ablation(rows, view)
-    say_where(out, quiet)
-    return FAILED if runs.engine_failed or runs.left_out else OK
+    return end(runs.decided(records(rows)), out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

@@ -9,7 +9,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Integrators, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK
 
 
 def audit(
@@ -30,7 +29,8 @@ def audit(
     again with the same --out.
 
     Exit codes: 0 every probe gave an answer, whatever was found; 1 a probe
-    crashed; 2 bad input or usage.
+    crashed, or no probe of a named engine or method gave an answer; 2 bad
+    input or usage.
 
     Parameters
     ----------
@@ -41,17 +41,19 @@ def audit(
 
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import load_engines, processes
-    from bodycheck.console.output import say_where, tell
+    from bodycheck.console.output import end, tell
     from bodycheck.results import origin
     from bodycheck.running import campaign
+    from bodycheck.running.named import check_planned
     from bodycheck.studies.audit import printing, study
     from bodycheck.studies.audit.page import present
-    from bodycheck.studies.audit.rows import CLASSES, ROWS
+    from bodycheck.studies.audit.rows import ANSWERED, CLASSES, ROWS
     from bodycheck.studies.output import Output
 
     tables.check(view, printing.ROWS)
-    loaded = load_engines(engines)
+    loaded = load_engines(engines, integrators=integrator)
     planned = study.prepare(loaded.records, integrator, timestep)
+    check_planned(loaded.named, loaded.records, planned.methods)
     head = campaign.header(sys.argv, loaded.records, loaded.missing)
     facts = study.facts(loaded.records)
     output = Output(out, quiet=quiet)
@@ -72,8 +74,9 @@ def audit(
         tell(printing.summary(results.rows))
     for fault in results.faults:
         print(f"bodycheck: {fault.text}", file=sys.stderr)
-    say_where(out, quiet)
-    return FAILED if results.faults or loaded.failed() else OK
+    answers = [asdict(row) | {"reason": row.probe} for row in results.rows]
+    decision = loaded.decided(answers, failed=bool(results.faults), measured=ANSWERED)
+    return end(decision, out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

@@ -13,7 +13,7 @@ from bodycheck.results.header import Header
 from bodycheck.results.verdicts import AUDIT
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, Facts, Fault, Row, Status, is_finding
-from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value
+from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value, without_findings
 
 #: The name of the part with all engines side by side.
 OVERVIEW = "properties"
@@ -162,7 +162,7 @@ def _engine(name: str, facts: Facts, rows: Sequence[Row]) -> Part:
     return Part(
         name=name,
         title=f"{name} {rows[0].version}",
-        texts=(stated, *(texts or ("Nothing was found that mechanics does not have.",))),
+        texts=(stated, *(texts or (without_findings(rows),))),
         charts=(),
         tables=(
             *((("Findings", _findings(rows)),) if texts else ()),

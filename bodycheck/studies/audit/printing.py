@@ -8,7 +8,7 @@ from bodycheck.console.tables import Column, attribute, show
 from bodycheck.reports.quantities import bound, count, listing
 from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.studies.audit.rows import Classes, Facts, Row, is_finding
-from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences, value
+from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences, value, without_findings
 
 #: The columns of the table of rows.
 ROWS: tuple[Column[Row], ...] = (
@@ -40,7 +40,7 @@ def print_findings(rows: Sequence[Row], facts: Mapping[str, Facts]) -> None:
         for sentence in (engine_sentences := sentences(engine_rows)):
             tell(f"  {HEADINGS[sentence.status]}: it {sentence.text}", "    ")
         if not engine_sentences:
-            tell("  Nothing was found that mechanics does not have.", "    ")
+            tell(f"  {without_findings(engine_rows)}", "    ")
         if unknown := list(dict.fromkeys(row.property for row in engine_rows if row.status == "not-probed")):
             tell(f"  Not probed, of some method or all: {listing(unknown)}.", "    ")
 

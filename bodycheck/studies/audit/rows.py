@@ -22,6 +22,9 @@ Status = Literal["default", "deviates", "none", "not-probed"]
 #: The statuses that are findings.
 FINDINGS: tuple[Status, ...] = ("default", "deviates")
 
+#: The statuses of rows for which a probe gave an answer.
+ANSWERED: tuple[Status, ...] = (*FINDINGS, "none")
+
 
 @dataclass(frozen=True)
 class Row:

@@ -8,7 +8,7 @@ from bodycheck.adapters.contract import Kind
 from bodycheck.reports.quantities import listing, number
 from bodycheck.results.verdicts import AUDIT
 from bodycheck.studies.audit.probe import Property
-from bodycheck.studies.audit.rows import PROPERTIES, Classes, Row, is_finding
+from bodycheck.studies.audit.rows import ANSWERED, PROPERTIES, Classes, Row, is_finding
 
 #: A predicate for each property, which says what an engine with the property does.
 DOES: dict[Property, str] = {
@@ -108,6 +108,12 @@ def sentences(rows: Iterable[Row]) -> list[Sentence]:
         text = f"{DOES[name]}{_forms(groups[key], kind)}{_sized(groups[key])}, {_methods(groups[key], every)}."
         texts.append(Sentence(status, name, text))
     return texts
+
+
+def without_findings(rows: Iterable[Row]) -> str:
+    """Return a sentence about an engine without findings, from its rows."""
+    answered = any(row.status in ANSWERED for row in rows)
+    return "Nothing was found that mechanics does not have." if answered else "No probe gave an answer."
 
 
 def _kind(row: Row) -> str:

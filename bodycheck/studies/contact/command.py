@@ -8,7 +8,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
-from bodycheck.errors import FAILED, OK
 
 
 def contact(
@@ -35,9 +34,9 @@ def contact(
     from dataclasses import asdict
 
     from bodycheck.console import tables, terminal
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
-    from bodycheck.judging.judgement import Compared
+    from bodycheck.judging import judgement
     from bodycheck.results import origin
     from bodycheck.studies.contact import printing, sheet, study
     from bodycheck.studies.contact.page import present
@@ -46,9 +45,10 @@ def contact(
 
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
-    compared = Compared()
+    compared = judgement.Compared()
     with ran(selection, study.plan, out, quiet, compared.meet) as runs:
-        rows = study.evaluate(runs.results, runs.engines, compared)
+        verdicts = judgement.judge(runs.results, compared=compared)
+        rows = study.evaluate(runs.results, runs.engines, verdicts)
         header = runs.results.header
         report = present(header, runs.results.cases, rows, study.reasons(runs.results, runs.engines))
         Output(out).write(report, ((SHEET, rows),), [origin.stored(header)])
@@ -56,8 +56,7 @@ def contact(
         terminal.print_json([asdict(row) for row in rows])
     elif not quiet:
         printing.print_sheet(rows, view)
-    say_where(out, quiet)
-    return FAILED if runs.engine_failed or runs.left_out else OK
+    return end(runs.decided(study.measurements(verdicts)), out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

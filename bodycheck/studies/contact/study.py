@@ -3,13 +3,13 @@
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.content import Case
-from bodycheck.judging import judgement
-from bodycheck.judging.judgement import Compared, Verdict
+from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed
@@ -91,20 +91,26 @@ def plan(
     return tuple(tasks)
 
 
-def evaluate(results: Results, engines: Mapping[str, Engine], compared: Compared | None = None) -> list[ContactRow]:
+def evaluate(results: Results, engines: Mapping[str, Engine], verdicts: Sequence[Verdict]) -> list[ContactRow]:
     """Return the rows of every case and engine: the figures at the defaults, then the best value of each figure.
 
-    results: the results of the tasks of `plan`. compared: the runs that were compared with the truth while they were made.
+    results, verdicts: the results of the tasks of `plan`, and the verdicts on them.
     """
-    verdicts: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
-    for verdict in judgement.judge(results, compared=compared):
-        verdicts[verdict.run.case, verdict.run.engine].append(verdict)
+    by_engine: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
+    for verdict in verdicts:
+        by_engine[verdict.run.case, verdict.run.engine].append(verdict)
     truths = lru_cache(TRUTHS_KEPT)(results.truth)
     return [
         row
-        for (name, engine), of_case in verdicts.items()
+        for (name, engine), of_case in by_engine.items()
         for row in rows_of(results.cases[name], engines[engine], of_case, truths)
     ]
+
+
+def measurements(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
+    """Return a row of results for each run. A completed run without any figure of the sheet is no measurement."""
+    none = {"status": "not-measured", "reason": "the run has no figure of the sheet"}
+    return [one.row() | (none if isinstance(one.outcome, Completed) and not figures_of(one) else {}) for one in verdicts]
 
 
 def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], truths: Truths) -> list[ContactRow]:

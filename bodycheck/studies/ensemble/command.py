@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, View, Viewed
-from bodycheck.console.output import say_where, tell
+from bodycheck.console.output import end, tell
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from bodycheck.reports.plot_files import Format
     from bodycheck.running.members.executors import Executor
     from bodycheck.studies.ensemble.drawing.members import Source
+    from bodycheck.studies.ensemble.report.reporting import Made
 
 OneCase = Annotated[str, Parameter(help="The case: the name of a shipped case, or a case file. It has a table [ensemble].")]
 
@@ -83,7 +84,7 @@ def ensemble(
     about single runs. An interrupted ensemble resumes when it is run again with the same --out.
 
     Exit codes: 0 success; 1 a member breaks an expectation of the case, or a
-    named engine failed; 2 bad input or usage. A member that diverges, crashes
+    named engine or method has no result; 2 bad input or usage. A member that diverges, crashes
     or runs into the time limit is a result, unless the case expects something
     of its method.
     """
@@ -100,10 +101,13 @@ def ensemble(
     if member is not None and write is not None:
         return _write_member(loaded, source, member, write)
     drawing.check(loaded, source)
-    engines = load_engines(engine)
+    engines = load_engines(engine, integrators=integrator)
     shown = _Shown(out, figures, json, view, quiet)
-    broken = _carry_out(loaded, source, engines, (integrator, timestep), _executor(dask, shard, processes(jobs)), shown)
-    return FAILED if broken or engines.failed([loaded]) else OK
+    executor = _executor(dask, shard, processes(jobs))
+    results = _carry_out(loaded, source, engines, (integrator, timestep), executor, shown)
+    if results is None:
+        return FAILED if engines.failed([loaded]) else OK
+    return end(engines.decided(results.outcomes, [loaded], bool(results.broken)), out, json=json, quiet=quiet)
 
 
 @dataclass(frozen=True)
@@ -157,26 +161,28 @@ def _carry_out(
     methods: tuple[tuple[str, ...], tuple[float, ...]],
     executor: "Executor",
     shown: _Shown,
-) -> bool:
-    """Run an ensemble, write its report, and print its tables. Return whether a member breaks an expectation of the case."""
+) -> "Made | None":
+    """Run an ensemble, write its report, and print its tables. Return its analysis; None if only a share of it was run."""
     from functools import partial
 
     from bodycheck.console import terminal
     from bodycheck.files.temporary import temporary_folder
+    from bodycheck.running.named import check_planned
     from bodycheck.studies.ensemble import header, printing, study
     from bodycheck.studies.ensemble.drawing import members
     from bodycheck.studies.ensemble.report import publishing, reporting
 
-    planned = study.size(case, source, engines.records, *methods)
+    shares = study.planned(case, engines.records, *methods)
+    check_planned(engines.named, engines.records, ((share.engine, method) for share in shares for method in share.methods))
     with ExitStack() as stack:
         folder = shown.out or stack.enter_context(temporary_folder())
-        with terminal.progress("running", planned, shown.quiet) as progress:
+        with terminal.progress("running", study.size(source, shares), shown.quiet) as progress:
             run = partial(study.run, command=sys.argv, missing=engines.missing)
             folder = run(case, source, engines.records, *methods, folder, executor, progress)
         if not executor.whole:
             if not shown.quiet:
                 tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
-            return False
+            return None
         head = header.read(folder)
         results = reporting.read(folder, case, head)
         if shown.out is not None:
@@ -184,8 +190,7 @@ def _carry_out(
             with terminal.progress("worst members", results.worst, shown.quiet) as progress:
                 publishing.write(results, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
     printing.print_made(results, shown.json, shown.view, shown.quiet)
-    say_where(shown.out, shown.quiet)
-    return bool(results.broken)
+    return results
 
 
 #: The commands of the study.

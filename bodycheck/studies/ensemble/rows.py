@@ -79,7 +79,7 @@ ROWS = table_of(
     "ensemble",
     "ensembles",
     key=(*RUN, "figure"),
-    filled=("case", "engine", "version", "integrator", "timestep", "members"),
+    filled=("case", "engine", "version", "integrator", "timestep", "members", "failed", "failed_low", "failed_high"),
 )
 DEPENDENCES = table_of(DependenceRow, "sensitivity", "dependence of figures on drawn numbers", key=(*RUN, "figure", "number"))
 

@@ -135,11 +135,9 @@ def _carry_out_what_is_left(
         result_tables.compact(folder, head, [folder], executor_jobs(executor))
 
 
-def size(
-    case: Case, source: Source, records: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
-) -> int:
-    """Return the number of runs of an ensemble. Parameters and exceptions are those of `run`."""
-    return source.size * sum(len(share.methods) for share in planned(case, records, integrators, timesteps))
+def size(source: Source, shares: Sequence[Share]) -> int:
+    """Return the number of runs of an ensemble. shares: the shares of the engines, as `planned` returns them."""
+    return source.size * sum(len(share.methods) for share in shares)
 
 
 def planned(

@@ -18,6 +18,10 @@ STATUSES = (
 )
 
 
+#: The statuses that say what a method does: all but those of runs without states.
+MEASURED = STATUSES[:-3]
+
+
 @dataclass(frozen=True)
 class Row:
     """A run of a method on a case that is changed along an axis to a value."""

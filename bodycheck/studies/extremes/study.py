@@ -114,6 +114,11 @@ class Study:
     def size(self) -> int:
         return len(self.trials) + len(self.searches)
 
+    @property
+    def methods(self) -> tuple[tuple[str, Method], ...]:
+        """The name of the engine and the method of each trial."""
+        return tuple((trial.engine, trial.method) for trial in self.trials)
+
 
 def points(case: Case) -> Iterator[Point]:
     """Yield a point for every value of every axis of a case, changing one axis of the given case at a time.

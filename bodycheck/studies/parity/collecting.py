@@ -35,12 +35,17 @@ class ModelFile(pytest.File):
 
 
 class ModelItem(pytest.Item):
-    """The test of one file of a robot."""
+    """The test of one file of a robot. `of_engines` distinguishes tests of engines from all others."""
+
+    of_engines = True
 
     def runtest(self) -> None:
-        from bodycheck.studies.parity.wording import differs
+        from bodycheck.studies.parity.rows import is_compared
+        from bodycheck.studies.parity.wording import differs, engines_of
 
         parity = _compare(self.config)(self.path)
+        measured = [engine for engine, rows in engines_of(parity).items() if any(map(is_compared, rows))]
+        self.user_properties += [("engine", engine) for engine in measured]
         if differs(parity):
             raise Different(parity)
 

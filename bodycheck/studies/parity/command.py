@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import BadInput
 
 if TYPE_CHECKING:
     from bodycheck.results.header import Header
@@ -63,7 +63,7 @@ def parity(
 
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.running import campaign
     from bodycheck.studies.parity import files, printing, rows, study
 
@@ -87,8 +87,8 @@ def parity(
         if table or view != AS_USUAL:
             printing.print_rows(every, view)
     printing.tell_unread(results, () if quiet else given.skipped)
-    say_where(out, quiet)
-    return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK
+    decision = loaded.decided(rows.comparisons(every), failed=any(map(rows.failed, every)))
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _write(results: Sequence["Parity"], head: "Header", out: Path | None, junit: Path | None) -> None:
@@ -112,8 +112,8 @@ def _check(asks: "Asking") -> None:
 
     if asks.states < 1:
         raise BadInput(f"--states {asks.states}: must be at least 1")
-    if not asks.tolerance > 0:
-        raise BadInput(f"--tolerance {asks.tolerance}: must be greater than 0")
+    if not 0 < asks.tolerance < 1:
+        raise BadInput(f"--tolerance {asks.tolerance}: must be greater than 0 and less than 1; it is relative")
     if not 0 <= asks.motion <= LONGEST_MOTION:
         raise BadInput(f"--motion {asks.motion}: must be from 0 to {LONGEST_MOTION:g} s")
 

@@ -33,27 +33,39 @@ def text(numbers: Sequence[float] | Array | Wide) -> str:
 
 
 def bodies(match: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
-    """Yield rows for the masses, centres of mass and inertias of the bodies that the engine reports.
+    """Yield rows for the mass, the centre of mass and the inertia of each body, also of those that the engine does not report.
 
-    length: the reach of the robot (m), to which differences of centres of mass are relative.
+    A link that the engine knows and has joined to another one is compared as a part of that one. length: the reach of the robot
+    (m), to which differences of centres of mass are relative.
     """
     bodies_read = {body.name: body for body in reading.bodies}
     for link in match.bodies.links:
-        body = bodies_read.get(link.name)
+        body = bodies_read.get(link.name, ReadBody(link.name, None))
         # The mass of a root that is welded to the world has no effect, and many engines have no mass or another mass there.
-        counts = link is not match.bodies.links[match.bodies.root] or (link.mass and _tells_mass(reading, link.name))
-        if body is not None and counts:
+        if link is not match.bodies.links[match.bodies.root] or (link.mass and body.mass):
             yield from _body(link, body, length, tolerance)
+        elif link.mass:
+            yield Compared("not-modelled", "mass", link.name, "", text([float(link.mass)]))
+    known = {*reading.links, *bodies_read, *(link.name for link in match.bodies.links)}
+    for link in match.model.links:
+        if link.name not in known:
+            yield Compared("not-modelled", "mass", link.name, "", text([float(link.mass)]))
 
 
 def _body(link: RobotLink, body: ReadBody, length: float, tolerance: float) -> Iterator[Compared]:
+    massless = not link.mass and not body.mass
     if body.mass is not None:
         yield scalar("mass", link.name, body.mass, float(link.mass), tolerance)
-    massless = not link.mass and not body.mass
+    else:
+        yield Compared("not-modelled", "mass", link.name, "", text([float(link.mass)]))
     if body.center_of_mass is not None and not massless:
         yield vector("center_of_mass", link.name, body.center_of_mass, link.center_of_mass, length, tolerance)
-    if body.inertia is not None:
-        expected = components(link.inertia)
+    elif not massless:
+        yield Compared("not-modelled", "center_of_mass", link.name, "", text(link.center_of_mass))
+    expected = components(link.inertia)
+    if body.inertia is None and any(expected):
+        yield Compared("not-modelled", "inertia", link.name, "", text(expected))
+    elif body.inertia is not None:
         offset = OFFSET_PART * abs(float(link.mass)) * float(np.sum(np.asarray(link.center_of_mass, np.float64) ** 2))
         size = max((abs(number) for number in (*expected, *body.inertia) if math.isfinite(number)), default=0.0)
         yield vector("inertia", link.name, body.inertia, expected, size + offset, tolerance)
@@ -72,9 +84,11 @@ def total_mass(match: Match, reading: RobotReading, tolerance: float) -> Iterato
         for body in reading.bodies
         if body.mass is not None and body.name in known and (root.mass or body.name != root.name)
     ]
-    if not masses:
-        return
     everything = math.fsum(float(link.mass) for link in links)
+    if not masses:
+        if everything:
+            yield Compared("not-modelled", "total_mass", MODEL, "", text([everything]))
+        return
     if not root.mass or _tells_mass(reading, root.name):
         yield scalar("total_mass", MODEL, math.fsum(masses), everything, tolerance)
         return

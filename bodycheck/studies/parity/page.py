@@ -18,7 +18,17 @@ from bodycheck.results.verdicts import AGREES, MISSING, ROBOTS
 from bodycheck.studies.parity.quantities import FAILED, FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
-from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file, unreadable
+from bodycheck.studies.parity.wording import (
+    brief,
+    differs,
+    engines_of,
+    headline,
+    name_of,
+    of_engine,
+    of_engine_counted,
+    of_file,
+    unreadable,
+)
 
 #: The name of the part with all robots beside each other.
 MATRIX = "matrix"
@@ -127,7 +137,7 @@ def _robot(anchor: str, one: Parity) -> Part:
         texts.append(f"What engines read is a copy without what names other files: {', '.join(one.removed)}.")
     tables = []
     for engine, rows in engines_of(one).items():
-        texts.append(f"{engine} {rows[0].version}: {'; '.join(of_engine(rows))}.")
+        texts.append(f"{engine} {rows[0].version}: {'; '.join(of_engine_counted(rows))}.")
         texts += [f"{engine}: {note}." for note in one.notes.get(engine, ())]
         different = [row for row in rows if failed(row) or row.status == "accepted-unphysical"]
         if different:

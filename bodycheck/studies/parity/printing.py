@@ -13,7 +13,7 @@ from bodycheck.robots.elements import printable
 from bodycheck.studies.parity.quantities import MODEL
 from bodycheck.studies.parity.rows import ParityRow
 from bodycheck.studies.parity.study import Parity
-from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file, unreadable
+from bodycheck.studies.parity.wording import engines_of, headline, of_engine_counted, of_file, unreadable
 
 if TYPE_CHECKING:
     from bodycheck.studies.parity.releases import Meaning
@@ -52,7 +52,7 @@ def print_models(models: Sequence[Parity]) -> None:
         if len(faults) > MOST_FAULTS:
             tell(f"  the file: {count(len(faults) - MOST_FAULTS, 'more fault')} in the table (--table)", "    ")
         for engine, rows in engines_of(one).items():
-            verdict, *more = of_engine(rows)
+            verdict, *more = of_engine_counted(rows)
             tell(f"  {engine} {rows[0].version}: {verdict}", "    ")
             for sentence in more:
                 tell(f"    {sentence}", "      ")

@@ -1,12 +1,13 @@
 """The rows of the table of a parity study."""
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated
 
 from bodycheck.results.tables import Meaning, table_of
 from bodycheck.robots.elements import printable
-from bodycheck.studies.parity.quantities import FAILED, Cause, Quantity, Status
+from bodycheck.studies.parity.quantities import FAILED, FILE, Cause, Quantity, Status
 
 #: The most characters of a text in a row. Messages of engines and lists of joints repeat the names in a stranger's file.
 LONGEST = 1000
@@ -95,6 +96,19 @@ READINGS = table_of(
 
 #: The tables of the study.
 TABLES = (READINGS,)
+
+
+def comparisons(rows: Iterable[ParityRow]) -> Iterator[dict[str, str]]:
+    """Yield for each row of an engine its engine, its status, "ok" if it compares a quantity, and the words of the engine."""
+    for one in rows:
+        if one.engine != FILE:
+            yield {"engine": one.engine, "status": "ok" if is_compared(one) else one.status, "reason": one.engine_value}
+
+
+def is_compared(one: ParityRow) -> bool:
+    """Return whether a row compares a quantity of an engine with the file, so that it could have differed."""
+    always_agrees = one.quantity == "order" or (one.quantity == "gravity" and not one.truth_value)
+    return one.status in ("agrees", "differs", "accepted-unphysical") and one.quantity is not None and not always_agrees
 
 
 def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:

@@ -244,7 +244,7 @@ def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot) -> Itera
     left = {(_quantity(one.quantity), one.subject): one.text for one in robot_read.impossible}
     left |= {("parent", fault.subject): fault.text for fault in robot_read.faults if fault.quantity == "parent"}
     for one in rows:
-        text = left.pop((one.quantity, one.subject), None)
+        text = None if one.status == "not-modelled" else left.pop((one.quantity, one.subject), None)
         if text is not None and one.status == "agrees":
             yield Compared("accepted-unphysical", one.quantity, one.subject, one.engine_value, text)
         else:

@@ -17,7 +17,7 @@ SYNONYMS = {"continuous": "revolute", "ball": "spherical", "free": "floating", "
 
 
 def parents(match: Match, reading: RobotReading) -> Iterator[Compared]:
-    """Yield a row with the parent of each body that the engine keeps.
+    """Yield a row with the parent of each body, also of a body that the engine does not report.
 
     The root and the world count as the same parent. Links without mass between several joints of one body, which an engine may
     not have, are skipped.
@@ -33,6 +33,9 @@ def parents(match: Match, reading: RobotReading) -> Iterator[Compared]:
                 expected = parent_of[expected.name]
             status: Status = "agrees" if name == expected.name else "differs"
             yield Compared(status, "parent", body.name, body.parent or "", expected.name)
+    for name, expected in parent_of.items():
+        if name not in kept:
+            yield Compared("not-modelled", "parent", name, "", expected.name)
 
 
 def joint_types(match: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from bodycheck.reports.quantities import count, listing, verb
 from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity, Status
-from bodycheck.studies.parity.rows import ParityRow, failed
+from bodycheck.studies.parity.rows import ParityRow, failed, is_compared
 from bodycheck.studies.parity.study import Parity
 
 #: The words for each cause, which the subjects follow.
@@ -62,6 +62,9 @@ NO_ANSWER: dict[Status, tuple[str, str]] = {
     "adapter-fault": ("fault of an adapter", "faults of adapters"),
 }
 
+#: The quantities of links that an engine may not report.
+OF_LINKS: tuple[Quantity, ...] = ("mass", "center_of_mass", "inertia", "parent")
+
 #: The most subjects that a sentence names.
 MOST = 4
 
@@ -102,9 +105,29 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
     more = [f"accepts what cannot be: {listing(accepted, MOST, 'subject')}"] if accepted else []
     more += [f"does not model: {listing(missing, MOST, 'joint')}"] if missing else []
+    more += _unreported(rows)
+    if not any(map(is_compared, rows)):
+        return ("nothing was compared", *more)
     if not sentences:
         return (f"agrees{_largest(rows)}", *more)
     return ("differs", *sentences, *more)
+
+
+def of_engine_counted(rows: Sequence[ParityRow]) -> tuple[str, ...]:
+    """Return the clauses of `of_engine`, with the number of compared quantities in the verdict; for all rows of a study."""
+    verdict, *more = of_engine(rows)
+    compared = sum(map(is_compared, rows))
+    return (f"{verdict}, {count(compared, 'quantity', 'quantities')} compared" if compared else verdict, *more)
+
+
+def _unreported(rows: Sequence[ParityRow]) -> list[str]:
+    """Return a clause with the links about which an engine does not report everything; none if there is no such link."""
+    links: dict[str, list[str]] = defaultdict(list)
+    for row in rows:
+        if row.status == "not-modelled" and row.quantity in OF_LINKS and row.subject != MODEL:
+            links[row.subject].append(name_of(row.quantity))
+    entries = [f"{link} ({listing(quantities)})" for link, quantities in links.items()]
+    return [f"does not report: {listing(entries, MOST, 'link')}"] if entries else []
 
 
 def brief(rows: Sequence[ParityRow]) -> str:

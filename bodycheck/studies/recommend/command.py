@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK
 
 if TYPE_CHECKING:
     from bodycheck.studies.recommend.rows import Recommendation
@@ -41,7 +40,8 @@ def recommend(
     10 %, from a tenth of the duration down to 100,000 steps. All is measured, nothing is extrapolated. The tables are
     recommend.csv and steps.csv. An interrupted search resumes when it is run again with the same --out.
 
-    Exit codes: 0 a method was found; 1 no method keeps the error, or an engine failed; 2 bad input or usage.
+    Exit codes: 0 a method was found; 1 no method keeps the error, an engine failed, or a named engine or method has no result;
+    2 bad input or usage.
 
     Parameters
     ----------
@@ -54,9 +54,11 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results. Default: attitude.
     """
+    from dataclasses import asdict
+
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.studies.output import Output
     from bodycheck.studies.recommend import printing, study
     from bodycheck.studies.recommend.interface import carry_out
@@ -64,12 +66,12 @@ def recommend(
     check_has_folder(figures, out)
     tables.check(view, printing.ANSWERS)
     loaded = load_case(case)
-    engines = load_engines(engine)
+    engines = load_engines(engine, integrators=integrator)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     recommendation = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found
     _tell(recommendation, json, view, quiet)
-    say_where(out, quiet)
-    return OK if recommendation.reached and not engines.failed([loaded]) else FAILED
+    decision = engines.decided(map(asdict, recommendation.probes), [loaded], failed=not recommendation.reached)
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _tell(recommendation: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:

@@ -11,6 +11,7 @@ from bodycheck.interface.arguments import Names, OneCase
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.results import origin, store
 from bodycheck.running import campaign
+from bodycheck.running.named import check_planned
 from bodycheck.studies.output import Output
 from bodycheck.studies.recommend import study
 from bodycheck.studies.recommend.page import present
@@ -81,6 +82,7 @@ def carry_out(
     BadInput, BadJournal, Failed
         As `study.results` and `study.reused` raise them.
     """
+    check_planned(engines.named, engines.records, ((search.engine, search.method) for search in planned.searches))
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
     head = campaign.header(command, engines.records, engines.missing)
     with (
@@ -138,7 +140,7 @@ def recommend(
     figure = conversion.name("--quantity", quantity)
     named, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
     jobs = arguments.jobs_of(jobs)
-    engines = load_engines(named)
+    engines = load_engines(named, integrators=spellings)
     planned = study.prepare(loaded, engines.records, spellings, figure, wanted)
     earlier = arguments.path("--reuse", reuse)
     command = arguments.command(

@@ -104,12 +104,14 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     Raises
     ------
     BadInput
-        If the error is not positive, not finite, or so large that every method keeps it; if the figure does not exist, if no
-        engine has a method, or if there is nothing to run.
+        If the error is not positive, not finite, at least 1 for a relative figure, or so large that every method keeps it; if
+        the figure does not exist, if no engine has a method, or if there is nothing to run.
     """
     figure = figure_of(case, quantity)
     if not 0 < error < math.inf:
         raise BadInput(f"--error {error:g}: must be positive and finite")
+    if FIGURES[figure].in_unit == "relative" and error >= 1:
+        raise BadInput(f"--error {error:g}: must be less than 1, because this figure is relative")
     if error >= (most := most_possible(figure, case.duration)):
         least = f"{FIGURES[figure].title.lower()} is at most {most:.4g} {FIGURES[figure].unit}".rstrip()
         raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")

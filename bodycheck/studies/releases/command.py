@@ -45,8 +45,8 @@ def releases(
     Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
     steps are those of `bodycheck run`. The tables are releases.csv and changes.csv; with --model it is parity.csv.
 
-    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured, or a file has
-    faults and was left out.
+    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release or a named method has no result, or a
+    file has faults and was left out.
 
     Parameters
     ----------
@@ -65,8 +65,9 @@ def releases(
     from bodycheck.console import progress as shown
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_engine, check_has_folder, make_folder, processes, read_cases, tell_left_out
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.console.terminal import print_json
+    from bodycheck.running.named import Named, decide
     from bodycheck.studies.releases import printing, study
 
     check_engine(engine)
@@ -93,8 +94,8 @@ def releases(
         printing.print_releases(results, view)
     for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
-    say_where(out, quiet)
-    return FAILED if notices or results.header["unmeasured"] or loaded.faults else OK
+    failed = bool(notices or results.header["unmeasured"] or loaded.faults)
+    return end(decide(Named(integrator=integrator, version=chosen), results.rows, failed), out, json=json, quiet=quiet)
 
 
 def _models(
@@ -112,13 +113,14 @@ def _models(
     from dataclasses import asdict
 
     from bodycheck.console import terminal
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.results import origin
     from bodycheck.running import campaign, engines
+    from bodycheck.running.named import Named, decide
     from bodycheck.studies.output import Output
     from bodycheck.studies.parity import printing, releases
     from bodycheck.studies.parity.page import present
-    from bodycheck.studies.parity.rows import READINGS
+    from bodycheck.studies.parity.rows import READINGS, comparisons
     from bodycheck.studies.parity.study import Asking
     from bodycheck.studies.parity.wording import unreadable
 
@@ -140,8 +142,10 @@ def _models(
     printing.tell_unread(models_read, ())
     for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
-    say_where(out, quiet)
-    return FAILED if notices or missing or any(map(unreadable, models_read)) else OK
+    answers = [row | {"version": row["engine"].partition("@")[2]} for one in models_read for row in comparisons(one.rows)]
+    failed = bool(notices or missing or any(map(unreadable, models_read)))
+    decision = decide(Named(version=versions), answers, failed, measured=("ok", "refused"))
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _write(results: "Found", out: Path, figures: Figures) -> None:

@@ -17,7 +17,6 @@ from bodycheck.console.options import (
     Timesteps,
     Viewed,
 )
-from bodycheck.errors import FAILED, OK
 
 
 def tradeoff(
@@ -41,7 +40,7 @@ def tradeoff(
     """
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import batch_sizes, check_has_folder
-    from bodycheck.console.output import say_where
+    from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
     from bodycheck.studies.output import Output
     from bodycheck.studies.tradeoff import printing, study
@@ -56,8 +55,7 @@ def tradeoff(
         terminal.print_json({"rows": results.tables["tradeoff"].rows, "orders": results.tables["orders"].rows})
     elif not quiet:
         printing.print_tradeoff(results.rows, results.orders, view)
-    say_where(out, quiet)
-    return FAILED if runs.engine_failed or runs.left_out else OK
+    return end(runs.decided(results.rows, batch=sizes), out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

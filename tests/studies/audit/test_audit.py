@@ -3,7 +3,7 @@
 import csv
 import json
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import Engine, Integrator, Method, choice
 from bodycheck.studies.audit import classes, nondeterminism, study
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.rows import PROPERTIES, Row
-from bodycheck.studies.audit.wording import sentences
+from bodycheck.studies.audit.wording import sentences, without_findings
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant
 from tests.support.processes import calls_here
@@ -246,3 +246,9 @@ def test_sentences_tell_defaults_and_deviations_apart_with_their_sizes() -> None
         ),
         ("default", "angular-damping", ["0.0499", "1/s", "0", "euler:settings=engine", "2"]),
     ]
+
+
+def test_an_engine_without_any_answer_is_not_said_to_have_nothing() -> None:
+    row = Row("one", "1.0", "Euler", 0.002, "sleeping", None, "", "", "not-probed", "rest: it gave up", None)
+    assert without_findings([row]) == "No probe gave an answer."
+    assert without_findings([row, replace(row, status="none")]) == "Nothing was found that mechanics does not have."

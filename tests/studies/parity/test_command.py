@@ -105,6 +105,42 @@ def test_agreement_is_success_and_rows_are_printed_as_json(here: Path) -> None:
     assert {row["status"] for row in json.loads(done.stdout)} == {"agrees"}
 
 
+def test_what_an_engine_does_not_report_is_told_and_counted(here: Path) -> None:
+    """An engine without any bodies has a row for each quantity of each link, so that it agrees in fewer quantities."""
+    done = bodycheck("parity", "arm.urdf", *engines("faithful", "bodiless"), "--states", "4", "--out", "out", folder=here)
+    assert done.returncode == 0
+    table = list(csv.DictReader((here / "out" / "parity.csv").read_text("utf-8").splitlines()))
+    rows = {name: [row for row in table if row["engine"] == name] for name in ("faithful", "bodiless")}
+    assert {row["status"] for row in rows["faithful"]} == {"agrees"}
+    missing = {(row["quantity"], row["subject"]) for row in rows["bodiless"] if row["status"] == "not-modelled"}
+    links = ("arm_1", "arm_2", "slide", "hand")
+    assert missing == {("total_mass", "model"), ("mass", "tool")} | {
+        (quantity, link) for quantity in ("mass", "center_of_mass", "inertia", "parent") for link in links
+    }
+    names = [{(row["quantity"], row["subject"]) for row in rows[name]} for name in rows]
+    assert names[1] - names[0] == {("mass", "tool")}  # which the other engine has joined to the first link
+    assert names[0] <= names[1]
+    compared = len(rows["faithful"]) - 2  # any order of the joints agrees, and any gravity with a file that states none
+    assert f" (pose), {compared} quantities compared" in done.stdout
+    assert f" (pose), {compared - 17} quantities compared" in done.stdout
+    assert "does not report: arm_1 (parent, mass, center of mass and inertia), " in done.stdout
+
+
+def test_a_named_engine_of_which_nothing_is_compared_fails(here: Path) -> None:
+    done = bodycheck("parity", "arm.urdf", *engines("faithful", "mjcf-only"), "--states", "4", folder=here)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == (
+        "bodycheck: there is no result of the engine mjcf-only, which is named: not-modelled: there is no reader of URDF"
+    )
+
+
+@pytest.mark.parametrize("tolerance", ["1", "1.5", "inf", "nan", "0", "-1e-9"])
+def test_a_tolerance_that_everything_meets_is_refused(here: Path, tolerance: str) -> None:
+    done = bodycheck("parity", "arm.urdf", *engines("faithful"), "--tolerance", tolerance, folder=here)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.endswith(": must be greater than 0 and less than 1; it is relative\n")
+
+
 def test_a_motion_shows_what_a_difference_does(here: Path) -> None:
     done = bodycheck("parity", "arm.urdf", *engines("heavy"), "--states", "4", "--motion", "0.2", folder=here)
     assert "after 0.2 s of free motion" in done.stdout

@@ -28,8 +28,8 @@ RUNS, MEMBERS = "runs", "members"
 #: The columns of runs that identify the method of a row.
 METHOD = ("engine", "version", "integrator", "timestep")
 
-#: The statuses of runs that completed, and of runs that the engine cannot make.
-OK, UNSUPPORTED = "ok", "unsupported"
+#: The statuses of runs that completed, of runs that diverged, and of runs that the engine cannot make.
+OK, DIVERGED, UNSUPPORTED = "ok", "diverged", "unsupported"
 
 #: Rows that are read at once.
 BATCH = 1 << 16
@@ -104,6 +104,11 @@ class Ensemble:
     def failed(self) -> Flags:
         """Flags (m, n) of the runs that were made and failed: the status is not ok, or an expectation is broken."""
         return self.supported & (~self._has(OK) | self.broken)
+
+    @property
+    def measured(self) -> Flags:
+        """Flags (m, n) of the runs with a motion: they completed, diverged, or ended as an expectation of the case says."""
+        return self.supported & (self._has(OK) | self._has(DIVERGED) | ~self.broken)
 
     @property
     def sequence(self) -> NDArray[np.int64]:

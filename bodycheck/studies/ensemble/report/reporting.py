@@ -4,7 +4,7 @@ The case files and animations of worst members, which required further runs, are
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from bodycheck.reference.requirements import needs
 from bodycheck.reports.quantities import count
 from bodycheck.reports.study import Animation
 from bodycheck.studies.ensemble.findings import stored
+from bodycheck.studies.ensemble.findings.aggregates import Aggregates
 from bodycheck.studies.ensemble.findings.analysis import Analysis, analyse
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import chosen
@@ -46,12 +47,15 @@ class Made:
         A sentence for each method with which members break expectations of the case.
     worst
         The number of worst members that `publishing.write` treats.
+    outcomes
+        A row for each method: "ok" if a member completed, diverged or kept its expectations; otherwise how most members ended.
     """
 
     analysis: Analysis
     sentences: tuple[str, ...]
     broken: tuple[str, ...]
     worst: int
+    outcomes: tuple[dict[str, str], ...]
 
     def records(self) -> dict[str, list[dict[str, Any]]]:
         """Return the rows of the tables."""
@@ -84,7 +88,20 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
     # A sentence on the terminal ends where the finding of the page refers to a part of the page.
     subjects = ((one.subject, one.before.removesuffix(" See ") if one.where else one.text) for one in findings)
     sentences = tuple(f"{subject}: {text}" for subject, text in subjects)
-    return Made(analysis, sentences, broken(ensemble, case), len(chosen(case, ensemble)))
+    return Made(
+        analysis, sentences, broken(ensemble, case), len(chosen(case, ensemble)), tuple(outcomes(ensemble, analysis.aggregates))
+    )
+
+
+def outcomes(ensemble: Ensemble, aggregates: Aggregates) -> Iterator[dict[str, str]]:
+    """Yield the row of each method in `Made.outcomes`."""
+    measured = ensemble.measured
+    for index, method in enumerate(aggregates.methods):
+        by = method.engine_method
+        end = (stored.OK, "")
+        if not measured[index].any():
+            end = (method.ways[0].name, method.ways[0].reason) if method.ways else (stored.UNSUPPORTED, method.unsupported)
+        yield {"engine": by.engine, "integrator": by.integrator, "status": end[0], "reason": end[1]}
 
 
 def broken(ensemble: Ensemble, case: Case) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.casefile.content import Case
 from bodycheck.reference.scene import Scene
 from bodycheck.results import resumption
@@ -29,6 +29,11 @@ class Plan:
     def size(self) -> int:
         """The number of runs."""
         return len(self.tasks)
+
+    @property
+    def methods(self) -> tuple[tuple[str, Method], ...]:
+        """The name of the engine and the method of each run."""
+        return tuple((task.engine, task.method) for task in self.tasks)
 
 
 def suits(case: Case) -> bool:
