@@ -56,11 +56,11 @@ class Guarded:
             self.stream.flush()
 
     def finish(self) -> None:
-        """Write the last line if it is incomplete, and flush the other stream."""
-        with _read():
-            self.stream.write(harmless(self.line))
+        """Write the last line if it is incomplete."""
+        if self.line:
+            with _read():
+                self.stream.write(harmless(self.line))
             self.line = ""
-            self.stream.flush()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
