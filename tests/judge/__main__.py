@@ -4,10 +4,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.judge import mechanism_scenes
+from tests.judge import contact_scenes, mechanism_scenes
 from tests.judge.verdicts import judged
 
-DRAWS = {"mechanisms": mechanism_scenes.judge}
+DRAWS = {"mechanisms": mechanism_scenes.judge, "contacts": contact_scenes.judge}
 
 if __name__ == "__main__":
     name, first, count = sys.argv[1:]

@@ -38,6 +38,7 @@ from tests.judge.numerals import (
 )
 from tests.judge.series import ORDER, Series, Tape, at, first_root
 from tests.judge.solids import Inertia, inertia_of
+from tests.judge.states import State
 
 #: A joint whose velocity is below this, relative to one m/s or rad/s, has stopped: what an event leaves of it is rounding.
 STOPPED = Decimal("1e-32")
@@ -70,16 +71,6 @@ class Link:
     axis: Vector
     terms: dict[str, Decimal]
     start: tuple[Decimal, Decimal]
-
-
-@dataclass(frozen=True)
-class State:
-    """The state of a body: position and velocity of the centre of mass, attitude, angular velocity along its axes."""
-
-    position: Vector
-    velocity: Vector
-    turn: Matrix
-    spin: Vector
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ A `Tape` records the right-hand sides once, as operations of `Series`; `expand` 
 by order, from numbers for the states and parameters.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from decimal import Decimal
 from itertools import islice
@@ -137,6 +138,11 @@ class Tape:
         """State the derivative of a state with respect to time."""
         self._states.append((state, derivative))
 
+    @property
+    def states(self) -> list[Series]:
+        """The states, in the order in which their rates were stated."""
+        return [state for state, _ in self._states]
+
     def watch(self, result: Any) -> None:
         """State that a result must converge within a step, too."""
         if isinstance(result, Series):
@@ -157,15 +163,20 @@ class Tape:
 
     def step(self) -> Decimal | None:
         """Return a step (s) in which the states and what is watched converge; None where all are polynomials."""
-        least = None
-        for series in (*(state for state, _ in self._states), *self._watched):
+        least = math.inf
+        for series in (*self.states, *self._watched):
             terms = series.coefficients
-            scale = max(ONE, abs(terms[0]))
+            scale = max(0.0, _log10(terms[0]))
             for k, term in enumerate(terms[-8:], len(terms) - 8):
                 if term:
-                    radius = ((scale / abs(term)).ln() / k).exp()
-                    least = radius if least is None else min(least, radius)
-        return None if least is None else least * SHORTER
+                    least = min(least, (scale - _log10(term)) / k)
+        return None if least == math.inf else Decimal(10) ** Decimal(least) * SHORTER
+
+
+def _log10(number: Decimal) -> float:
+    """Return the logarithm of the size of a number, -inf for zero."""
+    exponent = number.adjusted()
+    return exponent + math.log10(abs(float(number.scaleb(-exponent)))) if number else -math.inf
 
 
 def at(coefficients: Sequence[Decimal], time: Decimal) -> Decimal:

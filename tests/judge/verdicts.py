@@ -1,5 +1,6 @@
 """What the judge says of a truth: every printed state is compared with the judge's own, in units of the bound printed beside it."""
 
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -132,7 +133,10 @@ def judged(draw: Callable[[int, Path], Verdict], first: int, count: int, folder:
     verdicts = []
     for seed in range(first, first + count):
         with fifty_digits():
-            verdicts.append(draw(seed, folder))
+            try:
+                verdicts.append(draw(seed, folder))
+            except Exception:  # of the truth, which refuses a scene by exceptions of its own alone
+                verdicts.append(Verdict(seed, "", 0.0, (traceback.format_exc(limit=-4),)))
         print(verdicts[-1], flush=True)
     print(summary(verdicts))
     return verdicts
