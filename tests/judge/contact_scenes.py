@@ -7,7 +7,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from tests.judge import balls
+from tests.judge import balls, blocks
 from tests.judge.documents import written
 from tests.judge.numerals import exact
 from tests.judge.states import Motion
@@ -149,10 +149,50 @@ def _roller(chance: Chance) -> Table:
     return {"body": body, "initial": start, "scene": {"gravity": 9.81, "plane": plane}, "run": _run(chance.choice([0.5, 1.5]))}
 
 
+def _block(chance: Chance) -> Table:
+    """A block that lies flat, on an incline next to the steepest on which it rests or on any, or pushed."""
+    edges = [chance.choice([0.1, 0.2, 0.25, 0.5]) for _ in range(2)]
+    low = chance.choice([0.01, 0.05])
+    body: Table = {"shape": "brick", "semi_axes": [*edges, low], "mass": chance.choice([0.5, 1.0, 3.0])}
+    if chance.random() < 0.3:
+        body = {"shape": "cylinder", "radius": edges[0], "half_length": low, "mass": 1.0}
+    incline = chance.choice([0.0, chance.uniform(0.05, 1.0), chance.uniform(0.05, 1.0)])
+    friction = chance.choice([0.0, 0.2, 0.5, chance.uniform(0.05, 1.0)])
+    if incline and chance.random() < 0.5:
+        friction = math.tan(incline) * (1 + chance.choice([-1, 0, 1]) * 10 ** -chance.uniform(8, 16))
+    scene: Table = {"gravity": 9.81, "plane": {"incline": incline, "friction": friction}}
+    start: Table = {}
+    if chance.random() < 0.6:
+        along, across = chance.uniform(-2, 2), chance.choice([0.0, chance.uniform(-2, 2)])
+        start["velocity"] = [along, across, -along * math.tan(incline)]
+        if chance.random() < 0.3:
+            start["velocity"] = [0.0, across, 0.0]
+    duration = chance.choice([0.5, 1.0, 2.0])
+    if not incline or chance.random() < 0.4:
+        scene["push"] = [_push(chance, body, incline, friction, duration) for _ in range(chance.choice([1, 1, 2]))]
+    return {"body": body, "scene": scene, "run": _run(duration)} | ({"initial": start} if start else {})
+
+
+def _push(chance: Chance, body: Table, incline: float, friction: float, duration: float) -> Table:
+    """A push at the centre of mass; on a level plane at times next to the force that friction holds."""
+    weight = body["mass"] * 9.81
+    size = chance.uniform(0.0, 2.0) * weight
+    if not incline and chance.random() < 0.4:
+        size = friction * weight * (1 + chance.choice([-1, 0, 1]) * 10 ** -chance.uniform(8, 16))
+    angle = chance.choice([0.0, math.pi / 2, chance.uniform(0, 6.28)])
+    push: Table = {"force": [size * math.cos(angle) if angle != math.pi / 2 else 0.0, size * math.sin(angle), 0.0]}
+    if chance.random() < 0.5:
+        push["from"] = round(chance.uniform(0.0, duration), 2)
+        if chance.random() < 0.7:
+            push["until"] = push["from"] + round(chance.uniform(0.05, duration), 2)
+    return push
+
+
 #: What draws a scene of each family, and what computes its motion.
 FAMILIES: dict[str, tuple[Callable[[Chance], Table], Callable[[str, Sequence[Decimal]], Motion]]] = {
     "ball on a level plane": (_ball_on_level, balls.motion),
     "ball on an incline": (_ball_on_incline, balls.motion),
     "ball that bounces": (_ball_that_bounces, balls.motion),
     "cylinder on its side": (_roller, balls.motion),
+    "block": (_block, blocks.motion),
 }
