@@ -7,7 +7,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from tests.judge import balls, blocks
+from tests.judge import balls, blocks, coins, drops, rods
 from tests.judge.documents import written
 from tests.judge.numerals import exact
 from tests.judge.states import Motion
@@ -188,6 +188,55 @@ def _push(chance: Chance, body: Table, incline: float, friction: float, duration
     return push
 
 
+def _dropped(chance: Chance) -> Table:
+    """A body that falls and turns until something of it touches."""
+    body: Table = {"shape": chance.choice(["brick", "ellipsoid"]), "semi_axes": [0.1, 0.15, chance.uniform(0.05, 0.3)], "mass": 1.0}
+    if chance.random() < 0.4:
+        body = {"shape": "cylinder", "radius": chance.uniform(0.05, 0.2), "half_length": chance.uniform(0.05, 0.2), "mass": 2.0}
+    start = {
+        "position": [0.0, chance.choice([0.0, 1.0]), chance.uniform(0.5, 1.5)],
+        "euler_zxz": [chance.uniform(0, 6.28), chance.uniform(0.1, 1.4), chance.uniform(0, 6.28)],
+        "velocity": [chance.uniform(-1, 1), 0.0, chance.uniform(-1, 1)],
+        "angular_velocity": _spin(chance, chance.choice([0.0, 3.0, 15.0])),
+    }
+    plane = {"incline": chance.choice([0.0, 0.3]), "friction": 0.5, "restitution": 0.3}
+    return {"body": body, "initial": start, "scene": {"gravity": 9.81, "plane": plane}, "run": _run(0.8, 9)}
+
+
+def _leaning(chance: Chance) -> Table:
+    """A rod on its rim, or a brick on its edge, that is released at rest."""
+    if chance.random() < 0.6:
+        body: Table = {"shape": "cylinder", "radius": chance.choice([0.005, 0.02]), "half_length": 0.5, "mass": 1.0}
+        start = {"euler_zxz": [chance.choice([0.0, 0.4]), chance.uniform(0.001, 1.3), 0.0]}
+    else:
+        body = {"shape": "brick", "semi_axes": [0.1, chance.choice([0.05, 0.1]), 0.3], "mass": 1.0}
+        start = {"euler_zxz": [chance.choice([0.0, 1.1]), chance.uniform(0.05, 1.3), 0.0]}
+    scene = {"gravity": 9.81, "plane": {"friction": chance.choice([0.1, 0.3, 0.6, 1.0, chance.uniform(0.2, 2.0)])}}
+    return {"body": body, "initial": start, "scene": scene, "run": _run(chance.choice([0.5, 1.0, 2.0]), 9)}
+
+
+def _coin(chance: Chance) -> Table:
+    """A cylinder that rolls on its rim; velocity and spin fit within a rounding."""
+    radius, half_length = chance.choice([0.05, 0.1]), chance.choice([0.002, 0.02])
+    tilt = chance.uniform(0.4, 1.3)
+    p, q, s = chance.choice([0.0, chance.uniform(-3, 3)]), chance.uniform(-8, 8), chance.uniform(-15, 15)
+    sine, cosine = math.sin(tilt), math.cos(tilt)
+    # K = (0, -sine, cosine); from the centre of mass to the rim: -half_length K + radius (0, -cosine, -sine)
+    arm = (0.0, half_length * sine - radius * cosine, -half_length * cosine - radius * sine)
+    spin = (p, q * cosine - s * sine, q * sine + s * cosine)
+    velocity = [
+        -(spin[1] * arm[2] - spin[2] * arm[1]),
+        -(spin[2] * arm[0] - spin[0] * arm[2]),
+        -(spin[0] * arm[1] - spin[1] * arm[0]),
+    ]
+    return {
+        "body": {"shape": "cylinder", "radius": radius, "half_length": half_length, "mass": 0.02},
+        "initial": {"euler_zxz": [0.0, tilt, 0.0], "velocity": velocity, "angular_velocity": [p, q, s]},
+        "scene": {"gravity": 9.81, "plane": {"friction": chance.choice(["no-slip", "no-slip", 0.3, 1.0])}},
+        "run": _run(chance.choice([0.2, 0.4]), 5),
+    }
+
+
 #: What draws a scene of each family, and what computes its motion.
 FAMILIES: dict[str, tuple[Callable[[Chance], Table], Callable[[str, Sequence[Decimal]], Motion]]] = {
     "ball on a level plane": (_ball_on_level, balls.motion),
@@ -195,4 +244,7 @@ FAMILIES: dict[str, tuple[Callable[[Chance], Table], Callable[[str, Sequence[Dec
     "ball that bounces": (_ball_that_bounces, balls.motion),
     "cylinder on its side": (_roller, balls.motion),
     "block": (_block, blocks.motion),
+    "dropped body": (_dropped, drops.motion),
+    "leaning body": (_leaning, rods.motion),
+    "rolling coin": (_coin, coins.motion),
 }

@@ -32,6 +32,7 @@ from tests.judge.numerals import (
     plus,
     product,
     sine_cosine,
+    solved,
     times,
     transposed,
     unit,
@@ -141,7 +142,7 @@ class Equations:
         mass, force = self._projected(coordinates, velocities | dict.fromkeys(self.stuck, ZERO))
         self.mass, self.force = mass, force
         loads = {k: force[k] + frictions[k] for k in self.moving}
-        accelerations = _solved({(i, j): mass[i, j] for i in self.moving for j in self.moving}, loads, self.moving)
+        accelerations = solved({(i, j): mass[i, j] for i in self.moving for j in self.moving}, loads, self.moving)
         self.holding = {
             k: force[k] - sum((mass[k, j] * accelerations[j] for j in self.moving), ZERO) for k in self.stuck
         }
@@ -211,24 +212,6 @@ def _sine_cosine(angle: Any) -> tuple[Any, Any]:
     return angle.sine_cosine() if isinstance(angle, Series) else sine_cosine(angle)
 
 
-def _solved(matrix: dict[tuple[int, int], Any], right: dict[int, Any], order: Sequence[int]) -> dict[int, Any]:
-    """Return the solution of equations with a positive definite matrix, by elimination without exchanges."""
-    matrix, right = dict(matrix), dict(right)
-    for n, i in enumerate(order):
-        for j in order[n + 1 :]:
-            factor = matrix[j, i] / matrix[i, i]
-            right[j] = right[j] - factor * right[i]
-            for k in order[n + 1 :]:
-                matrix[j, k] = matrix[j, k] - factor * matrix[i, k]
-    solution: dict[int, Any] = {}
-    for n, i in reversed(list(enumerate(order))):
-        rest = right[i]
-        for j in order[n + 1 :]:
-            rest = rest - matrix[i, j] * solution[j]
-        solution[i] = rest / matrix[i, i]
-    return solution
-
-
 class Mechanism:
     """The mechanism of a case file, with the equations of all choices of sticking joints that came up."""
 
@@ -272,7 +255,7 @@ class Mechanism:
             stuck = frozenset(k for k, sign in zip(resting, choice, strict=True) if not sign)
             slips = {k: -sign * self.links[k].terms["friction"] for k, sign in zip(resting, choice, strict=True) if sign}
             frictions = {k: (given | slips).get(k, ZERO) for k in range(len(self.links)) if k not in stuck}
-            rates = _solved(mass, {k: force[k] + friction for k, friction in frictions.items()}, list(frictions))
+            rates = solved(mass, {k: force[k] + friction for k, friction in frictions.items()}, list(frictions))
             loads = {k: force[k] - sum((mass[k, j] * rates[j] for j in frictions), ZERO) for k in stuck}
             if all(rates[k] * slips[k] < 0 for k in slips) and all(
                 abs(loads[k]) <= self.links[k].terms["friction"] * (1 + EQUAL) for k in stuck

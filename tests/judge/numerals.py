@@ -4,7 +4,7 @@ All of it must be called within `fifty_digits`, which sets the digits of the thr
 tuples of three rows, quaternions tuples w, x, y, z that take the components of a body to those of the world.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from decimal import ROUND_HALF_EVEN, Context, Decimal, localcontext
 from typing import Any
@@ -119,6 +119,24 @@ def about(axis: Vector, sine: Any, cosine: Any) -> Matrix:
         (rest * (x * y) + sine * z, cosine + rest * (y * y), rest * (y * z) - sine * x),
         (rest * (x * z) - sine * y, rest * (y * z) + sine * x, cosine + rest * (z * z)),
     )
+
+
+def solved(matrix: dict[tuple[int, int], Any], right: dict[int, Any], order: Sequence[int]) -> dict[int, Any]:
+    """Return the solution of equations with a positive definite matrix, by elimination without exchanges."""
+    matrix, right = dict(matrix), dict(right)
+    for n, i in enumerate(order):
+        for j in order[n + 1 :]:
+            factor = matrix[j, i] / matrix[i, i]
+            right[j] = right[j] - factor * right[i]
+            for k in order[n + 1 :]:
+                matrix[j, k] = matrix[j, k] - factor * matrix[i, k]
+    solution: dict[int, Any] = {}
+    for n, i in reversed(list(enumerate(order))):
+        rest = right[i]
+        for j in order[n + 1 :]:
+            rest = rest - matrix[i, j] * solution[j]
+        solution[i] = rest / matrix[i, i]
+    return solution
 
 
 def matrix_of(quaternion: Quaternion) -> Matrix:
