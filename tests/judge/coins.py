@@ -71,7 +71,7 @@ def _rolling() -> tuple[Tape, dict[str, Any]]:
 
 
 def motion(text: str, instants: Sequence[Decimal]) -> Motion:
-    """Return the motion as long as friction holds the rim."""
+    """Return the motion as long as friction holds the rim, and the side does not land."""
     body = on_plane(text)
     tape, results = _rolling()
     sign = ONE.copy_sign(body.turn[2][2])
@@ -86,7 +86,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
         tape.expand([*numbers, *parameters], ORDER)
         step, left = tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
-        margins = [margin.coefficients for margin in results["margins"]]
+        margins = [margin.coefficients for margin in (*results["margins"], results["axis"][2])]
         roots = [ZERO if margin[0] < 0 else first_root(margin, step) for margin in margins]
         slip = min((root for root in roots if root is not None), default=None)
         end = step if slip is None else slip

@@ -133,7 +133,7 @@ class _Curve:
         low, high = ZERO, ONE
         while self.time(high) < time:
             low, high = high, 2 * high
-            if high > 400:  # the slip is zero within the digits
+            if (self.ratio - 1) * high > 300:  # the slip is zero within the digits
                 return high
         point = (low + high) / 2
         for _ in range(300):
