@@ -47,6 +47,10 @@ def judge_text(
     known = {index: state for index, state in judged.states.items() if not math.isnan(bounds[index])}
     body = None if truth.trajectory.position.ndim == 2 else 0
     claims = state_claims(truth, body, known) + event_claims(truth, judged)
+    for index, bound in enumerate(bounds):
+        if math.isnan(bound) == (index in judged.states):
+            what = "no state" if math.isnan(bound) else "a state after the motion has ended"
+            claims.append(Claim(f"{what} at t = {truth.trajectory.t[index]:.17g}", math.inf, 0.0))
     return verdict(seed, f"{kind} ({len(judged.events)} events, {len(known)} of {len(bounds)} instants)", claims)
 
 
@@ -56,10 +60,10 @@ def event_claims(truth: Any, judged: Motion) -> list[Claim]:
     Of bounces without end, the judge has as many as it computes, which may be more than the truth has.
     """
     claims = []
-    for kind in sorted({event.kind for event in truth.events}):
+    for kind in sorted({event.kind for event in truth.events} | {name for name, _ in judged.events}):
         told = [event for event in truth.events if event.kind == kind]
         own = [time for name, time in judged.events if name == kind]
-        if len(told) > len(own):
+        if len(told) > len(own) or (len(told) < len(own) and kind != "impact"):
             claims.append(Claim(f"{len(told)} events {kind}, not {len(own)}", math.inf, 0.0))
         for number, (event, time) in enumerate(zip(told, own, strict=False)):
             error = float(abs(exact(event.time) - time))

@@ -44,7 +44,7 @@ class Slip:
 
     def end(self) -> Decimal | None:
         """Return when the slip is zero; None if it never is."""
-        if not self.friction:
+        if not self.friction and (self._across() or self.start == (ZERO, ZERO)):
             return None
         if not self._across():
             rate = self._straight_rate()

@@ -1,5 +1,6 @@
 """What the judge says of a truth: every printed state is compared with the judge's own, in units of the bound printed beside it."""
 
+import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,10 @@ from tests.judge.numerals import Matrix, angle_between, exact, fifty_digits, mat
 
 #: The state of a body, or what an event leaves of it, and its parts: position, velocity, attitude, angular velocity.
 FIGURES = ("position", "velocity", "attitude", "angular_velocity")
+
+
+#: Errors that may be the judge's own: it leaves out terms of 1e-35, and some thousand steps add up.
+CERTAIN = 1e-28
 
 
 @dataclass(frozen=True)
@@ -56,9 +61,9 @@ class Claim:
     @property
     def ratio(self) -> float:
         """The error in units of the bound."""
-        if self.error <= self.bound:
-            return self.error / self.bound if self.bound else 0.0
-        return self.error / self.bound if self.bound else float("inf")
+        if self.error <= CERTAIN:
+            return 0.0
+        return self.error / self.bound if self.bound else math.inf
 
     def __str__(self) -> str:
         return f"{self.what}: error {self.error:.3g}, bound {self.bound:.3g}, ratio {self.ratio:.3g}"
