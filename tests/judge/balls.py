@@ -1,7 +1,7 @@
 """Spheres, and cylinders on their side, that fly, bounce, slip and roll on a plane.
 
-The point that touches slips with u = v - r w x n. While it slips, friction decelerates u by (1 + 1 / k) times what it decelerates the
-centre, k = I / (m r^2); an impact ends the slip if friction allows so large an impulse.
+The point that touches slips with u = v - r w x n. While it slips, friction decelerates u by (1 + 1 / k) times what it
+decelerates the centre, k = I / (m r^2); an impact ends the slip if friction allows so large an impulse.
 """
 
 from collections.abc import Callable, Sequence
@@ -160,7 +160,9 @@ class _Laws:
         return Phase(
             None,
             after,
-            lambda instants: [turned(spin, time) for time in instants] if steady else with_steady_change(spin, turning, instants),
+            lambda instants: (
+                [turned(spin, time) for time in instants] if steady else with_steady_change(spin, turning, instants)
+            ),
         )
 
     def _slipping(self, position: Vector, velocity: Vector, spin: Vector, slip: Any, friction: Decimal) -> Phase:

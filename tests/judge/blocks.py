@@ -1,4 +1,4 @@
-"""Bricks and standing cylinders that lie flat on a plane: they rest, or slide as a point does, pushed or not, until they tip."""
+"""Bricks and standing cylinders that lie flat on a plane: they rest, or slide as a point does, until they tip."""
 
 from collections.abc import Sequence
 from decimal import Decimal

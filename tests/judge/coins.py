@@ -1,7 +1,7 @@
 """Cylinders that roll on a rim of a level plane without slip: Newton's and Euler's equations along the axes of the plane.
 
-K is the axis, d the steepest way down across it, and the rim touches at -h K + r d from the centre of mass. The force there gives
-the centre of mass its acceleration, and its moment turns the body; the velocity of the rim is zero.
+K is the axis, d the steepest way down across it, and the rim touches at -h K + r d from the centre of mass. The force there
+gives the centre of mass its acceleration, and its moment turns the body; the velocity of the rim is zero.
 """
 
 from collections.abc import Sequence
@@ -22,8 +22,8 @@ NORMAL: Vector = (ZERO, ZERO, ONE)
 def _rolling() -> tuple[Tape, dict[str, Any]]:
     """Return the equations. States: the quaternion since the start, the spin, the foot of the centre of mass.
 
-    Parameters: the axis K at the start, radius, half the length, moments across and along the axis over the mass, gravity, and the
-    square of the friction. Results: the axis, the velocity and the margins of load and friction.
+    Parameters: the axis K at the start, radius, half the length, moments across and along the axis over the mass, gravity, and
+    the square of the friction. Results: the axis, the velocity, the load and what is left of friction, over the mass.
     """
     tape = Tape()
     quaternion, spin = [tape.state() for _ in range(4)], (tape.state(), tape.state(), tape.state())
@@ -67,7 +67,7 @@ def _rolling() -> tuple[Tape, dict[str, Any]]:
     margin = friction * (force[2] * force[2]) - (force[0] * force[0] + force[1] * force[1])
     tape.watch(margin)
     tape.watch(force[2])
-    return tape, {"axis": axis, "velocity": velocity, "margins": (margin, force[2])}
+    return tape, {"axis": axis, "velocity": velocity, "friction": margin, "load": force[2]}
 
 
 def motion(text: str, instants: Sequence[Decimal]) -> Motion:
@@ -77,7 +77,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
     sign = ONE.copy_sign(body.turn[2][2])
     axis = tuple(sign * row[2] for row in body.turn)
     mass, tensor = body.inertia.mass, body.inertia.tensor
-    friction = Decimal(10) ** 20 if body.friction is None else body.friction**2
+    friction = ZERO if body.friction is None else body.friction**2
     lengths = (exact(body.table["radius"]), exact(body.table["half_length"]))
     parameters = [*axis, *lengths, tensor[0][0] / mass, tensor[2][2] / mass, -body.gravity[2], friction]
     numbers = [ONE, ZERO, ZERO, ZERO, *body.spin, *body.position[:2]]
@@ -86,7 +86,8 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
         tape.expand([*numbers, *parameters], ORDER)
         step, left = tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
-        margins = [margin.coefficients for margin in (*results["margins"], results["axis"][2])]
+        limits = [results["load"], results["axis"][2], *([] if body.friction is None else [results["friction"]])]
+        margins = [limit.coefficients for limit in limits]
         roots = [ZERO if margin[0] < 0 else first_root(margin, step) for margin in margins]
         slip = min((root for root in roots if root is not None), default=None)
         end = step if slip is None else slip
@@ -94,9 +95,9 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
             if i not in states and now <= instant <= now + end:
                 row = [at(term.coefficients, instant - now) for term in tape.states]
                 turn = product(matrix_of((row[0], row[1], row[2], row[3])), body.turn)
-                velocity = tuple(at(part.coefficients, instant - now) for part in results["velocity"])
+                x, y, z = (at(part.coefficients, instant - now) for part in results["velocity"])
                 height = support(body.table, turn)
-                states[i] = body.in_world((row[7], row[8], height), velocity, turn, (row[4], row[5], row[6]))  # type: ignore[arg-type]
+                states[i] = body.in_world((row[7], row[8], height), (x, y, z), turn, (row[4], row[5], row[6]))
         if slip is not None:
             return Motion(states, [("slip", now + slip)])
         if len(states) == len(instants):

@@ -35,9 +35,7 @@ def drawn(seed: int) -> tuple[str, str, Callable[[str, Sequence[Decimal]], Motio
     return kind, written(document), motion
 
 
-def judge_text(
-    seed: int, kind: str, text: str, motion: Callable[[str, Sequence[Decimal]], Motion], folder: Path
-) -> Verdict:
+def judge_text(seed: int, kind: str, text: str, motion: Callable[[str, Sequence[Decimal]], Motion], folder: Path) -> Verdict:
     """Return the verdict on the truth of a scene."""
     truth = truth_of(text, folder)
     if isinstance(truth, str):
@@ -194,7 +192,11 @@ def _push(chance: Chance, body: Table, incline: float, friction: float, duration
 
 def _dropped(chance: Chance) -> Table:
     """A body that falls and turns until something of it touches."""
-    body: Table = {"shape": chance.choice(["brick", "ellipsoid"]), "semi_axes": [0.1, 0.15, chance.uniform(0.05, 0.3)], "mass": 1.0}
+    body: Table = {
+        "shape": chance.choice(["brick", "ellipsoid"]),
+        "semi_axes": [0.1, 0.15, chance.uniform(0.05, 0.3)],
+        "mass": 1.0,
+    }
     if chance.random() < 0.4:
         body = {"shape": "cylinder", "radius": chance.uniform(0.05, 0.2), "half_length": chance.uniform(0.05, 0.2), "mass": 2.0}
     start = {

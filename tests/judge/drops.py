@@ -86,7 +86,10 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
                 turn = product(matrix_of((row[0], row[1], row[2], row[3])), body.turn)
                 along = applied(transposed(turn), free.momentum)
                 spin = applied(turn, (along[0] / tensor[0][0], along[1] / tensor[1][1], along[2] / tensor[2][2]))
-                moved = [p + v * instant + g * instant * instant / 2 for p, v, g in zip(body.position, body.velocity, body.gravity, strict=True)]
+                moved = [
+                    p + v * instant + g * instant * instant / 2
+                    for p, v, g in zip(body.position, body.velocity, body.gravity, strict=True)
+                ]
                 speed = [v + g * instant for v, g in zip(body.velocity, body.gravity, strict=True)]
                 states[i] = body.in_world((moved[0], moved[1], moved[2]), (speed[0], speed[1], speed[2]), turn, spin)
         if touch is not None:
@@ -95,5 +98,3 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
             return Motion(states, [])
         numbers = [at(term.coefficients, step) for term in free.tape.states]
         now += step
-
-

@@ -1,10 +1,10 @@
-"""The motion of bodies on hinges and sliders with dry friction, from the text of their case file on, in arithmetic of fifty digits.
+"""The motion of bodies on hinges and sliders with dry friction, from the text of their case file on.
 
 The equations are Newton's and Euler's, projected on the velocities that each joint alone would give the bodies (Jourdain's
-principle), in the frames of the bodies. Their solutions are power series in time from one change of sticking and slipping to the
-next. At a change, the accelerations of the joints at rest are those that agree with Coulomb's law: a joint sticks where at most
-its friction holds it, and begins to slip against its friction otherwise. The mass matrix is positive definite, so that exactly
-one choice agrees.
+principle), in the frames of the bodies. Their solutions are power series in time from one change of sticking and slipping to
+the next. At a change, the accelerations of the joints at rest are those that agree with Coulomb's law: a joint sticks where at
+most its friction holds it, and begins to slip against its friction otherwise. The mass matrix is positive definite, so that
+exactly one choice agrees.
 """
 
 import itertools
@@ -16,9 +16,7 @@ from functools import cached_property
 from typing import Any
 
 from tests.judge.numerals import (
-    HALF,
     IDENTITY,
-    ONE,
     ZERO,
     Matrix,
     Vector,
@@ -28,7 +26,6 @@ from tests.judge.numerals import (
     cross,
     dot,
     exact,
-    minus,
     plus,
     product,
     sine_cosine,
@@ -143,9 +140,7 @@ class Equations:
         self.mass, self.force = mass, force
         loads = {k: force[k] + frictions[k] for k in self.moving}
         accelerations = solved({(i, j): mass[i, j] for i in self.moving for j in self.moving}, loads, self.moving)
-        self.holding = {
-            k: force[k] - sum((mass[k, j] * accelerations[j] for j in self.moving), ZERO) for k in self.stuck
-        }
+        self.holding = {k: force[k] - sum((mass[k, j] * accelerations[j] for j in self.moving), ZERO) for k in self.stuck}
         for k in self.moving:
             tape.rate(coordinates[k], velocities[k])
         for k in self.moving:
@@ -167,7 +162,9 @@ class Equations:
         for link, moves in zip(links, moved, strict=True):
             c = link.inertia.centre
             at_centre = {j: plus(moves.carrying[j], cross(moves.turning[j], c)) for j in moves.turning}
-            pull = times(link.inertia.mass, plus(moves.bias, cross(moves.bias_spin, c), cross(moves.spin, cross(moves.spin, c))))
+            pull = times(
+                link.inertia.mass, plus(moves.bias, cross(moves.bias_spin, c), cross(moves.spin, cross(moves.spin, c)))
+            )
             tensor = link.inertia.tensor
             twist = plus(applied(tensor, moves.bias_spin), cross(moves.spin, applied(tensor, moves.spin)))
             for i in moves.turning:
@@ -333,7 +330,10 @@ def motion(text: str, instants: Sequence[Decimal]) -> tuple[list[Instant], int]:
         q, u = _reached(equations, q, u, end)
         now += end
         if event is not None:
-            u = [ZERO if link.terms["friction"] and abs(value) < STOPPED else value for link, value in zip(mechanism.links, u, strict=True)]
+            u = [
+                ZERO if link.terms["friction"] and abs(value) < STOPPED else value
+                for link, value in zip(mechanism.links, u, strict=True)
+            ]
             before, phase = phase, mechanism.decided(q, u)
             changes += phase != before
             if changes > CHANGES or phase == before:
@@ -351,9 +351,7 @@ def _reached(
     return after, velocities
 
 
-def _change(
-    mechanism: Mechanism, equations: Equations, frictions: dict[int, Decimal], step: Decimal
-) -> Decimal | None:
+def _change(mechanism: Mechanism, equations: Equations, frictions: dict[int, Decimal], step: Decimal) -> Decimal | None:
     """Return the first time within a step at which a joint stops or one that sticks is no longer held."""
     roots = [first_root(equations.velocities[k].coefficients, step) for k in equations.moving if frictions[k]]
     for k in equations.stuck:

@@ -1,7 +1,7 @@
 """Mechanisms of up to three bodies with dry friction on their joints, drawn from a seed, and the verdicts on their truths.
 
-Shapes of mechanisms are few, so that the integrators of the truth are compiled once for each. Their numbers are drawn: joints that
-rest with a load next to their friction, joints that stop and turn back, and twins that stop at one instant.
+Shapes of mechanisms are few, so that the integrators of the truth are compiled once for each. Their numbers are drawn: joints
+that rest with a load next to their friction, joints that stop and turn back, and twins that stop at one instant.
 """
 
 import random
@@ -53,9 +53,7 @@ def drawn(seed: int) -> tuple[str, str]:
         for tables in (document["bodies"], document["joints"]):
             tables[2] = tables[1] | {key: tables[2][key] for key in ("name", "child") if key in tables[2]}
         if chance.random() < 0.5:
-            document["joints"][2]["initial"] = {
-                key: -value for key, value in document["joints"][1].get("initial", {}).items()
-            }
+            document["joints"][2]["initial"] = {key: -value for key, value in document["joints"][1].get("initial", {}).items()}
             document["joints"][2]["position"] = [-value for value in document["joints"][1]["position"]]
     if kind == "slider-wheel" and chance.random() < 0.5:
         document["bodies"][1].pop("center_of_mass", None)
@@ -154,6 +152,4 @@ def loads_at_start(text: str) -> dict[str, Decimal]:
     frictions = [-links[k].terms["friction"].copy_sign(start[k][1]) for k in moving]
     numbers = [start[k][0] for k in moving] + [start[k][1] for k in moving] + [start[k][0] for k in equations.stuck]
     equations.tape.expand([*numbers, *frictions], 1)
-    return {
-        links[k].joint: load.coefficients[0] if isinstance(load, Series) else load for k, load in equations.holding.items()
-    }
+    return {links[k].joint: load.coefficients[0] if isinstance(load, Series) else load for k, load in equations.holding.items()}

@@ -1,7 +1,7 @@
 """Numbers of fifty digits and more: elementary functions, vectors, matrices and rotations of `decimal.Decimal`.
 
-All of it must be called within `fifty_digits`, which sets the digits of the thread. Vectors are tuples of three numbers, matrices
-tuples of three rows, quaternions tuples w, x, y, z that take the components of a body to those of the world.
+All of it must be called within `fifty_digits`, which sets the digits of the thread. Vectors are tuples of three numbers,
+matrices tuples of three rows, quaternions tuples w, x, y, z that take the components of a body to those of the world.
 """
 
 from collections.abc import Iterable, Sequence

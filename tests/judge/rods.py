@@ -14,7 +14,6 @@ from tests.judge.planes import OnPlane, on_plane
 from tests.judge.series import ORDER, Tape, at, first_root
 from tests.judge.states import Motion, State
 
-
 #: What must not become negative: the load, and what friction has left to either side.
 MARGINS = ("load", "fore", "back")
 
@@ -54,7 +53,8 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
     mass, gravity = body.inertia.mass, -body.gravity[2]
     along = [sum((level[i] * body.turn[i][k] for i in range(3)), ZERO) for k in range(3)]
     moment = sum((along[k] * along[k] * body.inertia.tensor[k][k] for k in range(3)), ZERO) + mass * reach * reach
-    friction = body.friction if body.friction is not None else Decimal(10) ** 9
+    friction = ZERO if body.friction is None else body.friction
+    margins = MARGINS[:1] if body.friction is None else MARGINS
     parameters = [mass * gravity * reach / moment, reach / gravity, friction]
     tape, results = _pendulum()
     numbers = [fall / reach, arm[2] / reach, ZERO, ZERO]
@@ -64,7 +64,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
         tape.expand([*numbers, *parameters], ORDER)
         step, left = tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
-        ends = [(root, "slip") for name in MARGINS if (root := first_root(results[name].coefficients, step)) is not None]
+        ends = [(root, "slip") for name in margins if (root := first_root(results[name].coefficients, step)) is not None]
         for face in faces:
             sinks = level[0] * face[1] - level[1] * face[0]
             of_cosine, of_sine = face[2] * arm[2] - sinks * fall, face[2] * fall + sinks * arm[2]
@@ -72,7 +72,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
             height = [of_cosine * cosine + of_sine * sine for cosine, sine in pairs]
             if (root := first_root(height, step)) is not None:
                 ends.append((root, "impact"))
-        if any(results[name].coefficients[0] < 0 for name in MARGINS):
+        if any(results[name].coefficients[0] < 0 for name in margins):
             ends.append((ZERO, "slip"))  # at the start
         end, kind = min(ends, default=(step, ""))
         for i, instant in enumerate(instants):
@@ -117,4 +117,3 @@ def _leaning(body: OnPlane) -> tuple[Vector, Vector, list[Vector]]:
     along = arm[0] * axis[0] + arm[1] * axis[1]
     faces = [times(ONE.copy_sign(up[k]), columns[k]) for k in range(3) if k != level]  # type: ignore[arg-type]
     return axis, plus(arm, times(-along, axis)), faces
-

@@ -1,7 +1,7 @@
 """Power series in time of the solutions of differential equations, their steps and the roots of their sums.
 
-A `Tape` records the right-hand sides once, as operations of `Series`; `expand` then computes the coefficients of all of them, order
-by order, from numbers for the states and parameters.
+A `Tape` records the right-hand sides once, as operations of `Series`; `expand` then computes the coefficients of all of them,
+order by order, from numbers for the states and parameters.
 """
 
 import math

@@ -1,7 +1,7 @@
 """The slip of a point under a constant drive and dry friction: u' = g - c u / |u|, by elementary functions of tan(phi / 2).
 
-phi is the angle of the slip u from the drive g. With w = tan(phi / 2) and k = c / g, |u| = C w^(k-1) (1 + w^2) / 2; time and path are
-integrals of powers of w.
+phi is the angle of the slip u from the drive g. With w = tan(phi / 2) and k = c / g, |u| = C w^(k-1) (1 + w^2) / 2; time and
+path are integrals of powers of w.
 """
 
 from dataclasses import dataclass

@@ -5,7 +5,20 @@ from decimal import Decimal
 from functools import cache
 from typing import Any
 
-from tests.judge.numerals import HALF, ONE, ZERO, Matrix, Quaternion, Vector, about, matrix_of, product, sine_cosine, size, times
+from tests.judge.numerals import (
+    HALF,
+    ONE,
+    ZERO,
+    Matrix,
+    Quaternion,
+    Vector,
+    about,
+    matrix_of,
+    product,
+    sine_cosine,
+    size,
+    times,
+)
 from tests.judge.series import ORDER, Tape, at
 
 #: Speed of a slip, relative to that at its begin, below which the angular velocity counts as constant: 1e-12 s before its end.
@@ -47,8 +60,8 @@ def _steadily_changing() -> Tape:
 def _slipping() -> Tape:
     """Return the equations of a quaternion while the point that touches slips across its drive.
 
-    States: the quaternion, the angular velocity, the slip along x and y. Parameters: the drive along x and y, the deceleration by
-    friction, and by how much friction changes the angular velocity.
+    States: the quaternion, the angular velocity, the slip along x and y. Parameters: the drive along x and y, the deceleration
+    by friction, and by how much friction changes the angular velocity.
     """
     tape = Tape()
     quaternion, spin = [tape.state() for _ in range(4)], [tape.state() for _ in range(3)]
@@ -66,7 +79,11 @@ def _slipping() -> Tape:
 
 
 def integrated(
-    tape: Tape, states: Sequence[Decimal], parameters: Sequence[Decimal], instants: Sequence[Decimal], until: Decimal | None = None
+    tape: Tape,
+    states: Sequence[Decimal],
+    parameters: Sequence[Decimal],
+    instants: Sequence[Decimal],
+    until: Decimal | None = None,
 ) -> tuple[list[list[Decimal]], Decimal]:
     """Return the states of a tape at ascending instants (s) >= 0, and the last time that was reached.
 
@@ -93,7 +110,12 @@ def with_steady_change(spin: Vector, change: Vector, instants: Sequence[Decimal]
 
 
 def while_slipping(
-    spin: Vector, slip: Sequence[Decimal], drive: Sequence[Decimal], friction: Decimal, turning: Decimal, instants: Sequence[Decimal]
+    spin: Vector,
+    slip: Sequence[Decimal],
+    drive: Sequence[Decimal],
+    friction: Decimal,
+    turning: Decimal,
+    instants: Sequence[Decimal],
 ) -> list[Matrix]:
     """Return the rotations since the begin of a body whose point that touches slips; arguments as in `_slipping`."""
     states = [ONE, ZERO, ZERO, ZERO, *spin, *slip]

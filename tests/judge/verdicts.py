@@ -1,10 +1,9 @@
-"""What the judge says of a truth: every printed state is compared with the judge's own, in units of the bound printed beside it."""
+"""The comparison of a truth with the judge: every error of a printed state in units of the bound beside it."""
 
 import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -127,9 +126,7 @@ def joint_claims(truth: Any, expected: Sequence[Any], lengths: float) -> list[Cl
             for key, value, bound in zip(("position", "velocity"), exactly, (moved, fast), strict=True):
                 printed = exact(float(motion[name][key][index]))
                 allowed = 2 * bound + 2.3e-16 * abs(float(value))
-                claims.append(
-                    Claim(f"{key} of joint {name} at instant {index}", float(abs(printed - value)), allowed)
-                )
+                claims.append(Claim(f"{key} of joint {name} at instant {index}", float(abs(printed - value)), allowed))
     return claims
 
 
