@@ -154,7 +154,7 @@ def _roller(chance: Chance) -> Table:
 def _block(chance: Chance) -> Table:
     """A block that lies flat, on an incline next to the steepest on which it rests or on any, or pushed."""
     edges = [chance.choice([0.1, 0.2, 0.25, 0.5]) for _ in range(2)]
-    low = chance.choice([0.01, 0.05])
+    low = chance.choice([0.01, 0.05, 0.3])
     body: Table = {"shape": "brick", "semi_axes": [*edges, low], "mass": chance.choice([0.5, 1.0, 3.0])}
     if chance.random() < 0.3:
         body = {"shape": "cylinder", "radius": edges[0], "half_length": low, "mass": 1.0}
@@ -171,11 +171,11 @@ def _block(chance: Chance) -> Table:
             start["velocity"] = [0.0, across, 0.0]
     duration = chance.choice([0.5, 1.0, 2.0])
     if not incline or chance.random() < 0.4:
-        scene["push"] = [_push(chance, body, incline, friction, duration) for _ in range(chance.choice([1, 1, 2]))]
+        scene["push"] = [_push(chance, body, incline, friction, duration, start) for _ in range(chance.choice([1, 1, 2]))]
     return {"body": body, "scene": scene, "run": _run(duration)} | ({"initial": start} if start else {})
 
 
-def _push(chance: Chance, body: Table, incline: float, friction: float, duration: float) -> Table:
+def _push(chance: Chance, body: Table, incline: float, friction: float, duration: float, start: Table) -> Table:
     """A push at the centre of mass; on a level plane at times next to the force that friction holds."""
     weight = body["mass"] * 9.81
     size = chance.uniform(0.0, 2.0) * weight
@@ -183,6 +183,8 @@ def _push(chance: Chance, body: Table, incline: float, friction: float, duration
         size = friction * weight * (1 + chance.choice([-1, 0, 1]) * 10 ** -chance.uniform(8, 16))
     angle = chance.choice([0.0, math.pi / 2, chance.uniform(0, 6.28)])
     push: Table = {"force": [size * math.cos(angle) if angle != math.pi / 2 else 0.0, size * math.sin(angle), 0.0]}
+    if "velocity" not in start and chance.random() < 0.3:
+        push["point"] = [0.0, 0.0, round(chance.uniform(-1, 1) * (body.get("half_length") or body["semi_axes"][2]), 3)]
     if chance.random() < 0.5:
         push["from"] = round(chance.uniform(0.0, duration), 2)
         if chance.random() < 0.7:
