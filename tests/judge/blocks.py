@@ -113,6 +113,6 @@ def _bears(body: OnPlane, reaction: Vector, torque: Vector, load: Decimal) -> bo
     y = (-height * reaction[1] - torque[0]) / load
     across = applied(transposed(body.turn), (x, y, ZERO))
     if body.table["shape"] == "cylinder":
-        return length((x, y)) <= exact(body.table["radius"])
+        return length((x, y)) <= Decimal(body.table["radius"])
     inside = zip(across, exact(body.table["semi_axes"]), strict=True)
     return all(abs(place) <= edge for place, edge in inside)

@@ -35,7 +35,7 @@ class _Free:
         tensor = body.inertia.tensor
         moments = (tensor[0][0], tensor[1][1], tensor[2][2])
         spin = applied(transposed(body.turn), body.spin)
-        self.momentum = applied(body.turn, tuple(m * s for m, s in zip(moments, spin, strict=True)))  # type: ignore[arg-type]
+        self.momentum = applied(body.turn, tuple(m * s for m, s in zip(moments, spin, strict=True)))
         along = [part / moment for part, moment in zip(applied(transposed(turn), self.momentum), moments, strict=True)]
         self.spin = applied(turn, (along[0], along[1], along[2]))
         for state, rate in zip(self.quaternion, quaternion_rates(self.spin, self.quaternion), strict=True):

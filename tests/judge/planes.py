@@ -105,12 +105,14 @@ def on_plane(text: str) -> OnPlane:
 def support(table: dict[str, Any], turn: Matrix) -> Decimal:
     """Return the height of the centre of a body of a shape that touches a plane; turn: attitude along the plane's axes."""
     up = turn[2]
+    radius: Decimal = exact(table.get("radius", 0))
     match table["shape"]:
         case "sphere":
-            return exact(table["radius"])
+            return radius
         case "cylinder":
-            across = (up[0] * up[0] + up[1] * up[1]).sqrt()
-            return exact(table["radius"]) * across + exact(table["half_length"]) * abs(up[2])
+            half_length: Decimal = exact(table["half_length"])
+            across: Decimal = (up[0] * up[0] + up[1] * up[1]).sqrt()
+            return radius * across + half_length * abs(Decimal(up[2]))
         case "brick":
             return sum((abs(part) * edge for part, edge in zip(up, exact(table["semi_axes"]), strict=True)), ZERO)
         case _:
@@ -121,5 +123,6 @@ def support(table: dict[str, Any], turn: Matrix) -> Decimal:
 def lying(body: OnPlane, size: Decimal) -> bool:
     """Return whether a body touches its plane and stays on it; size: a length of it."""
     speed = max(abs(part) for part in (*body.velocity, *times(size, body.spin)))
-    gap = body.position[2] - support(body.table, body.turn)
-    return abs(gap) <= TOUCHES * size and abs(body.velocity[2]) <= TOUCHES * max(speed, TOUCHES)
+    gap: Decimal = body.position[2] - support(body.table, body.turn)
+    sinking: Decimal = body.velocity[2]
+    return abs(gap) <= TOUCHES * size and abs(sinking) <= TOUCHES * max(speed, TOUCHES)

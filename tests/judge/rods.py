@@ -110,10 +110,10 @@ def _leaning(body: OnPlane) -> tuple[Vector, Vector, list[Vector]]:
     level = min(range(3), key=lambda k: abs(up[k]))
     corner = [ZERO if k == level else edges[k] * ONE.copy_sign(up[k]) for k in range(3)]
     columns = [tuple(body.turn[i][k] for i in range(3)) for k in range(3)]
-    arm = plus(*(times(corner[k], columns[k]) for k in range(3)))  # type: ignore[arg-type]
+    arm = plus(*(times(corner[k], columns[k]) for k in range(3)))
     x, y = columns[level][0], columns[level][1]
     size = (x * x + y * y).sqrt()
     axis = (x / size, y / size, ZERO)
     along = arm[0] * axis[0] + arm[1] * axis[1]
-    faces = [times(ONE.copy_sign(up[k]), columns[k]) for k in range(3) if k != level]  # type: ignore[arg-type]
+    faces = [times(ONE.copy_sign(up[k]), columns[k]) for k in range(3) if k != level]
     return axis, plus(arm, times(-along, axis)), faces

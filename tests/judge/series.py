@@ -101,7 +101,7 @@ class Series:
                 rates.clear()
                 return sine_cosine(angle[0])[0]
             rates.append(k * angle[k])
-            return sum(map(mul, rates, reversed(c))) / k
+            return sum(map(mul, rates, reversed(c)), ZERO) / k
 
         def next_cosine(k: int) -> Decimal:
             return -sum(map(mul, rates, islice(reversed(s), 1, None))) / k if k else sine_cosine(angle[0])[1]

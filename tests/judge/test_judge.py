@@ -9,7 +9,7 @@ import pytest
 from tests.adversary.sizes import batches
 from tests.judge import balls, coins, contact_scenes, jointed, mechanism_scenes, rods
 from tests.judge.documents import written
-from tests.judge.numerals import Number, fifty_digits, sine_cosine
+from tests.judge.numerals import Number, exact, fifty_digits, sine_cosine
 from tests.judge.slips import Slip, length
 from tests.judge.verdicts import Claim, judged
 
@@ -139,7 +139,7 @@ def test_the_judge_knows_when_a_leaning_rod_slips() -> None:
     sine = (1 - cosine * cosine).sqrt()
     push = 3 * sine * (3 * cosine - 2 * start_cosine)
     assert kind == "slip"
-    assert abs(push - Decimal("0.3") * (1 + 9 * cosine * cosine - 6 * cosine * start_cosine)) < Decimal("1e-28")
+    assert abs(push - exact(0.3) * (1 + 9 * cosine * cosine - 6 * cosine * start_cosine)) < Decimal("1e-28")
 
 
 @pytest.mark.parametrize(("error", "bound", "holds"), [(1e-16, 2e-16, True), (3e-16, 2e-16, False), (1e-17, 0.0, False)])
