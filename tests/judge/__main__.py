@@ -1,0 +1,15 @@
+"""Judge truths: `python -m tests.judge mechanisms|contacts FIRST_SEED COUNT`."""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from tests.judge import contact_scenes, mechanism_scenes
+from tests.judge.verdicts import judged
+
+DRAWS = {"mechanisms": mechanism_scenes.judge, "contacts": contact_scenes.judge}
+
+if __name__ == "__main__":
+    name, first, count = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as folder:
+        judged(DRAWS[name], int(first), int(count), Path(folder))

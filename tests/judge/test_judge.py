@@ -1,0 +1,151 @@
+"""Truths of scenes that are drawn hold against arithmetic of fifty digits, and the judge knows known closed forms."""
+
+from collections.abc import Iterator
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from tests.adversary.sizes import batches
+from tests.judge import balls, coins, contact_scenes, jointed, mechanism_scenes, rods
+from tests.judge.documents import written
+from tests.judge.numerals import Number, exact, fifty_digits, sine_cosine
+from tests.judge.slips import Slip, length
+from tests.judge.verdicts import Claim, judged
+
+#: Mechanisms whose truths need no long compilation.
+MECHANISMS = [15, 17]
+
+SLIDER_AND_WHEEL = {
+    "format": 2,
+    "name": "slider-and-wheel",
+    "bodies": [{"name": name, "mass": 1.0, "inertia": [0.1, 0.1, 0.1]} for name in ("slider", "wheel")],
+    "joints": [
+        {"name": "rail", "type": "prismatic", "child": "slider", "axis": [1.0, 0.0, 0.0], "effort": 1.0},
+        {
+            "name": "axle",
+            "type": "revolute",
+            "parent": "slider",
+            "child": "wheel",
+            "axis": [0.0, 0.0, 1.0],
+            "friction": 0.1,
+            "initial": {"velocity": 2.5},
+        },
+    ],
+    "run": {"duration": 100.0, "samples": 2},
+}
+
+
+@pytest.fixture(autouse=True)
+def digits() -> Iterator[None]:
+    with fifty_digits():
+        yield
+
+
+@pytest.mark.parametrize("seed", MECHANISMS)
+def test_truths_of_a_few_mechanisms_hold(seed: int, tmp_path: Path) -> None:
+    assert not judged(mechanism_scenes.judge, seed, 1, tmp_path)[0].broken
+
+
+def test_truths_of_a_scene_of_each_family_hold(tmp_path: Path) -> None:
+    verdicts = judged(contact_scenes.judge, 256, len(contact_scenes.FAMILIES), tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("MECHANISMS"))
+def test_truths_of_mechanisms_with_dry_friction_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(mechanism_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 10 + count / 3  # the others are what is judged
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("CONTACTS"))
+def test_truths_of_bodies_that_touch_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(contact_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 10 + count / 3
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(1 - 1e-12, "2.49994469569969623989891260862"), (1.0, "0")])
+def test_the_judge_decides_sticking_by_the_last_digit(friction: float, expected: str) -> None:
+    """The slider has 2 kg, and so the acceleration (1 - friction) / 2: in 100 s it comes 2500 (1 - friction) far."""
+    SLIDER_AND_WHEEL["joints"][0]["friction"] = friction  # type: ignore[index]
+    motion, _ = jointed.motion(written(SLIDER_AND_WHEEL), [Decimal(100)])
+    position, _ = motion[-1].joints["rail"]
+    assert _near(position, 2500 * (1 - Decimal(friction)))
+    assert abs(position * 10**9 - Decimal(expected)) < Decimal("1e-25")
+    assert _near(motion[-1].joints["axle"][0], Decimal("3.125"))  # the doubles of friction and moment are the same
+
+
+def test_the_judge_knows_the_ball_that_begins_to_roll() -> None:
+    """It rolls from 2 v / (7 mu g) on with 5/7 v (Coriolis 1835)."""
+    text = written(
+        {
+            "body": {"shape": "sphere", "radius": 0.125, "mass": 1.0},
+            "initial": {"velocity": [2.0, 0.0, 0.0]},
+            "scene": {"gravity": 8.0, "plane": {"friction": 0.25}},
+            "run": {"duration": 1.0, "samples": 2},
+        }
+    )
+    motion = balls.motion(text, [Decimal(0), Decimal(1)])
+    ((kind, time),) = motion.events
+    assert kind == "roll"
+    assert _near(time, Decimal(2) / 7)
+    assert _near(motion.states[1].velocity[0], Decimal(10) / 7)
+    assert _near(motion.states[1].spin[1], Decimal(80) / 7)
+
+
+def test_the_judge_knows_slips_across_their_drive() -> None:
+    """In steps of a thousandth the slip changes by its rates, and it ends in the direction of its drive."""
+    slip = Slip((Decimal(2), Decimal(1)), Decimal(4), (Decimal(-1), Decimal(1)))
+    end, step = slip.end(), Decimal("1e-12")
+    assert end is not None
+    for part in ("0.1", "0.5", "0.9"):
+        (before, way), (after, farther) = (slip.at(end * Decimal(part) + shift) for shift in (-step, step))
+        speed = slip.at(end * Decimal(part))[0]
+        for axis in (0, 1):
+            rate = slip.drive[axis] - 4 * speed[axis] / length(speed)
+            assert abs((after[axis] - before[axis]) / (2 * step) - rate) < Decimal("1e-20")
+            assert abs((farther[axis] - way[axis]) / (2 * step) - speed[axis]) < Decimal("1e-20")
+    last = slip.at(end * (1 - Decimal("1e-20")))[0]
+    assert length(last) < Decimal("1e-19")
+    assert abs(last[0] - 2 * last[1]) < Decimal("1e-3") * last[0]
+
+
+def test_the_judge_knows_the_coin_that_rolls_along_a_circle() -> None:
+    """The tilt of the shipped circle stays, as far as its decimals state the steady turning rate."""
+    text = Path("cases/contact/rolling-coin-circle.case.toml").read_text("utf-8")
+    motion = coins.motion(text, [Decimal(0), Decimal("0.1")])
+    assert abs(motion.states[1].turn[2][2] - sine_cosine(Decimal(1))[1]) < Decimal("1e-15")
+
+
+def test_the_judge_knows_when_a_leaning_rod_slips() -> None:
+    """A thin rod slips where 3 sin a (3 cos a - 2 cos b) / 4 is the friction times (1 + 9 cos^2 a - 6 cos a cos b) / 4."""
+    body = {"shape": "cylinder", "radius": 1e-40, "half_length": 0.5, "mass": 1.0}
+    start = {"euler_zxz": [0.0, 0.25, 0.0]}
+    text = written(
+        {
+            "body": body,
+            "initial": start,
+            "scene": {"gravity": 9.81, "plane": {"friction": 0.3}},
+            "run": {"duration": 1.0, "samples": 2},
+        }
+    )
+    ((kind, time),) = rods.motion(text, [Decimal(0), Decimal(1)]).events
+    state = rods.motion(text, [Decimal(0), time]).states[1]
+    cosine, start_cosine = state.turn[2][2], sine_cosine(Decimal("0.25"))[1]
+    sine = (1 - cosine * cosine).sqrt()
+    push = 3 * sine * (3 * cosine - 2 * start_cosine)
+    assert kind == "slip"
+    assert abs(push - exact(0.3) * (1 + 9 * cosine * cosine - 6 * cosine * start_cosine)) < Decimal("1e-28")
+
+
+@pytest.mark.parametrize(("error", "bound", "holds"), [(1e-16, 2e-16, True), (3e-16, 2e-16, False), (1e-17, 0.0, False)])
+def test_a_number_outside_its_bound_is_broken(error: float, bound: float, holds: bool) -> None:
+    assert (Claim("position", error, bound).ratio <= 1) == holds
+
+
+def _near(value: Number, expected: Number) -> bool:
+    return abs(value - expected) < Decimal("1e-45")
