@@ -45,7 +45,7 @@ def listed(*, json: Json = False, view: Viewed = AS_USUAL) -> int:
 
 
 @engines.command
-def add(*names: str, version: str | None = None, json: Json = False) -> int:
+def add(*names: str, json: Json = False) -> int:
     """Install engines, each in an environment of its own, and check their adapters there.
 
     An environment holds the engine and the packages that it needs, and uses bodycheck from here. Without a version, it is the
@@ -55,8 +55,6 @@ def add(*names: str, version: str | None = None, json: Json = False) -> int:
     ----------
     names
         The names of engines, each `NAME` or `NAME@VERSION`.
-    version
-        The release of the engine to install, if one engine is named.
     """
     import time
 
@@ -66,9 +64,7 @@ def add(*names: str, version: str | None = None, json: Json = False) -> int:
 
     if not names:
         raise BadInput("engines add: name at least one engine")
-    if version is not None and len(names) > 1:
-        raise BadInput("--version: name one engine, or give each its version as NAME@VERSION")
-    asked = [EngineName.parse(name if version is None else f"{EngineName.parse(name).adapter}@{version}") for name in names]
+    asked = [EngineName.parse(name) for name in names]
     _refuse_unknown(asked)
     rows: list[dict[str, Any]] = []
     for one in asked:

@@ -13,7 +13,7 @@ process. The lock file of a killed process remains, but locks nothing, and is re
 import json
 import os
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -103,7 +103,14 @@ def begin(path: Path, header: Record) -> Journal:
     return _opened(path, _lock(path), header, ())
 
 
-def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal:
+def _no_record(record: Record) -> bool:
+    """Return False for every record."""
+    return False
+
+
+def resume(
+    path: Path, header: Record, renewed: Collection[str] = (), lost: Callable[[Record], bool] = _no_record
+) -> Journal:
     """Resume the interrupted journal of the same work, or begin a new one if there is none.
 
     Parameters
@@ -114,6 +121,9 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
         The description of the work. Work is the same if the `identity` in the headers is equal.
     renewed
         The entries of the header that resumed work takes from this header, and not from the existing journal.
+    lost
+        Whether the work of a record is repeated, because its process died or exceeded a limit, perhaps by what interrupted the
+        work. Such records are not kept.
 
     Raises
     ------
@@ -130,7 +140,7 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
     if contents.complete or contents.header.get("identity") != header["identity"]:
         return _opened(path, lock, header, ())
     kept = contents.header | {name: header[name] for name in renewed}
-    return _opened(path, lock, kept, contents.records)
+    return _opened(path, lock, kept, tuple(record for record in contents.records if not lost(record)))
 
 
 def read(path: Path) -> Contents:

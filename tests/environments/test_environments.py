@@ -150,7 +150,7 @@ DEATHS = {
 def test_a_release_that_dies_takes_only_itself(place: Path, wheel: Callable[..., Path], body: str) -> None:
     version = f"2.{list(DEATHS).index(body)}"
     wheel(version, body)
-    with pytest.raises(Unobtainable, match=f"^toy {version} is not available here: {DEATHS[body]}$"):
+    with pytest.raises(Unobtainable, match=f"^toy@{version} is not available here: {DEATHS[body]}$"):
         environments.obtain("toy", version)
     assert version not in environments.cached("toy")
     assert not unfinished(place)
@@ -167,9 +167,9 @@ def test_many_are_obtained_at_once_each_with_its_own_answer(environment: Environ
     found = obtain_all("toy", ["9.9", "1.0", "x", "1.0"], 2, lambda done, count=1: told.append(done))
     assert list(found) == ["9.9", "1.0", "x"]
     assert found["1.0"] == environment
-    assert str(found["9.9"]) == "toy 9.9 is not available here: the index has no wheel of this version"
+    assert str(found["9.9"]) == "toy@9.9 is not available here: the index has no wheel of this version"
     assert str(found["x"]) == "'x' is not a version of toy; a version looks like 3.1.6 (PEP 440)"
-    assert sorted(told) == ["toy 1.0", "toy 9.9", "toy x"]
+    assert sorted(told) == ["toy@1.0", "toy@9.9", "toy@x"]
 
 
 def cut_short(environment: Environment) -> None:
@@ -211,7 +211,7 @@ def test_what_is_broken_is_made_anew_and_what_is_removed_is_gone(
     assert environments.remove("toy", ["4.0", "9.9"]) == ("4.0",)
     assert "4.0" not in environments.cached("toy")
     assert not broken.python.parents[1].exists()
-    with pytest.raises(Unobtainable, match=r"toy 4\.0 is no longer there"):
+    with pytest.raises(Unobtainable, match=r"toy@4\.0 is no longer there"):
         environments.run(broken, "toy_adapter", (), None, LIMIT)
 
 

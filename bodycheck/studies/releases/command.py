@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
+from bodycheck.console.options import AS_USUAL, Again, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def releases(
     out: Out = None,
     figures: Figures = (),
     remove: bool = False,
+    again: Again = False,
     jobs: Jobs = None,
     json: Json = False,
     view: Viewed = AS_USUAL,
@@ -81,7 +82,7 @@ def releases(
     if model:
         return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
     loaded = load_cases(case)
-    results, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices)
+    results, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices, again)
     if out is not None:
         _write(results, out, figures)
     if json:
@@ -134,7 +135,7 @@ def _models(
     elif not quiet:
         printing.print_models(models_read)
         printing.print_changes(changed)
-    for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
+    for line in (*notices, *(f"bodycheck: {engine}@{version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
     say_where(out, quiet)
     return FAILED if notices or missing else OK
@@ -173,6 +174,7 @@ def bisect(
     limit: float,
     integrator: str = "",
     timestep: float | None = None,
+    again: Again = False,
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
@@ -211,7 +213,7 @@ def bisect(
     check_engine(engine)
     loaded = load_case(case)
     kept = bisection.Limit(loaded, integrator, timestep or DEFAULT_TIMESTEP, quantity, limit)
-    observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr))
+    observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr), again)
     try:
         result, notice = bisection.find(engine, good, bad, observer)
     except bisection.Undecided as error:
