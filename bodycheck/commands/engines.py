@@ -3,11 +3,12 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from cyclopts import App
 
-from bodycheck.console.options import AS_USUAL, Json, Viewed
+from bodycheck.console.options import AS_USUAL, Again, Json, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -18,10 +19,11 @@ engines = App(name="engines", help="List the engines, install them apart, and ch
 
 
 @engines.default
-def listed(*, json: Json = False, view: Viewed = AS_USUAL) -> int:
+def listed(*, again: Again = False, json: Json = False, view: Viewed = AS_USUAL) -> int:
     """List all engines that have an adapter: where each is installed, or the command that installs it.
 
-    An engine is installed beside bodycheck, or in an environment of its own. `NAME@VERSION` names one of several releases.
+    An engine is installed beside bodycheck, or in an environment of its own, whose day is given. `NAME@VERSION` names one of
+    several releases. A line on stderr says what the cache keeps. With --again, every engine is asked again what it is.
     """
     from bodycheck.adapters import offers
     from bodycheck.console import tables, terminal
@@ -29,16 +31,28 @@ def listed(*, json: Json = False, view: Viewed = AS_USUAL) -> int:
 
     tables.check(view, terminal.ENGINES)
     names = _all_names()
+    if again:
+        installed.forget(names)
     records, missing = installed.describe(names)
     places = {name: installed.place(name) for name in records}
+    _say_what_is_kept()
     if json:
         there: list[dict[str, Any]] = [
-            {"name": name, "version": record.version, "place": places[name], "integrators": offers.listed(record)}
+            {
+                "name": name,
+                "version": record.version,
+                "place": places[name][0],
+                "since": places[name][1],
+                "integrators": offers.listed(record),
+            }
             for name, record in records.items()
         ]
         terminal.print_json(there + [{"name": name, "missing": fault.reason} for name, fault in missing.items()])
         return OK
-    rows = [(name, record.version, places[name], ", ".join(offers.listed(record))) for name, record in records.items()]
+    rows = [
+        (name, record.version, " of ".join(filter(None, places[name])), ", ".join(offers.listed(record)))
+        for name, record in records.items()
+    ]
     rows += [(name, "-", "-", fault.reason) for name, fault in missing.items()]
     tables.show(terminal.ENGINES, rows, view)
     return OK
@@ -141,6 +155,25 @@ def check(*names: str, json: Json = False) -> int:
         for name, reasons in faults.items():
             print("\n".join(reasons) if reasons else f"{name}: adapter check passed")
     return FAILED if any(faults.values()) or loaded.missing else OK
+
+
+def _say_what_is_kept() -> None:
+    """Say on stderr what the cache keeps, since when, and how it is made anew."""
+    from bodycheck.environments import user_cache
+    from bodycheck.running.engines import RECORDS
+    from bodycheck.studies.releases.questions import MEASUREMENTS
+
+    kinds = (
+        (RECORDS, "records of engines", "engines --again"),
+        (MEASUREMENTS, "measurements of releases", "releases ENGINE --again"),
+    )
+    kept = [
+        f"{kind}: {len(times)} since {times[0]:%Y-%m-%d} (anew by: bodycheck {command})"
+        for place, kind, command in kinds
+        if (times := user_cache.made(place))
+    ]
+    if kept:
+        print(f"kept in {user_cache.folder()}: {', '.join(kept)}", file=sys.stderr)
 
 
 def _all_names() -> tuple[str, ...]:

@@ -5,7 +5,8 @@ and each combination of interpreter and packages that the environment must be co
 
 An environment is made under a temporary name, by one process at a time, and renamed as the last step, so that it is either
 complete or does not exist. The next installation removes the remains of an installation that was killed. A damaged environment
-stays until a new one can replace it. Nothing in the folder is used or run if another user can change it or one of its parent folders.
+stays until a new one can replace it. Nothing in the folder is used or run if another user can change it or one of its parent
+folders.
 """
 
 import contextlib
@@ -17,6 +18,7 @@ import sysconfig
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
 from importlib import metadata
@@ -153,6 +155,11 @@ def lock(environment: Environment) -> dict[str, str]:
     }
 
 
+def made(environment: Environment) -> datetime:
+    """Return the time at which an environment was finished. Raises `OSError` if it is no longer there."""
+    return datetime.fromtimestamp((environment.python.parents[1] / MARKER).stat().st_mtime, UTC)
+
+
 def size(environment: Environment) -> int:
     """Return the disk space in bytes of an environment, including the files that it shares with uv's cache."""
     folder = _folder(_release(environment.engine, environment.version))
@@ -235,7 +242,7 @@ def _make(folder: Path, release: Release) -> None:
 
 
 def _finish(temporary_folder: Path, folder: Path, release: Release) -> None:
-    """Make sure that all files of a new environment are on the disk, and give it its final name in the place of an earlier one."""
+    """Make sure that all files of a new environment are on the disk, and give it its final name, replacing an earlier one."""
     if sys.platform != "win32":
         os.sync()
     with (temporary_folder / MARKER).open("w", encoding="utf-8") as marker:

@@ -178,8 +178,8 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
 def _install(folder: Path, release: Release, constraints: Sequence[str], latest_upload: datetime | None) -> None:
     """Install a release and its dependencies. Raises `InstallationFailed`.
 
-    uv links files from its cache into environments. A file that was changed in one environment is therefore changed in the cache
-    and in every other environment. In this case the packages are downloaded again.
+    uv links files from its cache into environments. A file that was changed in one environment is therefore changed in the
+    cache and in every other environment. In this case the packages are downloaded again.
     """
     for cached in (True, False):
         installation.install(folder, release.installation.requirements(release.version), constraints, latest_upload, cached)

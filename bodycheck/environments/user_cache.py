@@ -1,7 +1,7 @@
 """The folder for files that bodycheck can make again: the user's cache folder, or the folder in a variable.
 
-An entry is a text with its digest and the time at which it was made. The cache neither contains nor returns damaged entries, and
-it is not used if another user can change it: its entries count as missing, and new entries are not kept.
+An entry is a text with its digest and the time at which it was made. A damaged entry counts as missing. If another user can
+change the folder, all entries count as missing, and nothing is kept.
 """
 
 import contextlib
@@ -23,6 +23,10 @@ VARIABLE = "BODYCHECK_CACHE"
 
 #: The largest size of an entry in bytes.
 MAX_BYTES = 1 << 26
+
+
+#: The largest size in bytes of the lines before the text of an entry.
+MAX_LINE = 100
 
 
 @dataclass(frozen=True)
@@ -71,11 +75,24 @@ def forget(name: str) -> None:
         (folder() / name).unlink()
 
 
+def made(place: str) -> list[datetime]:
+    """Return the times at which the entries in a folder of the cache were made, ascending; none if it is not trusted."""
+    times = []
+    with contextlib.suppress(OSError):
+        if _is_trusted(folder() / place):
+            for path in (folder() / place).iterdir():
+                with contextlib.suppress(OSError, ValueError):
+                    reading.check_regular(path)
+                    with path.open("rb") as stream:
+                        stream.readline(MAX_LINE)
+                        times.append(datetime.fromisoformat(stream.readline(MAX_LINE).decode("ascii").strip()))
+    return sorted(times)
+
+
 def untrusted(path: Path, open_path: Path) -> str:
     """Return the sentence about a path of the cache that is not used, because another user can change `open_path`."""
-    return (
-        f"{path}: not used, because another user can change {open_path}; let {VARIABLE} name a folder that only you can write to"
-    )
+    remedy = f"let {VARIABLE} name a folder that only you can write to"
+    return f"{path}: not used, because another user can change {open_path}; {remedy}"
 
 
 def _is_trusted(path: Path) -> bool:

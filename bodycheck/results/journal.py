@@ -108,9 +108,7 @@ def _no_record(record: Record) -> bool:
     return False
 
 
-def resume(
-    path: Path, header: Record, renewed: Collection[str] = (), lost: Callable[[Record], bool] = _no_record
-) -> Journal:
+def resume(path: Path, header: Record, renewed: Collection[str] = (), lost: Callable[[Record], bool] = _no_record) -> Journal:
     """Resume the interrupted journal of the same work, or begin a new one if there is none.
 
     Parameters

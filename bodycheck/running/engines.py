@@ -128,10 +128,13 @@ def home(name: str | None) -> pool.Home:
     return pool.Home(Interpreter(environment.python, environments.variables(environment)), import_engine, TIME_LIMIT_S)
 
 
-def place(name: str) -> str:
-    """Return the place of an engine in words: "here" or "own environment". Raises `EngineMissing` and `Unobtainable`."""
+def place(name: str) -> tuple[str, str]:
+    """Return the place of an engine in words, "here" or "own environment", and the day from which its environment is.
+
+    The day of "here" is empty. Raises `EngineMissing` and `Unobtainable`.
+    """
     environment = _place(name)
-    return "here" if environment is None else "own environment"
+    return ("here", "") if environment is None else ("own environment", f"{environments.made(environment):%Y-%m-%d}")
 
 
 def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:

@@ -17,8 +17,8 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 #: Folders of the repository; a document that names a file in one of them names a file that exists.
 FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
 
-#: The words for small numbers.
-NUMBERS = "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen".split()
+#: The words for numbers.
+NUMBERS = {9: "nine", 10: "ten", 11: "eleven", 12: "twelve", 13: "thirteen", 14: "fourteen", 15: "fifteen"}
 
 #: Names in documents that stand for names which readers choose.
 PLACEHOLDERS = ("NAME", "my-case", "thrown-phone")

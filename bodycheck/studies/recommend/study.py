@@ -22,7 +22,7 @@ from bodycheck.processes.failures import TimedOut
 from bodycheck.reports.quantities import bound
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
-from bodycheck.results.journal import Journal
+from bodycheck.results.journal import Journal, Record
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.results.records import is_lost
@@ -228,7 +228,7 @@ def results(
         yield Recommendation(asked, tuple(answers), tuple(ordered))
 
 
-def _is_lost(record: Mapping[str, Any]) -> bool:
+def _is_lost(record: Record) -> bool:
     return is_lost(record["probe"])
 
 

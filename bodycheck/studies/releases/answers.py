@@ -1,7 +1,7 @@
 """Get the answers of releases to questions, from a cache or by measurements in the environments of the releases.
 
-A cached answer is used if everything that determines it is unchanged: the release and the files of its environment, the case, the
-methods, bodycheck's own source, the packages with which it computes, and the machine.
+A cached answer is used if everything that determines it is unchanged: the release and the files of its environment, the case,
+the methods, bodycheck's own source, the packages with which it computes, and the machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from bodycheck.environments.environments import Environment
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.results import versions
-from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, kept, put
+from bodycheck.studies.releases.questions import MEASUREMENTS, TIME_LIMIT_S, Answer, Errand, Question, failed, kept, put
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -31,9 +31,6 @@ PACKAGES = ("numpy", "scipy", "heyoka")
 
 #: Folders whose source determines an answer. In a checkout, the last two are linked folders, into which `rglob` does not go.
 SOURCE_FOLDERS = (Path(errors.__file__).parent, *map(Path, adapters.__path__), *map(Path, reference.__path__))
-
-#: The folder of answers in the cache.
-MEASUREMENTS = "measurements"
 
 Asked = tuple[Environment, Question]
 
@@ -108,7 +105,9 @@ def _errands(left: Mapping[Asked, str], jobs: int) -> list[Errand]:
 
 def _names(questions: Sequence[Asked]) -> dict[Asked, str]:
     """Return the names of answers in the cache, which contain a digest of everything that determines the answer."""
-    packages = {environment: _contents(environment) for environment in dict.fromkeys(environment for environment, _ in questions)}
+    packages = {
+        environment: _contents(environment) for environment in dict.fromkeys(environment for environment, _ in questions)
+    }
     return {
         (environment, question): _name(_context(environment.engine), environment, packages[environment], question)
         for environment, question in dict.fromkeys(questions)

@@ -31,8 +31,9 @@ from bodycheck.studies.tradeoff import study as tradeoff
 def main() -> None:
     """Read a JSON object from the standard input, and print the answers to its questions, one line of JSON each.
 
-    The object has the entries `engine` and `jobs`, `folders` and `contents`, which are the folders of packages of this environment
-    and the digest of their contents, and `questions`, which are pairs of a question and the name of its answer in the cache.
+    The object has the entries `engine` and `jobs`, `folders` and `contents`, which are the folders of packages of this
+    environment and the digest of their contents, and `questions`, which are pairs of a question and the name of its answer in
+    the cache.
     """
     request = json.load(sys.stdin)
     with os.fdopen(os.dup(1), "w", encoding="utf-8") as stdout:

@@ -21,6 +21,9 @@ from bodycheck.studies.orders import Order
 #: The module that answers questions in the environment of a release.
 PROGRAM = "bodycheck.studies.releases.measurement"
 
+#: The folder of answers in the cache.
+MEASUREMENTS = "measurements"
+
 #: Time limit (s) of one question to one release. In addition, each run has a time limit.
 TIME_LIMIT_S = 3600.0
 
