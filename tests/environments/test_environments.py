@@ -323,3 +323,34 @@ def test_what_is_run_is_told_and_limited(environment: Environment, place: Path) 
 
 def test_the_engines_here_say_what_they_are_installed_from() -> None:
     assert (registry.installation("mujoco").distribution, registry.installation("pinocchio").distribution) == ("mujoco", "pin")
+
+
+def test_a_file_that_is_changed_in_place_is_installed_without_the_cache_that_shares_it(wheel: Callable[..., Path]) -> None:
+    """uv links files, so that its cache and all environments change with one; the size stays the same here."""
+    wheel("4.1")
+    environment = environments.obtain("toy", "4.1")
+    module = own_packages(environment) / "toy_engine.py"
+    text = module.read_text("utf-8")
+    with module.open("r+", encoding="utf-8") as stream:  # without a new file
+        stream.write(text.replace("exact", "wrong"))
+    assert environments.obtain("toy", "4.1") == environment
+    assert module.read_text("utf-8") == text
+
+
+@pytest.mark.slow
+def test_a_damaged_environment_stays_until_another_can_replace_it(
+    wheel: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wheel("4.2")
+    environment = environments.obtain("toy", "4.2")
+    (own_packages(environment) / "toy_engine.py").unlink()
+    with monkeypatch.context() as patch:
+        patch.setenv("PIP_FIND_LINKS", "nowhere")
+        patch.setenv("UV_CACHE_DIR", str(environment.python.parents[1] / "nothing"))
+        with pytest.raises(Unobtainable, match=r"^toy@4\.2 is not available here: "):
+            environments.obtain("toy", "4.2")
+    assert environments.find("toy", "4.2") == environment
+    environment.python.unlink()
+    with pytest.raises(Unobtainable, match=r"^toy@4\.2 has a damaged environment .* by: bodycheck engines add toy@4\.2$"):
+        environments.find("toy", "4.2")
+    assert environments.obtain("toy", "4.2") == environment

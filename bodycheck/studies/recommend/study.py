@@ -212,8 +212,8 @@ def results(
     """
     case = study.case
     asked = Asked(case.name, case.duration, study.figure, study.error)
-    work, entries = (study, tuple(known)), {"asked": asdict(asked), "revisions": REVISIONS}
-    with resumption.opened(folder / RECORDS, head, *work, lost=_is_lost, **entries) as log:
+    work = (study, tuple(known))
+    with resumption.opened(folder / RECORDS, head, *work, lost=_is_lost, asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
         with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=True) as workers:
             by_method = _search(study, probes, log, workers, progress)

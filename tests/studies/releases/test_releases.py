@@ -252,6 +252,38 @@ def test_a_miniature_engine_through_its_releases(
     assert "removed 1.0, 2.0" in capsys.readouterr().out
 
 
+#: The body of an engine whose process dies where a file exists.
+MORTAL = """KIND = "exact"
+import os
+if os.path.exists({file!r}):
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_what_died_is_not_kept_and_again_replaces_what_is(
+    index: Path, spin: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    deadly = tmp_path / "deadly"
+    wheels.wheel(index, "4.0", MORTAL.format(file=str(deadly)))
+    command = ("releases", "toy", "4.0", "--case", spin, *METHOD, "--jobs", "1", "--json")
+
+    def took(*options: str) -> tuple[int, list[str], dict[str, object]]:
+        code = call(*command, *options)
+        document = json.loads(capsys.readouterr().out)
+        return code, [one["status"] for one in document["rows"]], document["took"]
+
+    environments.obtain("toy", "4.0")
+    deadly.touch()
+    assert took() == (1, ["crashed"], {"made": 0, "measured": 1, "known": 0, "since": ""})
+    deadly.unlink()
+    assert not user_cache.made("measurements")
+    assert took() == (0, ["ok"], {"made": 0, "measured": 1, "known": 0, "since": ""})
+    (entry,) = (tmp_path / "cache" / "measurements").iterdir()
+    deadly.touch()
+    assert took("--again")[1] == ["crashed"]
+    assert not entry.exists()
+
+
 @pytest.mark.slow
 def test_a_study_that_is_killed_goes_on_and_finds_what_changed(index: Path, spin: Path, tmp_path: Path) -> None:
     wheels.wheel(index, "1.5")
