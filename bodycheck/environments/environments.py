@@ -141,9 +141,7 @@ def variables(environment: Environment) -> tuple[tuple[str, str], ...]:
 
 def package_folders(environment: Environment) -> list[Path]:
     """Return the folders of the packages that are installed in an environment itself."""
-    return [
-        path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in environment.python.parents[1].glob(pattern)
-    ]
+    return making.package_folders(environment.python.parents[1])
 
 
 def lock(environment: Environment) -> dict[str, str]:

@@ -163,9 +163,8 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     installation.make(folder)
     _install(folder, release, [f"numpy<={numpy_here}", *attempt.constraints], latest_upload)
     python = installation.interpreter(folder)
-    packages = Path(output(python, "import sysconfig; print(sysconfig.get_path('purelib'))"))
-    lines = PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
-    (packages / PATH_FILE).write_text(lines, "utf-8")
+    (packages,) = package_folders(folder)
+    (packages / PATH_FILE).write_text(_path_lines(), "utf-8")
     numpy_there = output(python, "import importlib.metadata; print(importlib.metadata.version('numpy'))")
     if numpy_there != numpy_here:
         failing = output(python, PACKAGES_THAT_FAIL, *(word for pair in NUMPY_DEPENDENTS.items() for word in pair)).split()
@@ -183,12 +182,31 @@ def _install(folder: Path, release: Release, constraints: Sequence[str], latest_
     """
     for cached in (True, False):
         installation.install(folder, release.installation.requirements(release.version), constraints, latest_upload, cached)
-        if is_intact(folder, release):
+        if _has_its_packages(folder, release):
             return
     raise InstallationFailed("its files are not those that its wheels list")
 
 
 def is_intact(folder: Path, release: Release) -> bool:
+    """Return whether an environment has its packages, and imports the other packages from the running interpreter."""
+    try:
+        added = [(packages / PATH_FILE).read_text("utf-8") for packages in package_folders(folder)]
+    except (OSError, ValueError):
+        return False
+    return added == [_path_lines()] and _has_its_packages(folder, release)
+
+
+def package_folders(folder: Path) -> list[Path]:
+    """Return the folders of packages (site-packages) of the environment in a folder: one, unless it is damaged."""
+    return [path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in folder.glob(pattern)]
+
+
+def _path_lines() -> str:
+    """Return the content of the .pth file of an environment."""
+    return PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
+
+
+def _has_its_packages(folder: Path, release: Release) -> bool:
     """Return whether the interpreter of an environment runs and all files have the contents that they were installed with."""
     try:
         version = output(installation.interpreter(folder), VERSION_OF_INTACT_PACKAGE, release.installation.distribution)

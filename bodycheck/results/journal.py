@@ -10,6 +10,7 @@ While a journal is written, a lock file beside it, `NAME.lock`, keeps other proc
 process. The lock file of a killed process remains, but locks nothing, and is removed after the work is resumed.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -190,7 +191,8 @@ def _release(lock: BaseFileLock) -> None:
     if isinstance(lock, UnixFileLock):
         # Unlike other kinds, this lock leaves its file. Removed before the release, the file cannot belong to another process;
         # a process that has already opened it finds that it is gone, and takes no lock on it.
-        Path(lock.lock_file).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # somebody may have removed the folder meanwhile, or replaced it
+            Path(lock.lock_file).unlink()
     lock.release()
 
 

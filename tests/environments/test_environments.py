@@ -15,7 +15,7 @@ import pytest
 
 import bodycheck
 from bodycheck.adapters import registry
-from bodycheck.environments import environments
+from bodycheck.environments import environments, making
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.running.fetch_environments import obtain_all
 from tests.support import wheels
@@ -182,6 +182,10 @@ def without_a_file(environment: Environment) -> None:
     (own_packages(environment) / "toy_engine.py").unlink()
 
 
+def without_the_packages_of_this_interpreter(environment: Environment) -> None:
+    (own_packages(environment) / making.PATH_FILE).write_text("")
+
+
 def with_an_interpreter_that_has_gone(environment: Environment) -> None:
     environment.python.unlink()
     environment.python.symlink_to("/nowhere/python3")
@@ -195,6 +199,7 @@ def without_a_marker(environment: Environment) -> None:
     "spoil",
     [
         cut_short,
+        without_the_packages_of_this_interpreter,
         pytest.param(with_an_interpreter_that_has_gone, marks=pytest.mark.slow),
         pytest.param(without_a_file, marks=pytest.mark.slow),
         pytest.param(without_a_marker, marks=pytest.mark.slow),
