@@ -136,14 +136,14 @@ def load(name: str) -> Adapter:
 
 def frame(name: str, error: BaseException) -> str:
     """Return the innermost frame of an exception in the source of an adapter, such as " at toy.py:24"; empty if it has none."""
-    own = Path(bodycheck.adapters.__path__[0]).resolve()
+    folder = Path(bodycheck.adapters.__path__[0]).resolve()
     try:
         files = {path.resolve() for path in sources(name)}
     except ValueError:  # the module has put an object without a specification in its place
         return ""
     for path, line in reversed([(Path(one.filename).resolve(), one.lineno) for one in extract_tb(error.__traceback__)]):
         if path in files:
-            return f" at {path.relative_to(own).as_posix() if path.is_relative_to(own) else path.name}:{line}"
+            return f" at {path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name}:{line}"
     return ""
 
 

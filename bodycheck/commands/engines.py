@@ -169,8 +169,8 @@ def _say_what_is_kept() -> None:
     )
     kept = [
         f"{kind}: {len(times)} since {times[0]:%Y-%m-%d} (anew by: bodycheck {command})"
-        for place, kind, command in kinds
-        if (times := user_cache.made(place))
+        for subfolder, kind, command in kinds
+        if (times := user_cache.times(subfolder))
     ]
     if kept:
         print(f"kept in {user_cache.folder()}: {', '.join(kept)}", file=sys.stderr)

@@ -34,7 +34,7 @@ class Entry:
     """An entry of the cache: its text, and when it was made."""
 
     text: str
-    made: datetime
+    time: datetime
 
 
 def folder() -> Path:
@@ -52,8 +52,8 @@ def kept(name: str) -> Entry | None:
         digest, _, content = reading.content(path, MAX_BYTES).partition(b"\n")
         if digest != _digest(content):
             return None
-        made, _, text = content.decode("utf-8").partition("\n")
-        return Entry(text, datetime.fromisoformat(made))
+        time, _, text = content.decode("utf-8").partition("\n")
+        return Entry(text, datetime.fromisoformat(time))
     except (OSError, ValueError):
         return None
 
@@ -75,18 +75,18 @@ def forget(name: str) -> None:
         (folder() / name).unlink()
 
 
-def made(place: str) -> list[datetime]:
+def times(subfolder: str) -> list[datetime]:
     """Return the times at which the entries in a folder of the cache were made, ascending; none if it is not trusted."""
-    times = []
+    all_times = []
     with contextlib.suppress(OSError):
-        if _is_trusted(folder() / place):
-            for path in (folder() / place).iterdir():
+        if _is_trusted(folder() / subfolder):
+            for path in (folder() / subfolder).iterdir():
                 with contextlib.suppress(OSError, ValueError):
                     reading.check_regular(path)
                     with path.open("rb") as stream:
                         stream.readline(MAX_LINE)
-                        times.append(datetime.fromisoformat(stream.readline(MAX_LINE).decode("ascii").strip()))
-    return sorted(times)
+                        all_times.append(datetime.fromisoformat(stream.readline(MAX_LINE).decode("ascii").strip()))
+    return sorted(all_times)
 
 
 def untrusted(path: Path, open_path: Path) -> str:

@@ -30,8 +30,8 @@ def test_an_entry_has_its_text_and_its_time_whatever_the_clock_of_its_file(folde
     entry = user_cache.kept(NAME)
     assert entry is not None
     assert entry.text == "größe\n1"
-    assert abs(entry.made - datetime.now(UTC)) < timedelta(minutes=5)
-    assert user_cache.made("records") == [entry.made]
+    assert abs(entry.time - datetime.now(UTC)) < timedelta(minutes=5)
+    assert user_cache.times("records") == [entry.time]
     user_cache.forget(NAME)
     assert user_cache.kept(NAME) is None
     user_cache.forget(NAME)
@@ -82,7 +82,7 @@ def test_a_damaged_entry_counts_as_missing_without_a_word(
 ) -> None:
     damage(folder / NAME)
     assert user_cache.kept(NAME) is None
-    assert len(user_cache.made("records")) <= 2  # those of damaged entries may be among them; none is waited for
+    assert len(user_cache.times("records")) <= 2  # those of damaged entries may be among them; none is waited for
     user_cache.keep(NAME, "new")
     kept = user_cache.kept(NAME)
     assert damage in (a_folder, a_link) or (kept is not None and kept.text == "new")

@@ -85,7 +85,7 @@ def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
             for (question, _), answer in zip(errand.questions, replies, strict=True):
                 answers[errand.environment, question] = answer
                 progress(f"{errand.environment.engine}@{errand.environment.version} · {question.name}")
-    return Answers({pair: answers[pair] for pair in names}, tuple(made for _, made in cached.values()))
+    return Answers({pair: answers[pair] for pair in names}, tuple(time for _, time in cached.values()))
 
 
 def _errands(left: Mapping[Asked, str], jobs: int) -> list[Errand]:

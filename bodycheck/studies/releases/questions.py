@@ -138,7 +138,7 @@ def text_of(answer: Answer) -> str:
 def kept(name: str) -> tuple[Answer, datetime] | None:
     """Return the answer of a name in the cache, and when it was measured; None if there is none."""
     try:
-        return None if (entry := user_cache.kept(name)) is None else (_answer_of(entry.text), entry.made)
+        return None if (entry := user_cache.kept(name)) is None else (_answer_of(entry.text), entry.time)
     except (ValueError, TypeError, KeyError, RecursionError):
         return None
 

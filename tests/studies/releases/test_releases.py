@@ -276,7 +276,7 @@ def test_what_died_is_not_kept_and_again_replaces_what_is(
     deadly.touch()
     assert took() == (1, ["crashed"], {"made": 0, "measured": 1, "known": 0, "since": ""})
     deadly.unlink()
-    assert not user_cache.made("measurements")
+    assert not user_cache.times("measurements")
     assert took() == (0, ["ok"], {"made": 0, "measured": 1, "known": 0, "since": ""})
     (entry,) = (tmp_path / "cache" / "measurements").iterdir()
     deadly.touch()
