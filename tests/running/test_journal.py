@@ -128,7 +128,11 @@ def test_what_is_no_journal_is_bad_input(tmp_path: Path, content: bytes) -> None
 
 def test_a_folder_that_is_replaced_meanwhile_keeps_the_error_of_the_work(tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    with pytest.raises(ZeroDivisionError), journal.begin(folder / "run.jsonl", HEADER):
+
+    def replace_by_a_file_and_fail() -> None:
         shutil.rmtree(folder)
         folder.write_text("a file")
         raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError), journal.begin(folder / "run.jsonl", HEADER):
+        replace_by_a_file_and_fail()
