@@ -63,9 +63,10 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
     """
     answers_by_name: dict[str, Engine | Fault] = {}
     keys: dict[str, str] = {}
+    packages = cache(_packages)  # engines that are installed together share them
     for name in dict.fromkeys(names):
         try:
-            keys[name] = _depends(name, _place(name))
+            keys[name] = _depends(name, environment := _place(name), packages(environment))
         except (registry.EngineMissing, Unobtainable) as error:
             answers_by_name[name] = Fault(str(error), broken=False)
     for name, key in keys.items():
@@ -187,11 +188,15 @@ def _records() -> TypeAdapter[Engine]:
     return TypeAdapter(Engine)
 
 
-def _depends(name: str, environment: Environment | None) -> str:
+def _packages(environment: Environment | None) -> str:
+    """Return a digest of what is installed in an environment; None stands for the folders of this process."""
+    return contents.of_distributions(map(Path, sys.path) if environment is None else environments.package_folders(environment))
+
+
+def _depends(name: str, environment: Environment | None, packages: str) -> str:
     """Return a digest of everything that the record of an engine depends on, apart from data that its own code reads."""
-    folders = map(Path, sys.path) if environment is None else environments.package_folders(environment)
     adapter = contents.of_files(registry.sources(EngineName.parse(name).adapter))
-    decides = (version("bodycheck"), sys.version, environment, contents.of_distributions(folders), adapter)
+    decides = (version("bodycheck"), sys.version, environment, packages, adapter)
     return sha256(repr(decides).encode()).hexdigest()
 
 
