@@ -102,7 +102,7 @@ def is_name(text: str) -> bool:
 def checked_name(text: str, what: str) -> str:
     """Return a text that is the name of an engine or of an integrator. Raises `BadInput` for any other text.
 
-    `what` is the kind of name, "engine" or "integrator", for the message.
+    `what` is the kind of name, such as "engine" or "integrator", for the message.
     """
     if not is_name(text):
         shown = f"{text[:MAX_NAME_LENGTH]!r}{'…' if len(text) > MAX_NAME_LENGTH else ''}"

@@ -2,8 +2,9 @@
 
 import errno
 
-#: Exit codes of commands. FAILED means that an expectation or a run failed.
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+#: Exit codes of commands. FAILED means that an expectation or a run failed. INTERRUPTED and NO_READER are 128 plus the numbers
+#: of the signals SIGINT and SIGPIPE, as in shells.
+OK, FAILED, BAD_INPUT, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
 
 
 #: Errors of the operating system if the disk is full or read-only, or a file is too large for a quota or a limit.

@@ -28,8 +28,15 @@ def printable(text: str) -> str:
     return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))
 
 
+class ReaderGone(Exception):
+    """The program that read the output has ended, such as `head` after its last line."""
+
+
 class Guarded:
-    """A stream that passes whole lines through `harmless` and writes them to another stream."""
+    """A stream that passes whole lines through `harmless` and writes them to another stream.
+
+    `write`, `flush` and `finish` raise `ReaderGone` if that stream is a pipe without a reader.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self.stream = stream
@@ -39,24 +46,40 @@ class Guarded:
         """Write the complete lines of a text, and keep an incomplete last line: a command may be written in parts."""
         lines, newline, self.line = (self.line + text).rpartition("\n")
         if newline:
-            self.stream.write(harmless(lines + newline))
+            with _read():
+                self.stream.write(harmless(lines + newline))
         return len(text)
 
+    def flush(self) -> None:
+        """Flush the other stream. An incomplete last line is kept."""
+        with _read():
+            self.stream.flush()
+
     def finish(self) -> None:
-        """Write the last line if it is incomplete."""
-        if self.line:
+        """Write the last line if it is incomplete, and flush the other stream."""
+        with _read():
             self.stream.write(harmless(self.line))
             self.line = ""
+            self.stream.flush()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
 
 
 @contextmanager
+def _read() -> Iterator[None]:
+    """Turn the error of a pipe without a reader into `ReaderGone`, which no handler of other pipes catches."""
+    try:
+        yield
+    except BrokenPipeError as error:
+        raise ReaderGone from error
+
+
+@contextmanager
 def guarded() -> Iterator[None]:
     """Replace stdout and stderr by guarded streams while the context lasts, unless they are terminals."""
     before = sys.stdout, sys.stderr
-    guards = [Guarded(stream) if stream is not None and not stream.isatty() else stream for stream in before]
+    guards = [stream if stream.isatty() else Guarded(stream) for stream in before]
     sys.stdout, sys.stderr = guards
     try:
         yield

@@ -3,7 +3,7 @@
 Run: python docs/robots.py FOLDER
 
 The first table has a row for each engine, the second the robots of each cause, the third those that engines refuse, and the
-fourth what is wrong with the files themselves.
+fourth what is wrong with the files themselves. The last line counts the files that state what no body can have.
 """
 
 import argparse
@@ -26,6 +26,9 @@ ELEMENT = re.compile(r"<[^>]*>")
 
 #: What engines say besides a reason: where, and for whom.
 BESIDES = re.compile(r"( Element name .*| The static bodies of the spec .*| The following argument types .*)$")
+
+#: The quantities of bodies and joints that may be impossible.
+OF_BODIES = ("mass", "center_of_mass", "inertia", "armature", "damping", "friction")
 
 #: Most characters of the reason of an engine.
 LONGEST = 110
@@ -123,6 +126,13 @@ def file_rows(rows: Rows) -> Iterator[str]:
         yield f"| {subjects} | {'; '.join(texts)} |"
 
 
+def impossible_files(rows: Rows) -> Iterator[str]:
+    """The number of files that state what no body can have."""
+    models = {row["model"] for row in rows}
+    impossible = {row["model"] for row in rows if row["engine"] == "file" and row["quantity"] in OF_BODIES}
+    yield f"{len(impossible)} of {len(models)} files state values that no body can have."
+
+
 def _of_models(by_model: Mapping[str, Sequence[str]]) -> Iterator[str]:
     """Robots with their links; those with the same links together."""
     same: dict[tuple[str, ...], list[str]] = defaultdict(list)
@@ -139,7 +149,8 @@ def main(arguments: list[str] | None = None) -> None:
     path = parser.parse_args(arguments).folder / "parity.csv"
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    print("\n\n".join("\n".join(table(rows)) for table in (engine_rows, cause_rows, refusal_rows, file_rows)))
+    parts = (engine_rows, cause_rows, refusal_rows, file_rows, impossible_files)
+    print("\n\n".join("\n".join(part(rows)) for part in parts))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
     python submissions/renew.py              all of them
     python submissions/renew.py dart audit   those with these names, or of these engines
     python submissions/renew.py --newest     a run of the newest release of each engine of which there is none yet
+    python submissions/renew.py --releases   the lists of the releases of engines, by which the site checks versions
     python submissions/renew.py --table      only the table
 
 Raw results go to build/results, where an interrupted command resumes.
@@ -12,15 +13,18 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 from bodycheck.adapters import registry
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
+from bodycheck.site import released
 from bodycheck.site.submissions import gathering
 
 HERE = Path(__file__).resolve().parent
 RAW = HERE.parent / "build" / "results"
+RELEASED = HERE.parent / "bodycheck" / "site" / released.FILE
 BODYCHECK = (sys.executable, "-m", "bodycheck")
 
 #: The releases of each engine that are run with all cases that come with bodycheck. The last is the newest one that bodycheck
@@ -111,9 +115,11 @@ def table() -> Iterator[str]:
 
 def main(arguments: list[str]) -> int:
     """Make what the arguments ask for, and the table; return the exit code, which is 1 if anything could not be made."""
+    if arguments in (["--newest"], ["--releases"]):
+        RELEASED.write_text(released.listing(datetime.now(UTC).date().isoformat()), "utf-8")
     if arguments == ["--newest"]:
         asked = dict(newest())
-    elif arguments == ["--table"]:
+    elif arguments in (["--table"], ["--releases"]):
         asked = {}
     else:
         asked = {
@@ -122,7 +128,7 @@ def main(arguments: list[str]) -> int:
             if not arguments or {name, name.partition("-")[0]} & set(arguments)
         }
         if not asked:
-            raise SystemExit(f"read {' '.join(arguments)}; allowed: --newest, --table, {', '.join(COMMANDS)}")
+            raise SystemExit(f"read {' '.join(arguments)}; allowed: --newest, --releases, --table, {', '.join(COMMANDS)}")
     failed = [name for name, command in asked.items() if not made(name, command)]
     readme = HERE / "README.md"
     before, _, rest = readme.read_text().partition(BEGIN)

@@ -210,8 +210,7 @@ def _deepest_offset(text: str) -> int:
 def _read(path: FilePath) -> str:
     try:
         if not path.exists():
-            reason = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
-            raise CaseFaults((Fault(str(path), reason + did_you_mean(str(path), shipped())),))
+            raise CaseFaults((Fault(str(path), f"there is no such file, and no shipped case of this name{_meant(path)}"),))
         text = reading.content(path, MAX_FILE_BYTES, follow=True).decode("utf-8")
         if text.startswith(BYTE_ORDER_MARK):
             wrong = "begins with a byte order mark (BOM), which TOML does not allow; save it as UTF-8 without one"
@@ -225,6 +224,14 @@ def _read(path: FilePath) -> str:
         raise CaseFaults((Fault(str(path), wrong, _position(read, len(read))),)) from error
     except (OSError, ValueError) as error:
         raise CaseFaults((Fault(str(path), f"cannot be read: {error}"),)) from error
+
+
+def _meant(path: FilePath) -> str:
+    """Return the end of the message about a missing file: the file or the shipped case that the user may mean."""
+    file = path.with_name(path.name + SUFFIX)
+    if file.exists():
+        return f"; did you mean {str(file)!r}?"
+    return did_you_mean(str(path), shipped()) or "; `bodycheck cases` lists the shipped cases"
 
 
 def _syntax_fault(file: str, text: str, message: str) -> Fault:

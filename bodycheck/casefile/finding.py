@@ -7,7 +7,7 @@ are not followed, links to files only within the named folder, and the number of
 import fnmatch
 import os
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 
 from bodycheck.errors import BadInput
@@ -64,14 +64,13 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
     """Return the names and paths that one argument stands for."""
     if argument in shipped or "\0" in argument:
         return [argument]
-    path, tally = Path(argument), _Tally(argument)
+    path, tally = Path(argument), Tally(argument)
     if _is_folder(path):
         files = sorted(_below(path, tally))
         if not files:
             raise BadInput(f"{argument}: there is no case file (*{SUFFIX}) in this folder or below it")
-    elif WILD.search(argument) and not os.path.lexists(argument):
-        first, parts = (Path(path.anchor), path.parts[1:]) if path.anchor else (Path(), path.parts)
-        files = sorted({file for match in _matches(first, parts, tally) for file in _cases_at(match, tally)})
+    elif is_pattern(argument):
+        files = sorted({file for match in matches(path, tally) for file in _cases_at(match, tally)})
         if not files:
             names = fnmatch.filter(sorted(shipped), argument)
             if not names:
@@ -84,7 +83,18 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
     return [str(file) for file in files]
 
 
-class _Tally:
+def is_pattern(argument: str) -> bool:
+    """Return whether an argument is a pattern of paths, and not a path that exists."""
+    return WILD.search(argument) is not None and not os.path.lexists(argument)
+
+
+def matches(pattern: Path, tally: "Tally") -> Iterator[Path]:
+    """Yield the files and folders that match a pattern."""
+    first, parts = (Path(pattern.anchor), pattern.parts[1:]) if pattern.anchor else (Path(), pattern.parts)
+    yield from _matches(first, parts, tally)
+
+
+class Tally:
     """A count of the files and folders that are searched for an argument."""
 
     def __init__(self, argument: str) -> None:
@@ -97,18 +107,32 @@ class _Tally:
             raise BadInput(f"{self.argument}: has more than {MAX_ENTRIES} files and folders; name a smaller folder")
 
 
-def _below(folder: Path, tally: _Tally) -> Iterator[Path]:
-    """Yield the case files in a folder and in the folders below it."""
+def below(folder: Path, wanted: Callable[[str], bool], tally: Tally) -> Iterator[tuple[Path, str]]:
+    """Yield the files of some names in a folder and in the folders below it, each with the reason why it must not be read.
+
+    The reason is empty except for a link that leads out of the folder. wanted: whether a file of a name is meant. Raises
+    `BadInput` if a folder cannot be read, or there are too many files and folders for the tally.
+    """
     root = os.path.join(os.path.realpath(folder), "")
     for _, entries in _folders(folder, tally):
         for entry in entries:
-            if is_case_file(entry.name) and not entry.is_dir():
-                if entry.is_symlink() and not os.path.realpath(entry.path).startswith(root):
-                    raise BadInput(f"{entry.path}: is a link that leads out of {folder}; name the file that it leads to")
-                yield Path(entry.path)
+            if wanted(entry.name) and not entry.is_dir():
+                outside = entry.is_symlink() and not os.path.realpath(entry.path).startswith(root)
+                yield (
+                    Path(entry.path),
+                    f"is a link that leads out of {folder}; name the file that it leads to" if outside else "",
+                )
 
 
-def _folders(folder: Path, tally: _Tally) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
+def _below(folder: Path, tally: Tally) -> Iterator[Path]:
+    """Yield the case files in a folder and in the folders below it."""
+    for path, refused in below(folder, is_case_file, tally):
+        if refused:
+            raise BadInput(f"{path}: {refused}")
+        yield path
+
+
+def _folders(folder: Path, tally: Tally) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
     """Yield a folder and the folders below it, each with its entries, without links to folders and folders of others."""
     left = [folder]
     while left:
@@ -125,7 +149,7 @@ def _is_own(name: str) -> bool:
     return not name.startswith(".") and name not in OTHERS_FOLDERS
 
 
-def _matches(folder: Path, parts: Sequence[str], tally: _Tally) -> Iterator[Path]:
+def _matches(folder: Path, parts: Sequence[str], tally: Tally) -> Iterator[Path]:
     """Yield the files and folders below a folder whose path from there matches the parts of a pattern."""
     if not parts:
         yield folder
@@ -142,7 +166,7 @@ def _matches(folder: Path, parts: Sequence[str], tally: _Tally) -> Iterator[Path
                 yield from _matches(path, parts[1:], tally)
 
 
-def _cases_at(path: Path, tally: _Tally) -> Iterator[Path]:
+def _cases_at(path: Path, tally: Tally) -> Iterator[Path]:
     """Yield the case files at a path that a pattern matches: those in a folder, or the file itself if it is a case file."""
     if _is_folder(path):
         yield from _below(path, tally)
@@ -157,7 +181,7 @@ def _is_folder(path: Path) -> bool:
         return False
 
 
-def _entries(folder: Path, tally: _Tally) -> list[os.DirEntry[str]]:
+def _entries(folder: Path, tally: Tally) -> list[os.DirEntry[str]]:
     """Return the entries of a folder. Raises `BadInput` if it cannot be read."""
     files_and_folders = []
     try:

@@ -47,7 +47,7 @@ def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL
 def validate(*files: str) -> int:
     """Check case files, and print every fault with its file, line and key, the value that was read, and the allowed values.
 
-    Exit codes: 0 all files are valid; 2 a file has a fault.
+    Exit codes: 0 all files are valid; 1 some are valid; 2 none is valid.
 
     Parameters
     ----------
@@ -56,9 +56,12 @@ def validate(*files: str) -> int:
     """
     if not files:
         raise BadInput("validate: give at least one case file")
-    for case in arguments.load_cases(files):
+    loaded = arguments.read_cases(files)
+    for case in loaded.cases:
         print(f"{case.name}: valid")
-    return OK
+    for fault in loaded.faults:
+        print(fault, file=sys.stderr)
+    return FAILED if loaded.faults else OK
 
 
 def new(

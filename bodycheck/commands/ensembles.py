@@ -80,6 +80,9 @@ def _text_of(case: "Case", head: "EnsembleHeader") -> Callable[[int], str] | Non
 #: Most rows of the table on a terminal, and elsewhere. All are kept until the widths of the columns are known.
 TERMINAL_ROWS, TABLE_ROWS = 100, 100_000
 
+#: Most characters of a cell of the table. --csv and --json print all.
+CELL_CHARACTERS = 300
+
 
 def query(
     question: str,
@@ -162,8 +165,9 @@ def _print_json(answer: "Answer") -> None:
 
 
 def _text(value: Any) -> str:
-    """Return a value as the text of a cell."""
-    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    """Return a value as the text of a cell, shortened to `CELL_CHARACTERS`."""
+    text = "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= CELL_CHARACTERS else f"{text[: CELL_CHARACTERS - 1]}…"
 
 
 def _plain(value: Any) -> Any:

@@ -56,7 +56,8 @@ def run(
     summary of the step.
 
     Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
-    that was named or of which something is expected; 2 bad input or usage. An
+    that was named or of which something is expected, or a case file has a fault
+    and was left out; 2 bad input or usage, or no case file can be read. An
     expectation of an engine that is not installed counts as failed, except in a
     shipped case, or with --allow-missing.
 
@@ -81,14 +82,13 @@ def run(
         arguments.check_writable(option, path)
     arguments.check_has_folder(figures, out)
     tables.check(view, results.RUNS)
-    names = arguments.case_names(cases)
     compared = judgement.Compared()
-    selection = Selection(names, engine, integrator, timestep, jobs, allow_missing)
+    selection = Selection(cases, engine, integrator, timestep, jobs, allow_missing)
     with ran(selection, plan, out, quiet, compared.meet) as runs:
         result = result_set.judged(runs.results, compared=compared)
         verdicts = result.verdicts
         write([result], out, figures, junit)
-        reports.annotate_github(result, arguments.files_of(runs.cases, names), os.environ)
+        reports.annotate_github(result, runs.files, os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts), quiet) as progress:
                 baseline.save(save, runs.results, verdicts, arguments.processes(jobs), progress)
@@ -99,14 +99,14 @@ def run(
         else:
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
-            _print_summary(result, out)
+            print_summary_of(result, out)
     if json or quiet:
         results.print_unchecked(runs.results.unchecked, sys.stderr)
     output.say_where(out, quiet)
-    return FAILED if runs.engine_failed or result.failed else OK
+    return FAILED if runs.engine_failed or runs.left_out or result.failed else OK
 
 
-def _print_summary(result: "ResultSet", out: Path | None) -> None:
+def print_summary_of(result: "ResultSet", out: Path | None) -> None:
     """Print the summary of judged results. out: the folder with their report; None if there is none."""
     from bodycheck import reports
     from bodycheck.console.summary import Summary, print_summary

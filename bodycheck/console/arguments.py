@@ -13,7 +13,7 @@ from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
-    from bodycheck.casefile.case import Case
+    from bodycheck.casefile.case import Case, Fault
     from bodycheck.results.unchecked import Absence
 
 
@@ -46,9 +46,40 @@ def load_cases(cases: tuple[str, ...]) -> "list[Case]":
 
     Raises `CaseFaults` with the faults of all files, and `BadInput` if a folder or a pattern stands for no case file.
     """
+    from bodycheck.casefile.case import CaseFaults
+
+    loaded = read_cases(cases)
+    if loaded.faults:
+        raise CaseFaults(loaded.faults)
+    return loaded.cases
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """The cases that arguments stand for.
+
+    Attributes
+    ----------
+    cases, names
+        The cases, and the names or paths from which they were loaded.
+    faults
+        The faults of all files that are no cases.
+    """
+
+    cases: "list[Case]"
+    names: tuple[str, ...]
+    faults: "tuple[Fault, ...]"
+
+
+def read_cases(cases: tuple[str, ...]) -> Loaded:
+    """Load the cases that CASE arguments stand for, by default all shipped cases; files with faults are left out.
+
+    Raises `CaseFaults` with the faults of all files if no case is left, and `BadInput` if a folder or a pattern stands for no
+    case file.
+    """
     from bodycheck.casefile.case import CaseFaults, Fault, load
 
-    loaded: dict[str, Case] = {}
+    loaded: dict[str, tuple[Case, str]] = {}
     faults: list[Fault] = []
     for name in case_names(cases):
         try:
@@ -58,10 +89,17 @@ def load_cases(cases: tuple[str, ...]) -> "list[Case]":
             continue
         if case.name in loaded:
             faults.append(Fault(name, f"another of these cases also has the name {case.name!r}"))
-        loaded[case.name] = case
-    if faults:
+        else:
+            loaded[case.name] = case, name
+    if faults and not loaded:
         raise CaseFaults(tuple(faults))
-    return list(loaded.values())
+    return Loaded([case for case, _ in loaded.values()], tuple(name for _, name in loaded.values()), tuple(faults))
+
+
+def tell_left_out(loaded: Loaded) -> None:
+    """Print to stderr the faults of all files that are left out."""
+    if loaded.faults:
+        print("bodycheck: files with faults are left out:", *loaded.faults, sep="\n", file=sys.stderr)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,14 @@
 """Print lines, broken between words, to stdout, with characters that any terminal can show."""
 
+import functools
 import os
 import shutil
 import sys
 from pathlib import Path
 from textwrap import wrap
+
+#: Characters for terminals and logs whose encoding lacks those that they replace.
+SUBSTITUTES = {"→": "->", "…": "...", "\u202f": " ", "\xa0": " ", "–": "-", "−": "-", "×": "x", "·": "-", "≤": "<=", "≥": ">="}
 
 
 def width() -> int | None:
@@ -13,9 +17,19 @@ def width() -> int | None:
 
 
 def say(line: str) -> None:
-    """Print a line as it is; characters that the encoding of stdout lacks become question marks."""
+    """Print a line as it is; characters that the encoding of stdout lacks become `SUBSTITUTES` or question marks."""
     encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    print(line.encode(encoding, "replace").decode(encoding))
+    print("".join(character if _has(encoding, character) else SUBSTITUTES.get(character, "?") for character in line))
+
+
+@functools.cache
+def _has(encoding: str, character: str) -> bool:
+    """Return whether an encoding has a character."""
+    try:
+        character.encode(encoding)
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def tell(text: str, indent: str = "") -> None:

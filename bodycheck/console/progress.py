@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
 #: Time between two lines if stderr is not a terminal (s).
-INTERVAL_S = 10.0
+INTERVAL_S = 4.0
 
 
 @dataclass
@@ -31,12 +31,15 @@ class Count:
         The number of all units.
     clock
         Function that returns the time (s).
+    done, before, last
+        The number of completed units, how many of them were completed before the start, and a text about the last one.
     """
 
     title: str
     total: int
     clock: Callable[[], float] = time.monotonic
     done: int = 0
+    before: int = 0
     last: str = ""
     start: float = field(init=False)
 
@@ -44,15 +47,19 @@ class Count:
         self.start = self.clock()
 
     def advance(self, last: str, count: int = 1, /) -> None:
-        """Count completed units. last: a text about the last one."""
+        """Count completed units. last: a text about the last one; empty for units that were completed before."""
         self.done += count
+        self.before += 0 if last else count
         self.last = last or self.last
 
     @property
     def text(self) -> str:
-        """The completed part and the elapsed time, in one line."""
-        after = f"{self.title}: {self.done} of {self.total} after {self.clock() - self.start:.0f} s"
-        return f"{after}, last {self.last}" if self.last else after
+        """The completed part, the elapsed time and the estimated remaining time, in one line."""
+        elapsed = self.clock() - self.start
+        text = f"{self.title}: {self.done} of {self.total} after {elapsed:.0f} s"
+        if completed := self.done - self.before:
+            text += f", about {elapsed / completed * (self.total - self.done):.0f} s left"
+        return f"{text}, last {self.last}" if self.last else text
 
 
 @contextmanager
@@ -84,7 +91,8 @@ def progress(title: str, total: int, quiet: bool = False) -> "Iterator[Advance]"
 
 @contextmanager
 def _bar(title: str, total: int) -> "Iterator[Advance]":
-    columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
+    times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+    columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), *times, TextColumn("{task.fields[last]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total, last="")
 

@@ -3,13 +3,13 @@
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
-from bodycheck.console.arguments import case_names, files_of, load_cases, load_engines, processes
+from bodycheck.console.arguments import files_of, load_engines, processes, read_cases, tell_left_out
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
@@ -79,23 +79,27 @@ class Ran:
 
     Attributes
     ----------
-    results, cases
-        The results, and the cases that were run.
+    results, cases, files
+        The results, the cases that were run, and the files of those that were not given by the name of a shipped case.
     engines
         The records of the engines by name.
     engine_failed
         Whether an engine fails to load that the user named, or for which a case has expectations.
+    left_out
+        Whether the user named a file with faults, which was left out.
     """
 
     results: Results
     cases: list[Case]
+    files: Mapping[str, Path]
     engines: dict[str, Engine]
     engine_failed: bool
+    left_out: bool = False
 
 
 @contextmanager
 def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False, meet: Meet = unmet) -> Iterator[Ran]:
-    """Run the tasks that a plan makes from a selection, and provide the results.
+    """Run the tasks that a plan makes from a selection, and provide the results. Case files with faults are left out.
 
     Parameters
     ----------
@@ -113,13 +117,14 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False,
     Raises
     ------
     BadInput
-        If a case, engine, method or folder cannot be used.
+        If an engine, method or folder cannot be used, or no case can.
     Failed
         If all engines that the user named fail when they are loaded.
     """
-    names = case_names(selection.cases)
-    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet, meet) as results:
-        yield results
+    loaded = read_cases(selection.cases)
+    tell_left_out(loaded)
+    with ran_of(Given.of(loaded.cases, loaded.names), selection, plan, out, sys.argv, quiet, meet) as results:
+        yield replace(results, left_out=bool(loaded.faults))
 
 
 @contextmanager
@@ -151,11 +156,11 @@ def ran_of(
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
-        with shown("running", campaign.size(tasks), quiet) as progress:
+        with shown("running", len(tasks), quiet) as progress:
             jobs, files = processes(selection.jobs), given.files
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
-        yield Ran(results, cases, engines.records, engines.failed(cases))
+        yield Ran(results, cases, files, engines.records, engines.failed(cases))
 
 
 def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:

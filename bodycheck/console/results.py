@@ -11,7 +11,7 @@ from bodycheck.console.terminal import print_errors
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
-from bodycheck.results.unchecked import Unchecked, sentences
+from bodycheck.results.unchecked import SHIPPED, Unchecked, sentences
 from bodycheck.results.verdicts import PASSED
 
 Row = Mapping[str, Any]
@@ -76,6 +76,9 @@ def print_failed(verdicts: Sequence[Verdict], files: Mapping[str, str]) -> None:
 
 
 def print_unchecked(unchecked: Sequence[Unchecked], stream: TextIO) -> None:
-    """Print the expectations whose engines cannot be used: a sentence for each engine and reason."""
-    for sentence in sentences(unchecked):
+    """Print the expectations whose engines cannot be used: a sentence for each engine and reason.
+
+    Those of shipped cases are left out: a user need not have all engines that their expectations name.
+    """
+    for sentence in sentences(one for one in unchecked if one.tolerated != SHIPPED):
         print(sentence, file=stream)

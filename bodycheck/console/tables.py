@@ -119,15 +119,36 @@ class Layout:
 
 
 def check(view: View, *tables: Sequence[Column[Any]]) -> None:
-    """Raise `BadInput` if a view names a column that no table has. This is checked before a long run."""
+    """Raise `BadInput` if a view names a column that no table has, or columns of which no table has all.
+
+    This is checked before a long run.
+    """
     columns = {column.name: column for table in tables for column in table}
     usual = ", ".join(name for name, column in columns.items() if not column.asked)
     others = " and the columns of the CSV file" if any(column.asked for column in columns.values()) else ""
+    known = {name for table in tables for name in _by_name(table)}
     for option, names in (("--columns", view.names), ("--sort", (view.sort,) if view.sort else ())):
         for name in names:
-            if name not in columns:
-                there = f"there are: {usual}{others}{did_you_mean(name, columns)}"
+            if name not in known:
+                there = f"there are: {usual}{others}{did_you_mean(name, known)}"
                 raise BadInput(f"{option}: there is no column {name!r}; {there}")
+    if not any(chosen(table, view) for table in tables):
+        by_table = [[name for name in view.names if name in _by_name(table)] for table in tables]
+        parts = "; ".join(" and ".join(names) for names in by_table if names)
+        raise BadInput(f"--columns {view.columns}: no table has all of these columns; one table has: {parts}")
+
+
+def _by_name(columns: Sequence[Column[Row]]) -> dict[str, Column[Row]]:
+    """Return the columns of a table by their names and by their heads, either of which a user may give."""
+    return {column.head: column for column in columns} | {column.name: column for column in columns}
+
+
+def chosen(columns: Sequence[Column[Row]], view: View) -> list[Column[Row]]:
+    """Return the columns of a table that a view prints; none if the table lacks a column that the view names."""
+    by_name = _by_name(columns)
+    if not view.names:
+        return [column for column in columns if not column.asked]
+    return [by_name[name] for name in view.names] if set(view.names) <= set(by_name) else []
 
 
 def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_USUAL) -> None:
@@ -140,16 +161,12 @@ def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_US
     rows
         The rows.
     view
-        The columns and the order of rows that the user requests. A table without any of these columns is not printed.
+        The columns and the order of rows that the user requests. A table that lacks one of these columns is not printed.
     """
     ordered = _sorted(columns, rows, view.sort)
-    if view.names:
-        chosen = {column.name: column for column in columns}
-        columns = [chosen[name] for name in view.names if name in chosen]
-        if not columns:
-            return
-    else:
-        columns = [column for column in columns if not column.asked]
+    columns = chosen(columns, view)
+    if not columns:
+        return
     cells = [[_plain(column.text(row)) for column in columns] for row in ordered]
     table = layout(columns, cells, None if view.wide or view.names else output.width())
     if table.listed:
@@ -217,7 +234,7 @@ def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
 def _sorted(columns: Sequence[Column[Row]], rows: Iterable[Row], name: str) -> list[Row]:
     """Return rows in ascending order of a column, rows without a value last; without such a column, in the given order."""
     table_rows = list(rows)
-    by = next((column for column in columns if column.name == name), None)
+    by = _by_name(columns).get(name)
     if by is None:
         return table_rows
     value = by.value or by.text

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bodycheck.console.options import AS_USUAL, View
 from bodycheck.console.output import tell
 from bodycheck.console.progress import progress
-from bodycheck.console.tables import Column, Row, attribute, print_table, show
+from bodycheck.console.tables import Column, Row, attribute, chosen, print_table, show
 from bodycheck.results.verdicts import WITHIN_ASCII
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ def _finite(value: Any) -> Any:
 def print_errors(columns: Sequence[Column[Row]], rows: Sequence[Row], view: View = AS_USUAL) -> None:
     """Print a table with errors of runs in the form of `error_text`, and explain its sign if any error has it."""
     show(columns, rows, view)
-    shown = [column for column in columns if (column.name in view.names if view.names else not column.asked)]
-    if any(column.text(row).startswith(WITHIN_ASCII) for column in shown for row in rows):
+    if any(column.text(row).startswith(WITHIN_ASCII) for column in chosen(columns, view) for row in rows):
         tell(f"{WITHIN_ASCII} marks an error within the truth's own error, which is the number shown")
 
 

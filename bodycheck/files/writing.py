@@ -21,6 +21,11 @@ PART_PREFIX, PART_SUFFIX = ".bodycheck-", ".part"
 NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
+def as_utf8(text: str) -> str:
+    r"""Return a text that UTF-8 can encode: bytes of a name or an argument that are not UTF-8 become escapes such as `\xe9`."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
 class NotWritten(BadInput):
     """A file or folder cannot be written, for example because the disk is full; the text names it and says why."""
 

@@ -153,9 +153,10 @@ class Verdict:
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             steps, wall_time = self.outcome.steps, self.outcome.wall_time
-            row |= self.discrepancy.maxima() | {"steps": steps, "wall_time": wall_time}
-            if steps:
-                row |= {"time_per_step": wall_time / steps, "realtime_factor": steps * method.timestep / wall_time}
+            row |= self.discrepancy.maxima() | {"steps": steps}
+            if steps and wall_time:
+                row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
+                row |= {"realtime_factor": steps * method.timestep / wall_time}
         for margin in self.margins:
             row |= margin.columns()
         return row

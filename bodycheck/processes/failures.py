@@ -1,7 +1,7 @@
 """The outcomes of a failed call in a worker process: it crashed, or it exceeded its time limit."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from bodycheck.processes.limits import shortage
 
@@ -11,7 +11,7 @@ class Crashed:
     """The engine raised an error or its process died."""
 
     reason: str
-    status: ClassVar[str] = "crashed"
+    status: ClassVar[Literal["crashed"]] = "crashed"
     failed: ClassVar[bool] = True
 
 
@@ -21,7 +21,7 @@ class TimedOut:
 
     limit: float
     reason: str = ""
-    status: ClassVar[str] = "timeout"
+    status: ClassVar[Literal["timeout"]] = "timeout"
     failed: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

@@ -34,7 +34,7 @@ class Completed:
     steps
         Number of steps taken.
     wall_time
-        Wall time of stepping alone (s).
+        Wall time of stepping alone (s); 0 if it is not known, as for a recorded motion.
     load
         The load of the contact; None in free flight, and if the engine does not report it.
     quaternion_norm_error

@@ -85,6 +85,11 @@ class Writer:
         """Return whether the folder already had the truth of a case for a time step (s), or that the reference has none."""
         return truth_path(case, timestep) in self.done
 
+    @property
+    def resumed(self) -> bool:
+        """True if the folder already had results of the same work."""
+        return bool(self.journal.records)
+
     def has_run(self, key: RunKey) -> bool:
         """Return whether the folder already had a run that neither crashed nor exceeded a limit."""
         return run_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done

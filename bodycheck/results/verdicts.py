@@ -40,6 +40,10 @@ WITHIN, WITHIN_ASCII = "≤", "<="
 #: The signs of engines and files that agree, differ, are refused, fail, do something forbidden, lack something, or are unknown.
 AGREES, DIFFERS, REFUSED, FAILED, AMISS, MISSING, UNKNOWN = "=", "≠", "⊘", "✗", "!", "–", "·"
 
+#: The signs of readings without an answer, apart from crashes: the time was up, the adapter is at fault, or the file cannot be
+#: read.
+TIMEOUT, ADAPTER, UNREADABLE = "◷", "†", "?"
+
 #: The signs of a change: a larger error of the shown method, a smaller error, and a change of another method.
 WORSE, BETTER, OTHER = "▲", "▼", "◆"
 
@@ -66,12 +70,27 @@ KNOWN = "known"
 
 #: The verdicts on an engine and a robot model, or on one of its quantities: the statuses of parity, of which the first that
 #: holds counts, and the lack of a status.
-RobotVerdict = Literal["refused", "differs", "accepted-unphysical", "not-modelled", "agrees", "not compared"]
+RobotVerdict = Literal[
+    "unreadable",
+    "crashed",
+    "timeout",
+    "adapter-fault",
+    "refused",
+    "differs",
+    "accepted-unphysical",
+    "not-modelled",
+    "agrees",
+    "not compared",
+]
 
 ROBOTS: Mapping[RobotVerdict, Word] = {
     "agrees": Word(AGREES, "agrees", "agrees with the file"),
     "differs": Word(DIFFERS, "differs", "differs from the file"),
     "refused": Word(REFUSED, "refused", "the engine refuses the file"),
+    "crashed": Word(FAILED, "crashed", "the process of the engine died or ran out of memory"),
+    "timeout": Word(TIMEOUT, "too slow", "the time limit of the reading was exceeded"),
+    "adapter-fault": Word(ADAPTER, "adapter at fault", "the adapter of the engine is at fault, and not the engine or the file"),
+    "unreadable": Word(UNREADABLE, "unreadable", "the file is not there, or is no robot's file"),
     "accepted-unphysical": Word(AMISS, "accepted unphysical", "the engine accepts what no body can have"),
     "not-modelled": Word(MISSING, "not modelled", "the engine, or its adapter, does not model it"),
     "not compared": Word(UNKNOWN, "not compared", "nothing is known"),

@@ -56,13 +56,14 @@ class Checked:
 
     Attributes
     ----------
-    file
-        The copy.
+    file, root
+        The copy, and its elements.
     removed
         Phrases for the parts of the model that the copy lacks.
     """
 
     file: RobotFile
+    root: Element
     removed: tuple[str, ...]
 
 
@@ -101,7 +102,7 @@ def checked(path: Path, packages: Sequence[Path], into: Path) -> Checked:
         case _:
             elements.refuse_root(root)
     writing.write(Path(copy.path), written(root))
-    return Checked(copy, removed.phrases())
+    return Checked(copy, root, removed.phrases())
 
 
 def _unwanted(element: Element) -> bool:

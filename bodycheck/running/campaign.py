@@ -1,6 +1,7 @@
 """Make the runs of many tasks, and the truths they need, in worker processes, and store them in a results folder."""
 
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,6 +14,7 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.offers import demonstrations
 from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
+from bodycheck.files.writing import as_utf8
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import slides
@@ -59,7 +61,7 @@ def header(
     """
     return {
         "bodycheck": version("bodycheck"),
-        "command": list(command),
+        "command": [as_utf8(word) for word in command],
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": fingerprint(),
         "packages": versions.packages(),
@@ -71,11 +73,6 @@ def header(
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
         "without_method": dict(without_method),
     }
-
-
-def size(tasks: Sequence[Task]) -> int:
-    """Return the number of units of work for tasks: their runs, and the needed truths, one for each case and time step."""
-    return len(tasks) + sum(len(needed.timesteps) for needed in _truth_tasks(tasks))
 
 
 @contextmanager
@@ -109,7 +106,7 @@ def results(
     limit, memory
         The time limit (s) and the memory limit (bytes) of one run or truth.
     progress
-        A function that is called after each unit of work.
+        A function that is called after each run and each truth. A run counts as done when its truth exists too.
     unchecked
         The expectations of the cases that no run can check.
     files
@@ -131,22 +128,48 @@ def results(
     with Writer(folder, head, identity, tuple(cases.values()), unchecked, files) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
         left = [task for task in everything if _missing(writer, task)]
-        units = size(tasks)
-        if done := units - sum(_missing(writer, task) for task in left):
-            print(f"bodycheck: resuming the interrupted run in {folder}: {done} of {units} are done", file=sys.stderr)
-            progress("", done)
+        count = _Count(tasks, left, writer, progress)
+        if writer.resumed:
+            print(
+                f"bodycheck: resuming the interrupted run in {folder}: {count.done} of {len(tasks)} are done", file=sys.stderr
+            )
+            progress("", count.done)
         arrivals = _arrivals(meet, writer, left)
         with pool.Workers(perform, jobs, limit, memory, group, engines.home) as workers:
             for task, result in workers.map(left):
                 if isinstance(task, Task):
                     _add_run(writer, arrivals, task, result, indices[task], head["engines"][task.engine])
-                    progress(_name(task))
+                    count.add_run(task)
                 else:
                     for timestep in _add_truths(writer, arrivals, task, result):
-                        progress(f"{task.case.name} · truth {timestep:g} s")
+                        count.add_truth(task.case.name, timestep)
         if any(slides(case.scene) for case in cases.values()):
             _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
+
+
+class _Count:
+    """The number of runs that are done, with their truths."""
+
+    def __init__(self, tasks: Sequence[Task], left: Sequence[TruthTask | Task], writer: Writer, progress: Advance) -> None:
+        needed = [task for task in left if isinstance(task, TruthTask)]
+        self.progress = progress
+        self.truths = {(task.case.name, timestep) for task in needed for timestep in _left(writer, task)}
+        keys = [(task.case.name, task.method.timestep) for task in tasks if writer.has_run(task.key)]
+        self.waiting = Counter(key for key in keys if key in self.truths)
+        self.done = len(keys) - self.waiting.total()
+
+    def add_run(self, task: Task) -> None:
+        """Count a run, unless its truth is missing."""
+        key = task.case.name, task.method.timestep
+        waits = key in self.truths
+        self.waiting[key] += waits
+        self.progress(_name(task), 0 if waits else 1)
+
+    def add_truth(self, case: str, timestep: float) -> None:
+        """Count the runs that waited for the truth of a case at a time step (s)."""
+        self.truths.discard((case, timestep))
+        self.progress(f"{case} · truth {timestep:g} s", self.waiting.pop((case, timestep), 0))
 
 
 def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> Arrivals:

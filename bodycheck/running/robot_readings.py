@@ -1,15 +1,24 @@
-"""Let engines read files of robot models, each with its own reader in its own worker process."""
+"""Let engines read files of robot models, each with its own reader in its own worker process.
 
+Every reading has a copy of its own of the file and of all files beside it. A reader that writes into its copy, or into a file
+beside it, changes nothing that another engine reads.
+"""
+
+import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotModels, RobotReading
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
-from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.processes.failures import Crashed, TimedOut, crash
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
@@ -39,15 +48,27 @@ class FormatMissing:
     none_at_all: bool = False
 
 
-Answer = RobotReading | Refused | FormatMissing | Crashed | TimedOut
+@dataclass(frozen=True)
+class AtFault:
+    """The adapter of the engine is at fault; the reason names it."""
+
+    reason: str
+    status: ClassVar[Literal["adapter-fault"]] = "adapter-fault"
+
+
+Answer = RobotReading | Refused | FormatMissing | AtFault | Crashed | TimedOut
 
 
 @dataclass(frozen=True)
 class Call:
-    """A file that an engine reads, and the states and the gravity (m/s^2) at which it computes its terms."""
+    """A file that an engine reads, and the states and the gravity (m/s^2) at which it computes its terms.
+
+    The engine reads a copy of the folder of the file, which is made in the folder `copies`.
+    """
 
     engine: str
     file: RobotFile
+    copies: str
     states: tuple[RobotState, ...]
     gravity: Vector
 
@@ -55,8 +76,8 @@ class Call:
 #: A function from a file, states and gravity to the answers of all engines by name.
 Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
 
-#: A function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it.
-Compile = Callable[[str], RobotModel | Refused | Crashed | TimedOut]
+#: A function from an MJCF file to the model that MuJoCo, which defines the format, makes of it.
+Compile = Callable[[RobotFile], RobotModel | Refused | Crashed | TimedOut]
 
 
 @contextmanager
@@ -72,29 +93,51 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
     limit
         The time limit of the reading of one file by one engine (s).
     """
-    with pool.Workers(read, jobs, limit, group=_engine, home=home, kept=True) as workers:
+    with temporary_folder() as copies, pool.Workers(read, jobs, limit, group=_engine, home=home, kept=True) as workers:
 
         def read_file(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> dict[str, Answer]:
-            calls = [Call(name, file, tuple(states), gravity) for name in engines]
+            calls = [Call(name, file, str(copies), tuple(states), gravity) for name in engines]
             answers = {call.engine: answer for call, answer in workers.map(calls)}
             return {name: answers[name] for name in engines}
 
         yield read_file
 
 
-def read(call: Call) -> RobotReading | Refused | FormatMissing:
+def read(call: Call) -> RobotReading | Refused | FormatMissing | AtFault:
     """Return an engine's reading of a file. This is called in the worker process of the engine."""
     adapter = registry.load(call.engine)
     if not isinstance(adapter, RobotModels):
         return FormatMissing(f"{call.engine} has no reader of robot models", none_at_all=True)
+    with own_copy(call.file, call.copies) as file:
+        return _read(call, adapter, file)
+
+
+def _read(call: Call, adapter: RobotModels, file: RobotFile) -> RobotReading | Refused | FormatMissing | AtFault:
     try:
-        reading = adapter.read_robot(call.file, call.states, call.gravity)
+        reading = adapter.read_robot(file, call.states, call.gravity)
+        check_shapes(reading, len(call.states))
     except ModelRefused as error:
         return Refused(str(error))
     except FormatUnknown as error:
         return FormatMissing(str(error))
-    check_shapes(reading, len(call.states))
+    except MemoryError:
+        raise
+    except AdapterFault as error:
+        return AtFault(f"the adapter of {call.engine} is at fault: {error}")
+    except Exception as error:  # an adapter raises `ModelRefused` for whatever its engine says of a file
+        return AtFault(f"the adapter of {call.engine} is at fault: {crash(error).reason}")
     return reading
+
+
+@contextmanager
+def own_copy(file: RobotFile, copies: str) -> Iterator[RobotFile]:
+    """Provide a file in a new copy of its folder, which the end of the context removes. copies: the folder for the copy."""
+    folder = Path(mkdtemp(dir=copies))
+    try:
+        shutil.copytree(Path(file.path).parent, folder, dirs_exist_ok=True)
+        yield replace(file, path=str(folder / Path(file.path).name))
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def check_shapes(reading: RobotReading, states: int) -> None:
@@ -114,17 +157,22 @@ def check_shapes(reading: RobotReading, states: int) -> None:
 
 @contextmanager
 def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Compile]:
-    """Provide a function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
-    with pool.Workers(_compiled, 1, limit, group=_mujoco, home=home, kept=True) as workers:
-        yield workers.call
+    """Provide a function from an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
+    with temporary_folder() as copies, pool.Workers(_compiled, 1, limit, group=_mujoco, home=home, kept=True) as workers:
+
+        def compile_file(file: RobotFile) -> RobotModel | Refused | Crashed | TimedOut:
+            return workers.call((file, str(copies)))
+
+        yield compile_file
 
 
-def _compiled(path: str) -> RobotModel | Refused:
+def _compiled(call: tuple[RobotFile, str]) -> RobotModel | Refused:
     # The reader of MuJoCo is imported in the worker process of MuJoCo.
     from bodycheck.adapters.mujoco import robots
 
     try:
-        model: RobotModel = robots.compiled(path)
+        with own_copy(*call) as file:
+            model: RobotModel = robots.compiled(file.path)
     except ModelRefused as error:
         return Refused(str(error))
     return model
@@ -134,7 +182,7 @@ def _engine(call: Call) -> str:
     return call.engine
 
 
-def _mujoco(path: str) -> str:
+def _mujoco(call: object) -> str:
     return MJCF_ENGINE
 
 

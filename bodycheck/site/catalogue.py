@@ -14,6 +14,7 @@ from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
 from bodycheck.site.submissions import cases
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
+from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 
 #: The words in a reason from which it follows that the engine itself refused the model or the file.
 REFUSES = " refuses the "
@@ -169,37 +170,56 @@ class Catalogue:
 
     @cached_property
     def allowances(self) -> Mapping[tuple[str, str, str, str, float | None], Row]:
-        """Return the rows of releases.csv by engine, version, case and method; they have the effect of rounding on each figure.
+        """Return the effect of rounding on each figure, by engine, version, case and method, from rows of releases.csv.
 
-        If several rows have the same key, the row of the newest submission counts.
+        If several submissions have measured the same effect, the smallest counts, so that no submission hides a change.
         """
-        return {
-            (entry.engine, entry.version, entry.row["case"], *entry.method): entry.row for entry in self.entries("releases.csv")
-        }
+        found: dict[tuple[str, str, str, str, float | None], dict[str, Any]] = defaultdict(dict)
+        for entry in self.entries("releases.csv"):
+            own = found[entry.engine, entry.version, entry.row["case"], *entry.method]
+            for column, value in entry.row.items():
+                if column.endswith(ALLOWANCE_SUFFIX) and value is not None:
+                    own[column] = min(value, own.get(column, value))
+        return found
 
     @cached_property
     def without_method(self) -> Mapping[tuple[str, str], str]:
-        """Return why an engine has no run of a scene, by engine and case, from the newest submission that gives a reason."""
+        """Return why an engine has no run of a scene, by engine and case.
+
+        If submissions give different reasons, all are there, each with the newest submission that gives it.
+        """
+        reasons: dict[tuple[str, str], dict[str, Submission]] = defaultdict(dict)
+        for source in self.submissions:
+            for engine, by_case in source.header.without_method.items():
+                for case, why in by_case.items():
+                    reasons[adapter_of(engine), case][why] = source
         return {
-            (adapter_of(engine), case): why
-            for source in self.submissions
-            for engine, cases in source.header.without_method.items()
-            for case, why in cases.items()
+            key: "; ".join(f"{why} ({source.named})" if len(found) > 1 else why for why, source in found.items())
+            for key, found in reasons.items()
         }
 
     @cached_property
     def robots(self) -> Mapping[str, tuple[Entry, ...]]:
-        """Return the rows of parity.csv by robot model; for each version of an engine, the rows of the newest submission."""
-        newest: dict[tuple[str, str, str], tuple[Submission, list[Entry]]] = {}
+        """Return the rows of parity.csv by robot model, for each version of an engine.
+
+        Of submissions that say the same of it, the newest counts. Submissions that say different things are all there.
+        """
+        readings: dict[tuple[str, str, str], dict[Submission, list[Entry]]] = defaultdict(lambda: defaultdict(list))
         for entry in self.entries("parity.csv"):
-            key = (entry.row["model"], entry.engine, entry.version)
-            if key not in newest or newest[key][0] is not entry.source:
-                newest[key] = (entry.source, [])
-            newest[key][1].append(entry)
+            readings[entry.row["model"], entry.engine, entry.version][entry.source].append(entry)
         found: dict[str, list[Entry]] = defaultdict(list)
-        for (model, _, _), (_, entries) in sorted(newest.items()):
-            found[model] += entries
+        for (model, _, _), by_source in sorted(readings.items(), key=lambda item: item[0]):
+            for rows in {_statement(rows): rows for rows in by_source.values()}.values():
+                found[model] += rows
         return {model: tuple(entries) for model, entries in found.items()}
+
+
+def _statement(rows: Iterable[Entry]) -> frozenset[tuple[str | None, ...]]:
+    """Return what rows of parity.csv say: the quantities that agree, and all else with its part, its status and its cause."""
+    columns = ("quantity", "status", "cause", "subject")
+    return frozenset(
+        tuple(entry.get(column) for column in (columns[:2] if entry.get("status") == "agrees" else columns)) for entry in rows
+    )
 
 
 @lru_cache(maxsize=4096)

@@ -29,6 +29,8 @@ class Cell:
         The changes in any method of the engine since the previous results; empty if there are no earlier results.
     reason
         Why there is no error; empty if there is an error.
+    others
+        The runs of the same method in the same version, from other submissions, that say something else.
     """
 
     verdict: Verdict
@@ -38,6 +40,7 @@ class Cell:
     best: Entry | None = None
     changes: tuple[Change, ...] = ()
     reason: str = ""
+    others: tuple[Entry, ...] = ()
 
 
 def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
@@ -52,7 +55,8 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
     done = [entry for entry in newest if entry.get("status") == Completed.status and entry.get(scene.quantity.name) is not None]
     best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
     value, bound = own.get(scene.quantity.name), own.get(scene.quantity.bound_name)
-    return Cell(verdict(own, scene), own, value, bound, best, changed, str(own.get("reason") or ""))
+    others = changes.contradictions(catalogue, scene, own)
+    return Cell(verdict(own, scene), own, value, bound, best, changed, str(own.get("reason") or ""), others)
 
 
 def verdict(run: Entry, scene: Scene) -> Verdict:
@@ -75,6 +79,12 @@ def default_run(runs: list[Entry]) -> Entry:
     """
     in_order = sorted(runs, key=lambda entry: entry.place)
     return in_order[own_method([entry.row for entry in in_order], in_order[0].source.header.defaults)]
+
+
+def of_run(run: Entry, scene: Scene) -> Cell:
+    """Return a cell with a run alone."""
+    value, bound = run.get(scene.quantity.name), run.get(scene.quantity.bound_name)
+    return Cell(verdict(run, scene), run, value, bound, reason=str(run.get("reason") or ""))
 
 
 def text(cell: Cell) -> str:

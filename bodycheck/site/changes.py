@@ -104,6 +104,19 @@ def before(runs: Sequence[Entry], run: Entry) -> Entry | None:
     return same[-1] if same else None
 
 
+def contradictions(catalogue: Catalogue, scene: Scene, run: Entry) -> tuple[Entry, ...]:
+    """Return the runs of the same method in the same version of an engine, from other submissions, that say something else.
+
+    They differ from the run by `RULE`. Of several that agree with one another, the newest is returned. The newest come first.
+    """
+    others: list[Entry] = []
+    for entry in reversed(catalogue.runs[run.engine, scene.name]):
+        same = (entry.version, entry.method) == (run.version, run.method) and entry.source is not run.source
+        if same and all(change(catalogue, scene, one, entry) is not None for one in (run, *others)):
+            others.append(entry)
+    return tuple(others)
+
+
 def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> Change | None:
     """Return the change of the status, or of the error in the quantity of a scene, by `RULE`; None if nothing changed."""
     if after.get("status") != earlier.get("status"):

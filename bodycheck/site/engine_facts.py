@@ -128,23 +128,34 @@ class RobotFacts:
         The number of compared quantities by status.
     causes
         The causes of the differences.
+    source
+        The submission in words, if others say something else of this version; otherwise empty.
     """
 
     model: str
     version: str
     counts: Mapping[str, int]
     causes: tuple[str, ...]
+    source: str = ""
 
 
 def robots(catalogue: Catalogue, engine: str) -> Iterator[RobotFacts]:
-    """Yield the facts about an engine on each robot model, from the newest version that was compared on the model."""
+    """Yield the facts about an engine on each robot model, from the newest version that was compared on the model.
+
+    Submissions that say different things of this version have facts each.
+    """
     for model, entries in catalogue.robots.items():
         own = [entry for entry in entries if entry.engine == engine]
         if own:
             version = max((entry.version for entry in own), key=version_key)
-            rows = [entry for entry in own if entry.version == version]
-            causes = sorted({str(entry.get("cause")) for entry in rows if entry.get("cause")})
-            yield RobotFacts(model, version, Counter(str(entry.get("status")) for entry in rows), tuple(causes))
+            by_source: dict[Submission, list[Entry]] = defaultdict(list)
+            for entry in own:
+                if entry.version == version:
+                    by_source[entry.source].append(entry)
+            for source, rows in by_source.items():
+                causes = sorted({str(entry.get("cause")) for entry in rows if entry.get("cause")})
+                counts = Counter(str(entry.get("status")) for entry in rows)
+                yield RobotFacts(model, version, counts, tuple(causes), source.named if len(by_source) > 1 else "")
 
 
 def issues(catalogue: Catalogue, engine: str) -> Iterator[tuple[Issue, tuple[Evidence, ...]]]:

@@ -7,13 +7,16 @@ from functools import cached_property
 from bodycheck.reports.quantities import bound, milliseconds, number
 from bodycheck.reports.runs.matrix import KINDS, Kind, decade
 from bodycheck.results.verdicts import BETTER, OTHER, SCENES, WORSE
-from bodycheck.site import cells, links
+from bodycheck.site import cells, changes, links
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell
 from bodycheck.site.changes import Change
 
 #: The most characters of the reason in the explanation of a cell; the page of the row has the whole reason.
 LONGEST_REASON = 200
+
+#: The text between the numbers of submissions that contradict each other.
+DISPUTED = " or "
 
 #: The most changes of an engine that the page lists individually.
 NAMED_CHANGES = 5
@@ -32,7 +35,8 @@ class Shown:
     mark
         The sign of a change: ▲ if the shown method became worse, ▼ if it became better, ◆ for any other change; or empty.
     style
-        The CSS classes of the cell: its verdict, the decade of the error, and "changed" if anything changed.
+        The CSS classes of the cell: its verdict, the decade of the error, "changed" if anything changed, and "disputed" if
+        other submissions say something else.
     told
         The explanation of the cell: error, bound, method and change, in words.
     address
@@ -144,7 +148,9 @@ class Front:
         for scene in self.catalogue.scenes.values():
             known = [self.cells[engine, scene.name] for engine in self.catalogue.engines]
             own = tuple(shown(cell, scene, head) for cell, head in zip(known, self.heads, strict=True))
-            best = tuple(shown(best_of(cell, scene), scene, head) for cell, head in zip(known, self.heads, strict=True))
+            best = tuple(
+                shown(best_of(self.catalogue, cell, scene), scene, head) for cell, head in zip(known, self.heads, strict=True)
+            )
             by_kind[scene.kind.name].append(Line(scene, own, best))
         return tuple(Group(kind, tuple(by_kind[kind.name])) for kind in KINDS if by_kind[kind.name])
 
@@ -175,12 +181,15 @@ class Front:
         )
 
 
-def best_of(cell: Cell, scene: Scene) -> Cell:
+def best_of(catalogue: Catalogue, cell: Cell, scene: Scene) -> Cell:
     """Return the cell with the engine's best run in place of the run of its own method; unchanged if there is no best run."""
     if cell.best is None:
         return cell
+    others = changes.contradictions(catalogue, scene, cell.best)
     value, limit = cell.best.get(scene.quantity.name), cell.best.get(scene.quantity.bound_name)
-    return replace(cell, verdict=cells.verdict(cell.best, scene), run=cell.best, value=value, bound=limit, reason="")
+    return replace(
+        cell, verdict=cells.verdict(cell.best, scene), run=cell.best, value=value, bound=limit, reason="", others=others
+    )
 
 
 def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
@@ -192,6 +201,9 @@ def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
     if cell.changes:
         style.append("changed")
     word = SCENES[cell.verdict].title if text == SCENES[cell.verdict].mark else ""
+    if cell.others:
+        style.append("disputed")
+        text = DISPUTED.join((text, *(cells.text(cells.of_run(run, scene)) for run in cell.others)))
     address = links.row(cell.run) if cell.run is not None else ""
     return Shown(text, word, _mark(cell), " ".join(style), told(cell, scene, head), address)
 
@@ -208,11 +220,21 @@ def told(cell: Cell, scene: Scene, head: Head) -> str:
         parts.append(method(cell.run))
         if (cell.run.version, cell.run.source.date) != (head.version, head.date):
             parts.append(f"version {cell.run.version} of {cell.run.source.date}")
+    for run in cell.others:
+        parts.append(f"{run.source.named} says {_value(run, scene)}")
+    if cell.run is not None and cell.others:
+        parts.append(f"{cell.run.source.named} says {_value(cell.run, scene)}")
     if cell.changes:
         first = next((change for change in cell.changes if change.after is cell.run), cell.changes[0])
         more = f" and {len(cell.changes) - 1} more" if len(cell.changes) > 1 else ""
         parts.append(f"changed since {_since([first.before], first.after.version)}: {in_words(first)}{more}")
     return "; ".join(part for part in parts if part)
+
+
+def _value(run: Entry, scene: Scene) -> str:
+    """Return the error of a run in words, or its status if it has none."""
+    value = run.get(scene.quantity.name)
+    return str(run.get("status")) if value is None else scene.quantity.with_unit(value)
 
 
 def method(run: Entry) -> str:

@@ -7,7 +7,8 @@ from typing import Any, get_args
 
 from bodycheck.results.verdicts import RobotVerdict
 from bodycheck.site.catalogue import Entry
-from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITIES, Quantity, Status
+from bodycheck.site.submissions.submission import Submission
+from bodycheck.studies.parity.quantities import CAUSES, FAILED, FILE, MEANINGS, QUANTITIES, Quantity, Status
 from bodycheck.studies.parity.rows import READINGS, ParityRow
 from bodycheck.studies.parity.wording import brief, name_of, of_engine
 
@@ -46,12 +47,20 @@ class Reading:
     engine, version
         The engine and its version.
     rows
-        Its rows of parity.csv.
+        Its rows of parity.csv in one submission.
+    disputed
+        Whether another submission says something else of the same version.
     """
 
     engine: str
     version: str
     rows: tuple[Entry, ...]
+    disputed: bool = False
+
+    @property
+    def source(self) -> str:
+        """Return the submission in words if the reading is disputed; otherwise an empty text."""
+        return self.rows[0].source.named if self.disputed else ""
 
     @property
     def verdict(self) -> RobotVerdict:
@@ -91,24 +100,33 @@ class Reading:
 
     @property
     def listed(self) -> tuple[Entry, ...]:
-        """Return the rows that do not agree, by status: refused, then differing, unphysical and not modelled."""
-        order: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "not-modelled")
+        """Return the rows that do not agree, by status: those that fail, then unphysical and not modelled."""
+        order: tuple[Status, ...] = (*FAILED, "accepted-unphysical", "not-modelled")
         return tuple(entry for status in order for entry in self.rows if entry.get("status") == status)
 
 
 def readings(entries: Sequence[Entry]) -> tuple[list[Reading], list[Reading], list[Entry]]:
-    """Return the readings by the newest version of each engine, the readings by older versions, and the rows about the file."""
-    by_engine: dict[str, dict[str, list[Entry]]] = defaultdict(dict)
+    """Return the readings by the newest version of each engine, the readings by older versions, and the rows about the file.
+
+    A version of which submissions say different things has a reading for each of them.
+    """
+    by_engine: dict[str, dict[str, dict[Submission, list[Entry]]]] = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for entry in sorted(entries, key=lambda entry: (entry.order, entry.place)):
-        by_engine[entry.engine].setdefault(entry.version, []).append(entry)
-    faults = [entry for own in by_engine.pop(FILE, {}).values() for entry in own]
+        by_engine[entry.engine][entry.version][entry.source].append(entry)
+    of_file = by_engine.pop(FILE, {}).values()
+    faults = {(one.get("subject"), one.get("engine_value")): one for by in of_file for own in by.values() for one in own}
     newest: list[Reading] = []
     older: list[Reading] = []
     for engine, versions in sorted(by_engine.items()):
-        *before, last = (Reading(engine, version, tuple(own)) for version, own in versions.items())
-        newest.append(last)
-        older += reversed(before)
-    return newest, older, faults
+        *before, last = (_readings(engine, version, list(own.values())) for version, own in versions.items())
+        newest += last
+        older += [reading for version in reversed(before) for reading in version]
+    return newest, older, list(faults.values())
+
+
+def _readings(engine: str, version: str, by_source: Sequence[Sequence[Entry]]) -> list[Reading]:
+    """Return the readings by one version of an engine, one for each submission."""
+    return [Reading(engine, version, tuple(rows), len(by_source) > 1) for rows in by_source]
 
 
 def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[Mark | None]]]:

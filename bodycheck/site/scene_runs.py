@@ -1,10 +1,11 @@
 """The runs of a scene as its page lists them: runs with numbers, and runs without numbers grouped by reason."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bodycheck.results.outcome import Unsupported
 from bodycheck.results.verdicts import Verdict
+from bodycheck.site import changes
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import default_run, verdict
 from bodycheck.site.submissions import own_methods
@@ -23,11 +24,14 @@ class Line:
     own
         Why its method represents the engine: it is the "own choice" of the engine, or it is "listed first" by the adapter of an
         engine that chooses none. Empty for all other methods.
+    source
+        The submission in words, if others say something else of the same method in the same version; otherwise empty.
     """
 
     run: Entry
     verdict: Verdict
     own: str
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ def newest(catalogue: Catalogue, scene: Scene) -> tuple[list[Line], list[Without
             why = catalogue.without_method.get((engine, scene.name), "")
             without.append(Without(engine, "", "unsupported" if why else "not run", (), why))
             continue
-        lines += _lines(groups[-1], scene)
+        lines += _side_by_side(catalogue, scene, list(_lines(groups[-1], scene)))
         without += _without(groups[-1], scene)
     return lines, without
 
@@ -96,6 +100,15 @@ def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
     for run in group:
         if run.get("status") != Unsupported.status:
             yield Line(run, verdict(run, scene), _why(run) if run is own else "")
+
+
+def _side_by_side(catalogue: Catalogue, scene: Scene, lines: Sequence[Line]) -> Iterator[Line]:
+    """Yield lines, each followed by the lines of other submissions that say something else."""
+    for line in lines:
+        others = changes.contradictions(catalogue, scene, line.run)
+        yield replace(line, source=line.run.source.named) if others else line
+        for run in others:
+            yield Line(run, verdict(run, scene), line.own, run.source.named)
 
 
 def _why(run: Entry) -> str:

@@ -26,14 +26,16 @@ def command(name: str) -> Callable[..., int]:
         quiet: Quiet = False,
     ) -> int:
         from bodycheck.console import terminal
-        from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
+        from bodycheck.console.arguments import check_has_folder, load_engines, processes, read_cases, tell_left_out
         from bodycheck.console.output import say_where
         from bodycheck.studies import plain
         from bodycheck.studies.output import Output
 
         check_has_folder(figures, out)
         plain.check_view(name, view)
-        loaded = plain.suited(name, load_cases(cases), named=bool(cases))
+        read = read_cases(cases)
+        tell_left_out(read)
+        loaded = plain.suited(name, read.cases, named=bool(cases))
         engines = load_engines(engine)
         results = plain.carry_out(name, loaded, engines, integrator, sys.argv, processes(jobs), Output(out, figures, quiet))
         if json:
@@ -42,7 +44,7 @@ def command(name: str) -> Callable[..., int]:
         elif not quiet:
             plain.print_tables(name, results, view)
         say_where(out, quiet)
-        return FAILED if engines.failed(loaded) else OK
+        return FAILED if engines.failed(loaded) or read.faults else OK
 
     study.__name__ = study.__qualname__ = name
     study.__doc__ = registry.about(name)

@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from bodycheck.adapters import registry
 from tests.adversary.kills import TOLD
 from tests.adversary.saved import KINDS, SAVED
 from tests.adversary.sizes import batches
@@ -62,3 +63,9 @@ def test_what_is_killed_comes_to_the_same(
 ) -> None:
     monkeypatch.setenv(TOLD, str(saved_results.shared(tmp_path_factory, "undisturbed")))
     assert not failures("kills:killed_command", first, count)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not registry.installed("mujoco"), reason="MuJoCo, which reads the files, is not installed")
+def test_damaged_robot_files_have_rows_and_spoil_no_others() -> None:
+    assert not failures("robot_files:parity_of_a_folder", 1, 20)

@@ -72,17 +72,38 @@ def test_a_broken_expectation_exits_1(calls_here: None, short: Path) -> None:
     assert "1 failed" in done.stdout
 
 
-def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tmp_path: Path) -> None:
-    bad, worse = tmp_path / "bad.case.toml", tmp_path / "worse.case.toml"
+@pytest.fixture
+def broken(tmp_path: Path) -> tuple[list[Path], list[str]]:
+    """Case files with faults, one that is not there, and what must be told of them."""
+    bad, worse, none = (tmp_path / f"{name}.case.toml" for name in ("bad", "worse", "none"))
     bad.write_text(short_case().replace("mass = 1.0", "mass = -1.0").replace("samples = 6", "samples = 0"))
     worse.write_text("= 3")
-    out = tmp_path / "out"
-    done = bodycheck("run", short, bad, "projectile", worse, "--out", out)
-    assert done.returncode == 2
-    assert not out.exists()
-    assert done.stdout == ""
-    for words in (f"{bad}:7:1: body.mass: read -1.0", f"{bad}:14:1: run.samples: read 0", f"{worse}:1:1: not TOML"):
-        assert words in done.stderr
+    words = [f"{bad}:7:1: body.mass: read -1.0", f"{bad}:14:1: run.samples: read 0", f"{worse}:1:1: not TOML"]
+    return [bad, worse, none], [*words, f"{none}: there is no such file"]
+
+
+def test_broken_cases_among_good_ones_are_all_told_and_left_out(
+    calls_here: None, short: Path, broken: tuple[list[Path], list[str]]
+) -> None:
+    paths, words = broken
+    done = bodycheck("run", *paths[:1], short, *paths[1:], "--engine", "mujoco", "--json")
+    assert done.returncode == 1
+    assert {row["case"] for row in json.loads(done.stdout)} == {"short"}
+    assert all(word in done.stderr for word in words)
+    checked = bodycheck("validate", *paths[:1], short, *paths[1:])
+    assert (checked.returncode, checked.stdout) == (1, "short: valid\n")
+    assert all(word in checked.stderr for word in words)
+
+
+@pytest.mark.parametrize("command", ["run", "validate", "extremes"])
+def test_broken_cases_alone_exit_2_before_simulating(
+    command: str, tmp_path: Path, broken: tuple[list[Path], list[str]]
+) -> None:
+    paths, words = broken
+    done = bodycheck(command, *paths, *(() if command == "validate" else ("--out", tmp_path / "out")))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert not (tmp_path / "out" / "results.csv").exists()
+    assert all(word in done.stderr for word in words)
     assert "Traceback" not in done.stderr
 
 

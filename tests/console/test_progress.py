@@ -12,12 +12,25 @@ from bodycheck.console.progress import Count
 
 def test_a_line_says_how_much_is_done_after_how_long() -> None:
     now = [100.0]
-    count = Count("running", 3, lambda: now[0])
-    assert count.text == "running: 0 of 3 after 0 s"
+    count = Count("running", 6, lambda: now[0])
+    assert count.text == "running: 0 of 6 after 0 s"
     now[0] = 112.4
     count.advance("flip · mujoco Euler 0.002 s")
-    count.advance("", 1)
-    assert count.text == "running: 2 of 3 after 12 s, last flip · mujoco Euler 0.002 s"
+    assert count.text == "running: 1 of 6 after 12 s, about 62 s left, last flip · mujoco Euler 0.002 s"
+
+
+def test_the_remaining_time_does_not_count_what_was_done_before() -> None:
+    now = [0.0]
+    count = Count("running", 6, lambda: now[0])
+    count.advance("", 3)
+    now[0] = 10.0
+    assert count.text == "running: 3 of 6 after 10 s"
+    count.advance("a run")
+    assert count.text == "running: 4 of 6 after 10 s, about 20 s left, last a run"
+
+
+def test_a_line_is_printed_at_least_every_5_s() -> None:
+    assert progress.INTERVAL_S < 5.0  # the thread that prints may be a little late
 
 
 def test_runs_print_nothing_by_themselves_and_time_does(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -110,11 +110,28 @@ def test_rows_are_sorted_by_value_those_without_one_at_the_end() -> None:
 
 
 def test_a_column_that_no_table_has_is_bad_input() -> None:
-    check(View(columns="case,other", sort="error"), COLUMNS, [attribute("other")])
+    check(View(columns="case", sort="error"), COLUMNS, [attribute("other")])
     with pytest.raises(BadInput, match=r"--columns: there is no column 'eror'; there are: case, engine, error, .*'error'"):
         check(View(columns="case,eror"), COLUMNS)
     with pytest.raises(BadInput, match="--sort: there is no column 'size'"):
         check(View(sort="size"), COLUMNS)
+
+
+def test_columns_that_no_table_has_together_are_bad_input() -> None:
+    with pytest.raises(BadInput, match="no table has all of these columns; one table has: case; other"):
+        check(View(columns="case,other"), COLUMNS, [attribute("other")])
+
+
+def test_a_table_that_lacks_a_named_column_is_not_printed() -> None:
+    assert printed(None, View(columns="case,nothing")) == []
+
+
+def test_a_column_may_be_named_by_its_head() -> None:
+    column = Column[dict[str, float]]("timestep", "step s", lambda row: f"{row['step']:g}", lambda row: row["step"])
+    check(View(columns="step s", sort="step s"), [column])
+    with redirect_stdout(io.StringIO()) as stream:
+        show([column], [{"step": 0.2}, {"step": 0.1}], View(columns="step s", sort="step s"))
+    assert stream.getvalue().split() == ["step", "s", "0.1", "0.2"]
 
 
 def test_a_text_cannot_move_the_cursor_or_begin_a_line() -> None:

@@ -43,6 +43,7 @@ def test_engines_with_the_same_robots_share_a_row(
     assert "| inertia-turned | mjx, mujoco | 1 | two |" in lines
     assert "| one | mjx, mujoco: “Error: bad inertia” |" in lines
     assert "| one: arm | no moment is negative |" in lines
+    assert lines[-1] == "1 of 2 files state values that no body can have."
 
 
 def test_the_page_tells_of_every_engine_cause_and_status() -> None:

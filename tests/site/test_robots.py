@@ -66,6 +66,24 @@ def test_refused_and_not_modelled_are_told_apart(page: str) -> None:
     assert "mujoco 4.0.0 ≠ differs; damping ignored: joint1 (damping 0 instead of 0.5)" in shown
 
 
+def test_readings_without_an_answer_are_counted_apart_from_refusals() -> None:
+    answers = {"drake": "crashed", "newton": "timeout", "mujoco": "adapter-fault", "pybullet": "refused"}
+    rows = [made.parity(**WHOLE, engine=name, version="1.0", status=status) for name, status in answers.items()]
+    found = files(rows)
+    page = text(found[links.robot("panda")])
+    for told in ("✗ crashes on the file", "◷ does not finish the file", "† has no reading", "⊘ refuses the file"):
+        assert told in page
+    for status in answers.values():
+        assert f'class="{status}"' in found[links.ROBOTS]
+
+
+def test_a_file_that_no_engine_has_read_is_a_page() -> None:
+    row = made.parity(**WHOLE, engine="file", version=None, status="unreadable", engine_value="panda.urdf: is not XML")
+    page = text(files([row])[links.robot("panda")])
+    assert "panda.urdf: is not XML" in page
+    assert "No engine has read the file." in page
+
+
 def test_faults_of_the_file_and_the_command_are_there(page: str) -> None:
     shown = text(page)
     assert "link3: has no inertia" in shown

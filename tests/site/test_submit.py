@@ -85,6 +85,27 @@ def test_the_names_of_parts_of_a_robot_are_no_paths(tmp_path: Path) -> None:
     assert packing.packed(folder).submission.tables["parity.csv"][0]["subject"] == "/arm/left/link"
 
 
+@pytest.mark.parametrize(
+    ("name", "public"),
+    [
+        ("e\u0301", r"e\u0301"),
+        ("\u05d0\u05d1", r"\u05d0\u05d1"),
+        ("<script>x</script>", r"\x3cscript>x\x3c/script>"),
+        ("a javascript : b", r"a javascript \x3a b"),
+        ("jane@example.org", "(e-mail address)"),
+        ("plain ü", "plain ü"),
+    ],
+)
+def test_names_of_parts_of_a_robot_are_escaped(tmp_path: Path, name: str, public: str) -> None:
+    row = made.parity(subject=name, model=name, engine_value=f"of {name}", status="differs")
+    folder = made.write_folder(tmp_path / "parity", {"parity.csv": [row, made.parity()]})
+    packed = packing.packed(folder)
+    escaped, plain = packed.submission.tables["parity.csv"]
+    assert (escaped["subject"], escaped["model"], plain["subject"]) == (public, public, "link1")
+    assert text(str(escaped["engine_value"]))
+    assert (packing.ESCAPED in packed.removed) == ("\\" in public)
+
+
 def test_a_submission_says_the_same_as_its_folder(tmp_path: Path) -> None:
     folder = made.write_folder(tmp_path / "run", {"results.csv": [made.run(), made.exact(case=made.MECHANISM)]})
     assert packing.packed(folder).submission.key == gathering.read(folder).key

@@ -26,4 +26,10 @@ ENGINES = {
     "dying": "import os\ndef read_robot(file, states, gravity):\n    os._exit(3)",
     "hanging": "import time\ndef read_robot(file, states, gravity):\n    time.sleep(600)",
     "illiterate": "",
+    "overwriting": READS + "def read_robot(file, states, gravity):\n    model = model_of(file)\n"
+    "    for path in Path(file.path).parent.iterdir():\n        path.write_bytes(b'<robot/>')\n"
+    "    Path(file.path).with_name('more').mkdir()\n    return reading(model, states)",
+    "segfaulting": "import os, signal\ndef read_robot(file, states, gravity):\n    os.kill(os.getpid(), signal.SIGSEGV)",
+    "broken": "def read_robot(file, states, gravity):\n    return None.bodies",
+    "brief": READS + "def read_robot(file, states, gravity):\n    return reading(model_of(file), states[1:])",
 }

@@ -5,6 +5,8 @@ another link is only a frame of that link. Limits, geometry, transmissions and a
 they are no part of the mechanics of a case.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from bodycheck.casefile.robots import tables
@@ -13,14 +15,15 @@ from bodycheck.casefile.robots.numbers import numbers, positive
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
-from bodycheck.reference.exact.numbers import Vector3
+from bodycheck.reference.exact.numbers import MP, Vector3
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
+from bodycheck.reference.robots.physical import rounding
 from bodycheck.reference.scene import Brick, Cylinder, Shape, Sphere
 from bodycheck.robots import urdf_parts
 from bodycheck.robots.attributes import attitude, position
 from bodycheck.robots.elements import Element, place, refuse
 from bodycheck.robots.faults import About
-from bodycheck.robots.urdf import MACRO, about_file, below, macros, parts
+from bodycheck.robots.urdf import MACRO, about_file, below, macros, parts, rounded
 from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
 
@@ -118,7 +121,7 @@ def tree(root: Element, world: str) -> Tables:
         part = holder[name]
         parent, pose = frames[part.parent]
         pose = pose.then(Pose(part.origin, part.attitude))
-        inertia = _inertia(links[name])
+        inertia = _inertia(links[name], [joint.origin for joint in read.joints if joint.parent == name])
         if inertia is None:
             if part.type != "fixed":
                 reason = "has no mass and moves; only a link that is fixed to another one may have none"
@@ -131,8 +134,11 @@ def tree(root: Element, world: str) -> Tables:
     return bodies_and_joints
 
 
-def _inertia(link: LinkPart) -> MassProperties | None:
-    """Return the mass properties of a link; None if it has no mass. Raises `BadInput` for an impossible mass or inertia."""
+def _inertia(link: LinkPart, joints: Sequence[Vector3]) -> MassProperties | None:
+    """Return the mass properties of a link; None if it has no mass. Raises `BadInput` for an impossible mass or inertia.
+
+    Moments that are no larger than what rounding leaves of zero are zero. joints: the positions of the joints on the link (m).
+    """
     inertial = link.element.only("inertial")
     if inertial is None:
         return None
@@ -146,7 +152,11 @@ def _inertia(link: LinkPart) -> MassProperties | None:
             "value",
             f"read {float(link.mass_properties.mass)!r}; allowed: a positive number",
         )
-    return without_rounding(link.mass_properties)
+    mass_properties = without_rounding(link.mass_properties)
+    mass, centre = float(mass_properties.mass), rounded(mass_properties.centre)
+    if max(map(abs, mass_properties.tensor)) <= rounding(mass, centre, map(rounded, joints)):
+        return replace(mass_properties, tensor=(MP.mpf(0),) * 6)
+    return mass_properties
 
 
 def _properties(joint: JointPart) -> dict[str, Any]:

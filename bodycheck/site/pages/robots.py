@@ -37,7 +37,12 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
     """Return the page with all robots. read: the newest readings of each robot, and the number of faults in its file."""
     engines = sorted({one.engine for own, _ in read.values() for one in own})
-    rows = [(model, {one.engine: one for one in own}, faults) for model, (own, faults) in sorted(read.items())]
+    rows = []
+    for model, (own, faults) in sorted(read.items()):
+        by_engine: dict[str, list[Reading]] = {}
+        for one in own:
+            by_engine.setdefault(one.engine, []).append(one)
+        rows.append((model, by_engine, faults))
     return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows)
 
 

@@ -2,10 +2,13 @@
 
 import os
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
+from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
+from bodycheck.site import released
 from bodycheck.site.submissions import archive, packing, personal
 from bodycheck.site.submissions.contents import checked
 from bodycheck.site.submissions.submission import LeftOut, Submission
@@ -19,19 +22,25 @@ DAMAGE = (OSError, ArithmeticError, LookupError, TypeError, ValueError, Attribut
 LONGEST = 500
 
 
-def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftOut, ...]]:
+def gathered(paths: Sequence[Path], now: datetime | None = None) -> tuple[tuple[Submission, ...], tuple[LeftOut, ...]]:
     """Return the submissions at paths, the oldest first, and the paths that are left out with their reasons.
+
+    A submission that was started after the present time is left out, and one with a version of an engine that is not in the
+    list of its releases.
 
     Parameters
     ----------
     paths
         Zip files of `bodycheck submit`, results folders, and folders that contain either.
+    now
+        The present time; by default, that of this machine.
 
     Raises
     ------
     BadInput
         A path does not exist.
     """
+    present = datetime.now(UTC) if now is None else now
     found: dict[str, Submission] = {}
     left_out = []
     for path in paths:
@@ -40,6 +49,7 @@ def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftO
         for one in _places(path):
             try:
                 submission = read(one)
+                _check_origin(submission, present)
             except BadInput as error:
                 left_out.append(LeftOut(_name(one), _reason(str(error), one)))
             except DAMAGE as error:
@@ -48,6 +58,22 @@ def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftO
                 found[submission.key] = submission
     in_order = sorted(found.values(), key=lambda one: (one.header.started, one.key))
     return tuple(in_order), tuple(left_out)
+
+
+def _check_origin(submission: Submission, now: datetime) -> None:
+    """Raise `BadInput` for a submission that was started after the present time, or with an unknown release of an engine."""
+    started = submission.header.started
+    if datetime.fromisoformat(started) > now:
+        clock = now.isoformat(timespec="seconds")
+        raise BadInput(f"header: started: {started} is after the present time of this site, {clock}")
+    # A study of releases has the first and the last of them in its header.
+    headed = submission.header.engines.items()
+    versions = {(engine, version) for engine, both in headed for version in both.split(" to ")}
+    for rows in submission.tables.values():
+        versions |= {(row["engine"], row["version"]) for row in rows if row.get("engine") and row.get("version")}
+    for engine, version in sorted(versions):
+        if (why := released.fault(adapter_of(engine), version)) is not None:
+            raise BadInput(why)
 
 
 def read(path: Path) -> Submission:

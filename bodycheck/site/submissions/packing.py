@@ -6,7 +6,7 @@ Tables of robot models are condensed, because the site only counts their many ro
 import csv
 import io
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -23,7 +23,7 @@ from bodycheck.site.submissions import cases as case_texts
 from bodycheck.site.submissions.contents import CASE_END, CASES, TABLES, TRACKS, Contents
 from bodycheck.site.submissions.personal import Cleaning
 from bodycheck.site.submissions.submission import Submission
-from bodycheck.site.submissions.texts import shown
+from bodycheck.site.submissions.texts import escaped, shown
 
 #: The most bytes of a table, and of the file beside it.
 MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
@@ -31,8 +31,9 @@ MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
 #: Tables of studies that the site has no pages for.
 UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv")
 
-#: Columns of names of models and their parts, which may look like paths.
+#: Columns of names of models and their parts, which may look like paths. The kind of what is removed from them.
 PARTS = ("subject", "model")
+ESCAPED = "characters of names of robots' parts, for which there are escapes"
 
 #: The columns of parity.csv whose values are equal in rows about the same quantity.
 SAME = ("model", "engine", "version", "quantity")
@@ -149,18 +150,31 @@ def _table(path: Path, clean: Cleaning) -> bytes:
         rows = list(map(list, condensed(rows)))
     columns = tables.TABLES[path.name].by_name
     heads = rows[0] if rows else []
-    of_texts = {name for name in heads if name in columns and "text" in tables.kind(columns[name])} - set(PARTS)
-    texts = [index for index, name in enumerate(heads) if name in of_texts]
-    known: dict[str, str] = {}
+    of_texts = {name for name in heads if name in columns and "text" in tables.kind(columns[name])}
+    texts = [(index, _name if name in PARTS else _text) for index, name in enumerate(heads) if name in of_texts]
+    known: dict[tuple[str, Callable[[str, Cleaning], str]], str] = {}
     for row in rows[1:]:
-        for place in texts:
-            if place < len(row) and (found := row[place]):
-                if found not in known:
-                    text = tables.plain(found)
-                    cleaned = shown(clean.text(text))
-                    known[found] = found if cleaned == text else csv_entry(cleaned)
-                row[place] = known[found]
-    return _written(rows) if len(rows) < whole or any(text != cleaned for text, cleaned in known.items()) else content
+        for place, cleaned in texts:
+            if place < len(row) and (entry := row[place]):
+                if (entry, cleaned) not in known:
+                    text = tables.plain(entry)
+                    clean_text = cleaned(text, clean)
+                    known[entry, cleaned] = entry if clean_text == text else csv_entry(clean_text)
+                row[place] = known[entry, cleaned]
+    return _written(rows) if len(rows) < whole or any(entry != text for (entry, _), text in known.items()) else content
+
+
+def _text(text: str, clean: Cleaning) -> str:
+    """Return a text without personal data and without what a submission must not have."""
+    return shown(clean.text(text))
+
+
+def _name(name: str, clean: Cleaning) -> str:
+    """Return the name of a robot's part without e-mail addresses and home folders, with escapes for what it must not have."""
+    public = clean.text(name) if personal.first(name) is not None else name
+    if (shorter := escaped(public)) != public:
+        clean.removed[ESCAPED] += 1
+    return shorter
 
 
 def _written(rows: Iterable[list[str]]) -> bytes:

@@ -54,6 +54,11 @@ class Submission:
         return ", ".join(part for part in parts if part)
 
     @property
+    def named(self) -> str:
+        """Return the submission in words: its day and the beginning of its key."""
+        return f"submission {self.key[:8]} of {self.date}"
+
+    @property
     def command(self) -> str:
         """Return the command as one line."""
         return " ".join(self.header.command)

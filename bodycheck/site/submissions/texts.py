@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections.abc import Sequence
 
 from bodycheck.site.submissions import personal
 
@@ -44,9 +45,37 @@ def text(value: str, longest: int = LONGEST) -> str:
 
 
 def shown(value: str, longest: int = LONGEST) -> str:
-    """Return a text from this machine as `text` allows it: with "?" for characters that are not allowed, and cut to length."""
+    """Return a text from this machine as `text` allows it, apart from personal data.
+
+    Characters that are not allowed, and those of markup that a browser would load, become "?". The text is cut to length.
+    """
     allowed = "".join(letter if _allowed(letter) else " " if letter.isspace() else "?" for letter in value)
-    return allowed if len(allowed) <= longest else f"{allowed[: longest - 1]}…"
+    return _cut(_harmless(allowed, "??"), longest)
+
+
+def escaped(value: str, longest: int = LONGEST) -> str:
+    """Return a name from a stranger's file as `text` allows it, apart from personal data.
+
+    Characters that are not allowed, and those that make markup which a browser would load, become escapes, so that different
+    names stay different. The name is cut to length.
+    """
+    allowed = "".join(letter if _allowed(letter) and letter != "\n" else _escape(letter) for letter in value)
+    return _cut(_harmless(allowed, (_escape("<"), _escape(":"))), longest)
+
+
+def _escape(letter: str) -> str:
+    return rf"\x{ord(letter):02x}" if letter.isascii() else letter.encode("unicode_escape").decode("ascii")
+
+
+def _harmless(value: str, instead: Sequence[str]) -> str:
+    """Return a text in which nothing matches `LOADING`; `instead` replaces the signs < and : of what matches."""
+    while LOADING.search(value):  # each round leaves fewer of the signs
+        value = LOADING.sub(lambda match: match[0].replace("<", instead[0]).replace(":", instead[1]), value)
+    return value
+
+
+def _cut(value: str, longest: int) -> str:
+    return value if len(value) <= longest else f"{value[: longest - 1]}…"
 
 
 def _allowed(letter: str) -> bool:

@@ -65,7 +65,7 @@ def ablate(
     elif not quiet:
         printing.print_ablation(rows, view)
     say_where(out, quiet)
-    return FAILED if runs.engine_failed else OK
+    return FAILED if runs.engine_failed or runs.left_out else OK
 
 
 #: The commands of the study.

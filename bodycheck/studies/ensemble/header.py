@@ -18,11 +18,22 @@ from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.results import records, resumption
 from bodycheck.results.header import Header
+from bodycheck.results.origin import BESIDE
 from bodycheck.running.members import chunk_files, chunks, compaction
 from bodycheck.running.members.chunks import Share, Source
+from bodycheck.studies.ensemble.rows import DEPENDENCES, ROWS
 
 #: The name of the file, and the version of the format of the folder.
 FILE, FORMAT = "header.json", 1
+
+#: The folder of the worst members as case files.
+WORST = "worst"
+
+#: The files that are made when all members are there: of an earlier ensemble, they would contradict the header of a new one.
+MADE = (
+    *(name for table in (ROWS, DEPENDENCES) for name in (table.file, f"{table.file}{BESIDE}")),
+    *("report.html", "report.md"),
+)
 
 #: The largest size of a header in bytes.
 MAX_BYTES = 1 << 24
@@ -134,8 +145,8 @@ def in_words(source: Source) -> str:
 def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
     """Write the header and the case of an ensemble into a folder, and return the header.
 
-    If the same work was interrupted in the folder, its header is kept and returned. Other results of an ensemble are removed.
-    Raises `BadFolder` for a folder with other files.
+    If the same work was interrupted in the folder, its header is kept and returned. Other results of the case are removed.
+    Raises `BadFolder` for a folder with other files, or with an ensemble of another case.
     """
     names = set(reading.names_in(folder)) - {f"{FILE}.lock"}
     if names and FILE not in names:
@@ -144,6 +155,8 @@ def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
     earlier = read(folder) if names else None
     if earlier is not None and earlier["identity"] == head["identity"] and not earlier["complete"]:
         head = earlier
+    elif earlier is not None and earlier["case"] != head["case"]:
+        raise BadFolder(f"{folder}: has the ensemble of the case {earlier['case']}; give an empty or a new folder")
     else:
         _replace(folder, head)
     writing.write(folder / f"{case.name}{SUFFIX}", case.text.encode("utf-8"), folder)
@@ -151,9 +164,12 @@ def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
 
 
 def _replace(folder: Path, head: EnsembleHeader) -> None:
-    """Remove the results of another ensemble, and write the header of a new one."""
-    for kind in (*chunk_files.KINDS, chunk_files.CHUNKS):
+    """Remove the results of another ensemble of the case, and write the header of a new one."""
+    for kind in (*chunk_files.KINDS, chunk_files.CHUNKS, WORST):
         compaction.remove(folder / kind, folder)
+    with writing.failing(folder):
+        for name in MADE:
+            (folder / name).unlink(missing_ok=True)
     write(folder, head)
 
 

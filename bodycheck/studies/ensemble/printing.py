@@ -5,7 +5,7 @@ from typing import Any
 
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
-from bodycheck.console.tables import Column, attribute, show
+from bodycheck.console.tables import Column, attribute, chosen, show
 from bodycheck.console.terminal import print_json
 from bodycheck.studies.ensemble.findings.aggregates import Aggregates
 from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, RELEVANT
@@ -74,7 +74,7 @@ def print_ensemble(ensemble: Aggregates, dependences: Sequence[DependenceRow], s
     show(ROWS, [ensemble.row(index, ensemble.ranking) for index in ensemble.ranked], view)
     relevant = [one for one in dependences if one.share >= RELEVANT and one.figure in (FAILURE, ensemble.ranking)]
     strongest = sorted(relevant, key=lambda one: -one.share)[:MOST_DEPENDENCES]
-    if strongest and (not view.names or {column.name for column in DEPENDENCES} & set(view.names)):
+    if strongest and chosen(DEPENDENCES, view):
         say("\nwhat errors depend on most")
         show(DEPENDENCES, strongest, view)
     if sentences:

@@ -5,7 +5,7 @@ from typing import Any
 
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
-from bodycheck.console.tables import Column, attribute, show
+from bodycheck.console.tables import Column, attribute, chosen, show
 from bodycheck.studies.extremes.rows import Limit, Row
 
 #: The columns of the table of runs.
@@ -39,7 +39,7 @@ TABLES: tuple[Sequence[Column[Any]], ...] = (RUNS, LIMITS)
 def print_rows(rows: Sequence[Row], limits: Sequence[Limit], view: View) -> None:
     """Print a line per run, first of the wrong runs that the engine did not report, and then a line per method and spin."""
     show(RUNS, sorted(rows, key=lambda row: not row.believed), view)
-    if limits and (not view.names or {column.name for column in LIMITS} & set(view.names)):
+    if limits and chosen(LIMITS, view):
         say("\nthe largest stable step")
         show(LIMITS, limits, view)
     tell(f"{len(rows)} runs, {sum(row.believed for row in rows)} of them wrong without any report by the engine")

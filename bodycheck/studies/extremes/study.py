@@ -62,6 +62,13 @@ class Point:
     timestep: float
 
 
+#: Axes that any case may have, to be copied into a case file.
+EXAMPLE = """
+[extremes]
+timestep = [0.0005, 0.002, 0.01, 0.05]   # s
+steps = [100, 1000, 10000]"""
+
+
 @dataclass(frozen=True)
 class Trial:
     """A run of a method at a point of an axis."""
@@ -142,7 +149,9 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         If a case has no axes, if no engine has an integrator, or if there is nothing to run.
     """
     if axisless := [case.name for case in cases if not case.extremes]:
-        raise BadInput(f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes]")
+        raise BadInput(
+            f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes], for example:\n{EXAMPLE}"
+        )
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
         Trial(point, name, Method.parse(integrator, point.timestep))

@@ -4,6 +4,7 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,11 +14,14 @@ from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet,
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
-    from bodycheck.studies.parity.study import Asking
+    from bodycheck.results.header import Header
+    from bodycheck.studies.parity.study import Asking, Parity
 
 
 def parity(
-    *models: Annotated[Path, Parameter(help="Files of robots: URDF, MJCF, or cases of format 2.")],
+    *models: Annotated[
+        Path, Parameter(help="Files of robots (URDF, MJCF, or cases of format 2), or folders or patterns of them.")
+    ],
     engine: Engines = (),
     states: Annotated[int, Parameter(help="The number of states at which terms are compared. Default: 100.")] = 100,
     seed: Annotated[int, Parameter(help="The seed of the states. Default: 0.")] = 0,
@@ -44,7 +48,11 @@ def parity(
     algorithms; of an MJCF it is what MuJoCo makes of it. Differences of masses, inertias and joints, of the mass matrix and of
     forces have a cause that was recomputed, or are called unexplained. The table is parity.csv.
 
-    Exit codes: 0 everything agrees; 1 something differs or is refused; 2 a file is not there or no model.
+    Each engine reads a copy of its own of a file. A folder stands for the URDF and MJCF files in it and below it. A file that
+    is not there or is no robot's file has the status unreadable.
+
+    Exit codes: 0 everything agrees; 1 something differs, is refused, crashes or cannot be read; 2 no file can be read, or an
+    option is wrong.
 
     Parameters
     ----------
@@ -56,12 +64,8 @@ def parity(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
     from bodycheck.console.output import say_where
-    from bodycheck.files import writing
-    from bodycheck.results import origin
     from bodycheck.running import campaign
-    from bodycheck.studies.output import Output
-    from bodycheck.studies.parity import printing, rows, study
-    from bodycheck.studies.parity.page import as_junit, present
+    from bodycheck.studies.parity import files, printing, rows, study
 
     if not models:
         raise BadInput("parity: give at least one file of a robot")
@@ -71,22 +75,35 @@ def parity(
     check_writable("--junit", junit)
     make_folder("--out", out)
     loaded = load_engines(engine)
-    with terminal.progress("comparing", len(models), quiet) as progress:
-        results = list(study.study(loaded.records, models, asks, processes(jobs), progress, only_readers=not engine))
-    head = campaign.header(sys.argv, loaded.records, loaded.missing)
+    given = files.named(models)
+    with terminal.progress("comparing", len(given.files), quiet) as progress:
+        results = list(study.study(loaded.records, given.files, asks, processes(jobs), progress, only_readers=not engine))
     every = [row for one in results for row in one.rows]
-    if out is not None:
-        Output(out).write(present(head, results), ((rows.READINGS, every),), [origin.origin(head, {})])
-    if junit is not None:
-        writing.write_named(junit, as_junit(results, head).encode("utf-8", "replace"))
+    _write(results, campaign.header(sys.argv, loaded.records, loaded.missing), out, junit)
     if json:
         terminal.print_json([asdict(row) for row in every])
     elif not quiet:
         printing.print_models(results)
         if table or view != AS_USUAL:
             printing.print_rows(every, view)
+    printing.tell_unread(results, () if quiet else given.skipped)
     say_where(out, quiet)
     return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK
+
+
+def _write(results: Sequence["Parity"], head: "Header", out: Path | None, junit: Path | None) -> None:
+    """Write the table and the report into a folder, and the results as JUnit XML into a file, unless these are None."""
+    from bodycheck.files import writing
+    from bodycheck.results import origin
+    from bodycheck.studies.output import Output
+    from bodycheck.studies.parity.page import as_junit, present
+    from bodycheck.studies.parity.rows import READINGS
+
+    if out is not None:
+        every = [row for one in results for row in one.rows]
+        Output(out).write(present(head, results), ((READINGS, every),), [origin.origin(head, {})])
+    if junit is not None:
+        writing.write_named(junit, as_junit(results, head).encode("utf-8", "replace"))
 
 
 def _check(asks: "Asking") -> None:

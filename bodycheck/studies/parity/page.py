@@ -15,17 +15,17 @@ from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
 from bodycheck.results.verdicts import AGREES, MISSING, ROBOTS
-from bodycheck.studies.parity.quantities import FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
+from bodycheck.studies.parity.quantities import FAILED, FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
-from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file
+from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file, unreadable
 
 #: The name of the part with all robots beside each other.
 MATRIX = "matrix"
 
 #: The statuses in order of precedence, of which a cell shows the first that any of its rows has; the statuses that are shown by
 #: their marks; and the text for each status.
-WORST: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "agrees", "not-modelled")
+WORST: tuple[Status, ...] = (*FAILED, "accepted-unphysical", "agrees", "not-modelled")
 MARKED: tuple[Status, ...] = ("agrees", "not-modelled")
 SIGNS: dict[Status, str] = {status: ROBOTS[status].mark if status in MARKED else ROBOTS[status].title for status in WORST}
 
@@ -86,7 +86,7 @@ def _matrix(models: Sequence[Parity]) -> Part:
     for anchor, one in zip(_anchors(models), models, strict=True):
         for engine, side_rows in (*_file_rows(one), *engines_of(one).items()):
             cells = [_cell([row for row in side_rows if row.quantity == quantity]) for quantity in QUANTITIES]
-            verdict = of_engine(side_rows)[0] if engine != FILE else "refused"
+            verdict = of_engine(side_rows)[0] if engine != FILE else ROBOTS[_worst(side_rows)].title
             rows.append((Entry(one.name, link=f"part-{anchor}"), Entry(engine), Entry(verdict), *cells))
             marks.append(any(map(failed, side_rows)))
     table = Table(
@@ -104,10 +104,14 @@ def _file_rows(one: Parity) -> list[tuple[str, list[ParityRow]]]:
     return [(FILE, rows)] if rows else []
 
 
+def _worst(rows: Sequence[ParityRow]) -> Status:
+    return next(status for status in WORST if any(row.status == status for row in rows))
+
+
 def _cell(rows: Sequence[ParityRow]) -> Entry:
     if not rows:
         return Entry("")
-    status = next(one for one in WORST if any(row.status == one for row in rows))
+    status = _worst(rows)
     worst = [row for row in rows if row.status == status]
     causes = list(dict.fromkeys(row.cause for row in worst if row.cause))
     text = ", ".join(causes) if status == "differs" and causes else SIGNS[status]
@@ -117,7 +121,7 @@ def _cell(rows: Sequence[ParityRow]) -> Entry:
 
 def _robot(anchor: str, one: Parity) -> Part:
     """Return the part of a robot: the results of each engine in sentences, and tables with the values of both sides."""
-    texts = [f"Read from {one.path}."]
+    texts = [] if unreadable(one) else [f"Read from {one.path}."]
     texts += [f"The file: {fault}." for fault in of_file(one)]
     if one.removed:
         texts.append(f"What engines read is a copy without what names other files: {', '.join(one.removed)}.")

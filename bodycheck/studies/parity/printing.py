@@ -1,16 +1,19 @@
 """Print the results of a parity study to the terminal."""
 
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bodycheck.console.options import View
 from bodycheck.console.output import bold, say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.reports.quantities import count, listing
+from bodycheck.robots.elements import printable
 from bodycheck.studies.parity.quantities import MODEL
 from bodycheck.studies.parity.rows import ParityRow
 from bodycheck.studies.parity.study import Parity
-from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file
+from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file, unreadable
 
 if TYPE_CHECKING:
     from bodycheck.studies.parity.releases import Meaning
@@ -58,6 +61,20 @@ def print_models(models: Sequence[Parity]) -> None:
     if len(models) > 1:
         say("")
         tell(headline(models))
+
+
+def tell_unread(models: Sequence[Parity], skipped: Sequence[Path]) -> None:
+    """Print to stderr, in one list, which files cannot be read, and how many files of folders were skipped."""
+    sys.stdout.flush()
+    unread = [one for one in models if unreadable(one)]
+    if unread:
+        print(f"bodycheck: {len(unread)} of {count(len(models), 'file')} cannot be read:", file=sys.stderr)
+    for one in unread:
+        for reason in of_file(one):
+            print(f"  {reason}", file=sys.stderr)
+    if skipped:
+        which = listing([printable(str(path)) for path in skipped], MOST_SUBJECTS, "file")
+        print(f"bodycheck: skipped, as XML files that are no robots' files: {which}", file=sys.stderr)
 
 
 def print_changes(changes: "Sequence[Meaning]") -> None:

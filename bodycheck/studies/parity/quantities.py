@@ -11,7 +11,14 @@ Quantity = Literal[
 ]  # fmt: skip
 
 #: The result of a comparison. "accepted-unphysical" means that an engine has accepted values that no body can have.
-Status = Literal["agrees", "differs", "refused", "accepted-unphysical", "not-modelled"]
+#: "crashed", "timeout" and "adapter-fault" mean that there is no answer of the engine: its process died or ran out of memory,
+#: its time was up, or its adapter is at fault. "unreadable" is said of a file that is not there or is no robot's file.
+Status = Literal[
+    "agrees", "differs", "refused", "accepted-unphysical", "not-modelled", "crashed", "timeout", "adapter-fault", "unreadable"
+]
+
+#: The statuses of which any ends the command with exit code 1.
+FAILED: tuple[Status, ...] = ("unreadable", "crashed", "timeout", "adapter-fault", "refused", "differs")
 
 #: The cause of a difference; empty if there is none. "base-welded" alone is no difference.
 Cause = Literal[

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from bodycheck.environments.environments import Environment
 from bodycheck.running import engines, fetch_environments
+from bodycheck.studies.parity.files import named
 from bodycheck.studies.parity.quantities import MODEL, Cause, Quantity, Status
 from bodycheck.studies.parity.rows import ParityRow
 from bodycheck.studies.parity.study import Asking, Parity, study
@@ -82,15 +83,16 @@ def measured(
     Raises
     ------
     BadInput
-        If a path is no file, or a file is no model.
+        If none of the files can be read.
     """
     with bar("obtaining", len(versions)) as progress:
         obtained = fetch_environments.obtain_all(engine, versions, jobs, progress)
     missing = {version: str(one) for version, one in obtained.items() if not isinstance(one, Environment)}
     records, faults = engines.describe([f"{engine}@{version}" for version in versions if version not in missing])
     missing |= {name.partition("@")[2]: fault.reason for name, fault in faults.items()}
-    with bar("comparing", len(paths)) as progress:
-        return list(study(records, paths, asks, jobs, progress)), missing
+    files = named(paths).files
+    with bar("comparing", len(files)) as progress:
+        return list(study(records, files, asks, jobs, progress)), missing
 
 
 def changes(models: Sequence[Parity]) -> tuple[Meaning, ...]:

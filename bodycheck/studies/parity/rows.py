@@ -1,11 +1,15 @@
 """The rows of the table of a parity study."""
 
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated
 
 from bodycheck.results.tables import Meaning, table_of
 from bodycheck.robots.elements import printable
-from bodycheck.studies.parity.quantities import Cause, Quantity, Status
+from bodycheck.studies.parity.quantities import FAILED, Cause, Quantity, Status
+
+#: The most characters of a text in a row. Messages of engines and lists of joints repeat the names in a stranger's file.
+LONGEST = 1000
 
 
 @dataclass(frozen=True)
@@ -62,8 +66,14 @@ class ParityRow:
     subject: Annotated[str, Meaning("Subject", "body or joint; model for the whole")]
     engine_value: Annotated[str, Meaning("Engine", "numbers or words of the engine, at the state with the largest difference")]
     truth_value: Annotated[str, Meaning("File", "numbers or words of the file, at the same state")]
-    difference: Annotated[float | None, Meaning("Difference", "largest difference of a component, in the unit of the quantity")]
-    relative: Annotated[float | None, Meaning("Relative difference", "difference relative to the size of the quantity")]
+    difference: Annotated[
+        float | None,
+        Meaning("Difference", "largest difference of a component, in the unit of the quantity; empty if it is not finite"),
+    ]
+    relative: Annotated[
+        float | None,
+        Meaning("Relative difference", "difference relative to the size of the quantity; empty if it is not finite"),
+    ]
     cause: Annotated[Cause, Meaning("Cause", "why it differs; empty where it does not")]
     convention: Annotated[
         str,
@@ -88,16 +98,30 @@ TABLES = (READINGS,)
 
 
 def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:
-    """Return a row of the table, in which names of bodies and joints and texts of engines are made printable."""
+    """Return a row of the table, in which names of bodies and joints and texts of engines are made printable and shortened.
+
+    Differences that are not finite are left out; the values of both sides show why.
+    """
     shown = replace(
         compared,
-        subject=printable(compared.subject),
-        engine_value=printable(compared.engine_value),
-        truth_value=printable(compared.truth_value),
+        subject=_shown(compared.subject),
+        engine_value=_shown(compared.engine_value),
+        truth_value=_shown(compared.truth_value),
+        difference=_finite(compared.difference),
+        relative=_finite(compared.relative),
     )
-    return ParityRow(printable(model), engine, version, **asdict(shown))
+    return ParityRow(_shown(model), engine, version, **asdict(shown))
 
 
 def failed(one: ParityRow | Compared) -> bool:
-    """Return whether a row says that something differs or is refused."""
-    return one.status in ("differs", "refused")
+    """Return whether a row says that something differs, is refused, or could not be read or compared."""
+    return one.status in FAILED
+
+
+def _finite(difference: float | None) -> float | None:
+    return difference if difference is not None and math.isfinite(difference) else None
+
+
+def _shown(text: str) -> str:
+    whole = printable(text)
+    return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1]}…"

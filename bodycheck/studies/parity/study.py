@@ -6,20 +6,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.robot_reading import RobotReading
+from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.model import RobotModel
-from bodycheck.reference.robots.physical import Unphysical, unphysical
 from bodycheck.reference.robots.state import VELOCITIES
 from bodycheck.reference.robots.states import seeded_states
+from bodycheck.reports.quantities import count
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
-from bodycheck.running.robot_readings import Answer, Compile, FormatMissing, Reader
+from bodycheck.running.robot_readings import Answer, AtFault, Compile, FormatMissing, Reader
 from bodycheck.studies.parity.comparing import Asked, asked, compare
 from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
-from bodycheck.studies.parity.models import Robot, named, robot
+from bodycheck.studies.parity.files import NamedFile, named
+from bodycheck.studies.parity.models import Robot, Unreadable, read
 from bodycheck.studies.parity.motion import sentence
 from bodycheck.studies.parity.quantities import FILE, MODEL, QUANTITIES, Quantity
 from bodycheck.studies.parity.rows import Compared, ParityRow, row
@@ -100,19 +105,19 @@ def asking(engines: Mapping[str, Engine], jobs: int) -> Iterator[tuple[Reader, C
 
 def study(
     engines: Mapping[str, Engine],
-    paths: Sequence[Path],
+    files: Sequence[NamedFile],
     asks: Asking,
     jobs: int,
     progress: "Advance",
     only_readers: bool = False,
 ) -> Iterator[Parity]:
-    """Yield the results of each model, in the order of the files.
+    """Yield the results of each model, in the order of the files. A file that cannot be read has a row that says so.
 
     Parameters
     ----------
     engines
         The records of the engines by name.
-    paths
+    files
         The files.
     asks
         The options of the comparison.
@@ -126,32 +131,42 @@ def study(
     Raises
     ------
     BadInput
-        If a path is no file, or a file is no model.
+        If none of the files can be read; the text has the reasons of all of them.
     """
-    files = named(paths)
     with temporary_folder() as folder, asking(engines, jobs) as (reader, compile_):
-        robots = {}
-        for index, (name, path) in enumerate(files.items()):
+        robots = []
+        for index, file in enumerate(files):
             into = folder / str(index)
             into.mkdir()
-            robots[name] = robot(name, path, asks.packages, into, compile_)
-        for name, one in robots.items():
+            robots.append(read(file, asks.packages, into, compile_))
+        unreadable = [one for one in robots if isinstance(one, Unreadable)]
+        if len(unreadable) == len(robots):
+            raise BadInput("\n".join(printable(reason) for one in unreadable for reason in one.reasons))
+        for one in robots:
             yield _of_robot(engines, one, asks, reader, only_readers)
-            progress(name)
+            progress(one.name)
 
 
 def one(engines: Mapping[str, Engine], path: Path, asks: Asking, into: Path, how: tuple[Reader, Compile]) -> Parity:
     """Return the results of one model.
 
-    into: an empty folder for the copy of its file. how: the functions that `asking` provides. Raises as `study` does.
+    into: an empty folder for the copy of its file. how: the functions that `asking` provides.
     """
-    ((name, path),) = named([path]).items()
-    return _of_robot(engines, robot(name, path, asks.packages, into, how[1]), asks, how[0], only_readers=True)
+    (file,) = named([path]).files
+    return _of_robot(engines, read(file, asks.packages, into, how[1]), asks, how[0], only_readers=True)
 
 
-def _of_robot(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
-    impossible = () if robot_read.model is None else unphysical(robot_read.model)
-    rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read, impossible)]
+def _of_robot(
+    engines: Mapping[str, Engine], robot_read: Robot | Unreadable, asks: Asking, reader: Reader, only_readers: bool
+) -> Parity:
+    if isinstance(robot_read, Unreadable):
+        return _unread(robot_read)
+    with np.errstate(all="ignore"):  # what engines answer may be infinite or not a number, which makes a difference
+        return _compared(engines, robot_read, asks, reader, only_readers)
+
+
+def _compared(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
+    rows = [row(robot_read.name, FILE, "", one) for one in file_rows(robot_read)]
     notes: dict[str, tuple[str, ...]] = {}
     gravity = GRAVITY if robot_read.model is None else robot_read.model.gravity
     states = (
@@ -166,10 +181,13 @@ def _of_robot(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, re
     for name, answer in answers.items():
         compared, sentences = of_answer(answer, given, engines[name], asks)
         notes[name] = tuple(map(printable, sentences))
-        rows += [
-            row(robot_read.name, name, engines[name].version, one) for one in judged(compared, answer, robot_read, impossible)
-        ]
+        rows += [row(robot_read.name, name, engines[name].version, one) for one in judged(compared, answer, robot_read)]
     return Parity(printable(robot_read.name), robot_read.path, tuple(rows), notes, robot_read.removed)
+
+
+def _unread(file: Unreadable) -> Parity:
+    reasons = (Compared("unreadable", None, MODEL, reason) for reason in file.reasons)
+    return Parity(printable(file.name), file.path, tuple(row(file.name, FILE, "", one) for one in reasons))
 
 
 def fitting(model: RobotModel, states: int) -> int:
@@ -190,10 +208,12 @@ def of_answer(
     """
     if isinstance(answer, FormatMissing):
         return (Compared("not-modelled", None, MODEL, answer.reason),), ()
+    if isinstance(answer, AtFault | Crashed | TimedOut):
+        return (Compared(answer.status, None, MODEL, answer.reason),), ()
     if not isinstance(answer, RobotReading):
         return (Compared("refused", None, MODEL, answer.reason),), ()
     if given is None:
-        content = f"{len(answer.bodies)} bodies, {len(answer.joints)} joints"
+        content = f"{count(len(answer.bodies), 'body', 'bodies')}, {count(len(answer.joints), 'joint')}"
         return (Compared("accepted-unphysical", None, MODEL, content),), answer.notes
     least = SINGLE_PRECISION if engine.precision == "float32" else 0.0
     compared = compare(given, answer, max(asks.tolerance, least, answer.rounding))
@@ -204,22 +224,24 @@ def of_answer(
     return diagnosis.rows, tuple(notes)
 
 
-def file_rows(robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def file_rows(robot_read: Robot) -> Iterator[Compared]:
     """Yield the rows about the file itself: the faults that its specification refuses, and values that no body can have."""
+    if robot_read.unanswered is not None:
+        yield robot_read.unanswered
     for fault in robot_read.faults:
         yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
     named_faults = {(fault.quantity, fault.subject) for fault in robot_read.faults}
-    for one in impossible:
+    for one in robot_read.impossible:
         if (one.quantity, one.subject) not in named_faults:
             yield Compared("refused", _quantity(one.quantity), one.subject, one.text)
 
 
-def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot) -> Iterator[Compared]:
     """Yield the rows of an engine, with the status "accepted-unphysical" for impossible values of the file that it accepts."""
     if not isinstance(answer, RobotReading) or robot_read.model is None:
         yield from rows
         return
-    left = {(_quantity(one.quantity), one.subject): one.text for one in impossible}
+    left = {(_quantity(one.quantity), one.subject): one.text for one in robot_read.impossible}
     left |= {("parent", fault.subject): fault.text for fault in robot_read.faults if fault.quantity == "parent"}
     for one in rows:
         text = left.pop((one.quantity, one.subject), None)

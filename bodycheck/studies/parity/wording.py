@@ -1,10 +1,10 @@
 """The results for a model in sentences that the terminal and the report share."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 
 from bodycheck.reports.quantities import count, listing, verb
-from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
+from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity
 
@@ -46,6 +46,22 @@ DOES: dict[Cause, str] = {
     "unexplained": "differs for an unknown reason",
 }
 
+#: What an engine does that has no reading of a file, as a predicate before the reason, by the status of its row.
+NO_READING: dict[Status, str] = {
+    "refused": "refuses the file: ",
+    "not-modelled": "does not read it: ",
+    "crashed": "crashes on the file: ",
+    "timeout": "does not finish the file: ",
+    "adapter-fault": "has no reading: ",
+}
+
+#: The readings without an answer as nouns, by the status of their rows.
+NO_ANSWER: dict[Status, tuple[str, str]] = {
+    "crashed": ("crash", "crashes"),
+    "timeout": ("reading that took too long", "readings that took too long"),
+    "adapter-fault": ("fault of an adapter", "faults of adapters"),
+}
+
 #: The most subjects that a sentence names.
 MOST = 4
 
@@ -65,7 +81,7 @@ def engines_of(parity: Parity) -> dict[str, list[ParityRow]]:
 
 
 def differs(parity: Parity) -> bool:
-    """Return whether anything differs or is refused."""
+    """Return whether anything differs, is refused, or could not be read or compared."""
     return any(map(failed, parity.rows))
 
 
@@ -79,8 +95,8 @@ def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
     """Return the verdict on an engine and then its differences, as clauses without a subject."""
     refusal = next((row for row in rows if row.quantity is None), None)
     if refusal is not None:
-        does = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
-        return (f"{does}: {refusal.engine_value.rstrip('.')}",)
+        does = NO_READING.get(refusal.status, "reads it all the same: ")
+        return (f"{does}{refusal.engine_value.rstrip('.')}",)
     sentences = [f"{SAYS[cause]}: {_subjects(same_cause)}" for cause, same_cause in _by_cause(rows).items()]
     accepted = list(dict.fromkeys(row.subject for row in rows if row.status == "accepted-unphysical"))
     missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
@@ -108,8 +124,25 @@ def _number(rows: Sequence[ParityRow]) -> int:
     return len({row.subject for row in rows})
 
 
+def unreadable(parity: Parity) -> bool:
+    """Return whether the file of a model cannot be read."""
+    return any(row.status == "unreadable" for row in parity.rows)
+
+
 def headline(models: Sequence[Parity]) -> str:
-    """Return the verdict on all models in one sentence."""
+    """Return the verdict on all models: what differs, and how many readings and files gave no answer."""
+    readable = [one for one in models if not unreadable(one)]
+    parts = [_of_readable(readable)] if readable else []
+    statuses = Counter(row.status for one in readable for row in one.rows)
+    amounts = [count(statuses[status], *nouns) for status, nouns in NO_ANSWER.items() if statuses[status]]
+    if amounts:
+        parts.append(f"there {verb(sum(statuses[status] for status in NO_ANSWER), 'was', 'were')} {listing(amounts)}")
+    if missing := len(models) - len(readable):
+        parts.append(f"{count(missing, 'file')} cannot be read")
+    return "; ".join(parts)
+
+
+def _of_readable(models: Sequence[Parity]) -> str:
     different = [one for one in models if differs(one)]
     if not different:
         return f"{count(len(models), 'robot')}: all agree" if len(models) > 1 else f"{models[0].name}: all agree"

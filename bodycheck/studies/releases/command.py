@@ -46,7 +46,8 @@ def releases(
     Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
     steps are those of `bodycheck run`. The tables are releases.csv and changes.csv; with --model it is parity.csv.
 
-    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured.
+    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured, or a file has
+    faults and was left out.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def releases(
 
     from bodycheck.console import progress as shown
     from bodycheck.console import tables
-    from bodycheck.console.arguments import check_engine, check_has_folder, load_cases, make_folder, processes
+    from bodycheck.console.arguments import check_engine, check_has_folder, make_folder, processes, read_cases, tell_left_out
     from bodycheck.console.output import say_where
     from bodycheck.console.terminal import print_json
     from bodycheck.studies.releases import printing, study
@@ -81,8 +82,9 @@ def releases(
     bar = partial(shown.progress, quiet=quiet)
     if model:
         return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
-    loaded = load_cases(case)
-    results, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices, again)
+    loaded = read_cases(case)
+    tell_left_out(loaded)
+    results, tally = study.study(engine, chosen, loaded.cases, integrator, timestep, processes(jobs), bar, notices, again)
     if out is not None:
         _write(results, out, figures)
     if json:
@@ -93,7 +95,7 @@ def releases(
     for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
     say_where(out, quiet)
-    return FAILED if notices or results.header["unmeasured"] else OK
+    return FAILED if notices or results.header["unmeasured"] or loaded.faults else OK
 
 
 def _models(
@@ -119,6 +121,7 @@ def _models(
     from bodycheck.studies.parity.page import present
     from bodycheck.studies.parity.rows import READINGS
     from bodycheck.studies.parity.study import Asking
+    from bodycheck.studies.parity.wording import unreadable
 
     models_read, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
     changed = releases.changes(models_read)
@@ -135,10 +138,11 @@ def _models(
     elif not quiet:
         printing.print_models(models_read)
         printing.print_changes(changed)
+    printing.tell_unread(models_read, ())
     for line in (*notices, *(f"bodycheck: {engine}@{version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
     say_where(out, quiet)
-    return FAILED if notices or missing else OK
+    return FAILED if notices or missing or any(map(unreadable, models_read)) else OK
 
 
 def _write(results: "Found", out: Path, figures: Figures) -> None:

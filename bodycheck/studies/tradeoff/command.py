@@ -57,7 +57,7 @@ def tradeoff(
     elif not quiet:
         printing.print_tradeoff(results.rows, results.orders, view)
     say_where(out, quiet)
-    return FAILED if runs.engine_failed else OK
+    return FAILED if runs.engine_failed or runs.left_out else OK
 
 
 #: The commands of the study.

@@ -6,7 +6,7 @@ from typing import Any
 from bodycheck.console.figures import error_column, microseconds
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
-from bodycheck.console.tables import Column, attribute, entry, show
+from bodycheck.console.tables import Column, attribute, chosen, entry, show
 from bodycheck.console.terminal import print_errors
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import apart
@@ -70,13 +70,13 @@ def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order], v
     """Print one line per run, then one line per batch, if there are any, then one line per method and quantity."""
     single, batches = apart(rows)
     print_errors(RUNS, single, view)
-    if batches and (not view.names or {column.name for column in BATCHES} & set(view.names)):
+    if batches and chosen(BATCHES, view):
         say("")
         tell(
             "Of batches, the errors are those of the case itself and the worst of all its turned copies, the time that of one "
             "step of one scene."
         )
         show(BATCHES, batches, view)
-    if not view.names or {column.name for column in METHODS} & set(view.names):
+    if chosen(METHODS, view):
         say("")
         show(METHODS, orders, view)

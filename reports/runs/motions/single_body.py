@@ -74,10 +74,12 @@ def _largest_momentum(body: Body, trajectory: Trajectory) -> float:
 
 
 def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any] | None:
-    """Return the motion of a run as the player reads it, or None if it cannot be drawn.
+    """Return the motion of a run as the player reads it, or None if it cannot be drawn, as a recorded one without velocities.
 
     The motion has no rotation if the run turns as the truth does.
     """
+    if "angular_velocity_error" not in run.maxima:
+        return None
     motion: dict[str, Any] = {}
     if run.maxima["attitude_error"] > tracks.TOLERANCE or run.maxima["angular_velocity_error"] > rates:
         turning = turning_of(run.trajectory, rates)

@@ -17,6 +17,7 @@ from bodycheck.casefile.identity import identity, keys
 from bodycheck.casefile.mechanisms.model import file_text
 from bodycheck.casefile.toml_text import written
 from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.start import centre, coordinates, frames
 from bodycheck.robots import elements
@@ -149,6 +150,17 @@ def test_a_urdf(tmp_path: Path) -> None:
             '<link name="base">', '<mujoco><compiler fusestatic="false" balanceinertia="false"/></mujoco><link name="base">'
         ),
     )
+
+
+def test_moments_that_rounding_has_left_of_zero_are_zero(tmp_path: Path) -> None:
+    """As a program for CAD writes them: the tool has its mass 0.1 m from its frame, and no moments."""
+    tool = '<inertial><mass value="0.5"/><inertia ixx="0.01" iyy="0.02" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial>'
+    rounded = tool.replace("<mass", '<origin xyz="0.1 0 0"/><mass').replace("0.01", "-1.4e-20").replace("0.02", "0")
+    assert tool in URDF
+    made = mechanism(case_file(tmp_path, URDF.replace(tool, rounded.replace("0.03", "1.4e-20")), "", "robot.urdf"))
+    assert not any(nearest_inertia(made.bodies[-1]).tensor)
+    with pytest.raises(CaseFaults, match="none may be negative"):
+        load(case_file(tmp_path, URDF.replace(tool, rounded.replace("1.4e-20", "1.4e-10")), "", "robot.urdf"))
 
 
 def test_an_mjcf(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bodycheck.reference.robots.model import RobotModel, with_joint, with_link
-from bodycheck.reference.robots.physical import unphysical
+from bodycheck.reference.robots.physical import rounding, unphysical
 from tests.support.robot_trees import random_rotation, random_tree
 
 TURN = random_rotation(Random(5))
@@ -79,3 +79,17 @@ def test_a_joint_that_moves_nothing_is_named() -> None:
     assert unphysical(with_joint(empty, leaf.name, armature=0.1)) == ()
     welded = replace(leaf, type="fixed")
     assert unphysical(replace(empty, joints=tuple(welded if joint is leaf else joint for joint in empty.joints))) == ()
+
+
+def test_roundings_of_mass_times_the_square_of_the_size_are_possible() -> None:
+    """A foot of iCub: 0.2675 kg, 0.056 m from its frame; its moments are what rounding has left of zero."""
+    foot = {"mass": 0.2675, "center_of_mass": np.array([0.008, 0, 0.0553], np.longdouble)}
+    assert unphysical(with_link(tree(), "link_2", **foot, inertia=np.diag([-1.35525e-20, 0, 1.35525e-20]))) == ()
+    (fault,) = unphysical(with_link(tree(), "link_2", **foot, inertia=np.diag([-1.35525e-14, 0, 1.35525e-14])))
+    assert fault.quantity == "inertia"
+
+
+def test_the_size_of_a_link_is_the_distance_of_its_farthest_joint() -> None:
+    origin = np.zeros(3, np.longdouble)
+    assert rounding(2.0, origin, []) < rounding(2.0, origin, [origin + 0.5]) == pytest.approx(2 * 1e-14 * 0.25)
+    assert rounding(2.0, origin + 0.5, [origin]) == rounding(2.0, origin, [origin + 0.5])

@@ -18,6 +18,7 @@ import vl_convert
 
 from bodycheck import Case, load, simulate, truth
 from bodycheck.adapters import registry
+from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
 from bodycheck.reference.truths import NoTruth
@@ -255,6 +256,14 @@ def test_a_case_without_axes_is_bad_input() -> None:
         extremes.prepare([load("projectile")], records, ())
     with pytest.raises(BadInput, match="no engine has an integrator 'rk5'"):
         extremes.prepare([SPIN], records, ("rk5",))
+
+
+def test_the_example_in_the_message_about_missing_axes_can_be_copied() -> None:
+    case = load("projectile")
+    with pytest.raises(BadInput) as refused:
+        extremes.prepare([case], {"mujoco": registry.load("mujoco").engine}, ())
+    _, example = str(refused.value).split("for example:\n")
+    assert {name for name, _ in parse(case.text + example, "copied").extremes} == {"timestep", "steps"}
 
 
 def test_the_report_begins_with_what_engines_take_for_healthy() -> None:

@@ -52,6 +52,34 @@ def test_each_way_of_an_engine_to_fail_is_told_apart(folder: Path) -> None:
     assert list(robot_readings.readable(found)) == [name for name in names if name != "illiterate"]
 
 
+def test_crashes_and_faults_of_adapters_are_no_refusals_and_are_counted_apart(folder: Path) -> None:
+    names = ("segfaulting", "broken", "brief", "picky", "faithful")
+    done = bodycheck("parity", "arm.urdf", *engines(*names), "--states", "2", "--out", "out", folder=folder)
+    assert done.returncode == 1
+    table = list(csv.DictReader((folder / "out" / "parity.csv").read_text("utf-8").splitlines()))
+    expected = ("crashed", "adapter-fault", "adapter-fault", "refused", "agrees")
+    assert {row["engine"]: row["status"] for row in table} == dict(zip(names, expected, strict=True))
+    for told in (
+        "segfaulting 1.0: crashes on the file: its process died of signal SIGSEGV",
+        "broken 1.0: has no reading: the adapter of broken is at fault: AttributeError: 'NoneType' object has no attribute",
+        "brief 1.0: has no reading: the adapter of brief is at fault: there are terms at 4 states, not at 5",
+        "picky 1.0: refuses the file: joint elbow is not to my taste",
+    ):
+        assert told in done.stdout
+    assert "there were 1 crash and 2 faults of adapters" in (folder / "out" / "report.md").read_text("utf-8")
+
+
+def test_what_one_reader_writes_reaches_no_other(folder: Path) -> None:
+    """One at a time, so that the second reads after the first has written, and a second file in the processes of the first."""
+    (folder / "again.urdf").write_text(urdf(clean_model()), "utf-8")
+    names = ("overwriting", "faithful", "overwriting", "heavy")
+    done = bodycheck(
+        "parity", "arm.urdf", "again.urdf", *engines(*names), "--states", "2", "--jobs", "1", "--json", folder=folder
+    )
+    differing = {(row["model"], row["engine"]) for row in json.loads(done.stdout) if row["status"] != "agrees"}
+    assert differing == {("arm", "heavy"), ("again", "heavy")}
+
+
 def test_a_difference_is_named_in_every_output(here: Path) -> None:
     done = bodycheck(
         *("parity", "arm.urdf", *engines("faithful", "heavy", "picky", "mjcf-only"), "--states", "4"),

@@ -158,7 +158,9 @@ def _quoted(text: str) -> str:
 
 
 def _check(connection: "duckdb.DuckDBPyConnection", question: str) -> None:
-    """Raise `BadInput` unless a question is one SELECT statement."""
+    """Raise `BadInput` unless a question is one SELECT statement in UTF-8."""
+    if not question.isascii() and question != question.encode("utf-8", "replace").decode("utf-8"):
+        raise BadInput(f"read {_printable(question)}; a question is text in UTF-8")
     statements = connection.extract_statements(question)
     kinds = [statement.type.name for statement in statements]
     if kinds != ["SELECT"]:
@@ -174,6 +176,8 @@ def _told() -> Iterator[None]:
     try:
         yield
     except duckdb.Error as error:
+        if "pytz" in str(error):  # DuckDB converts such times by this package, whose absence it tells as a traceback
+            raise BadInput("a time with a time zone cannot be printed; cast it, for example: CAST(… AS VARCHAR)") from error
         raise BadInput(_printable(error)) from error
 
 

@@ -12,7 +12,7 @@ from bodycheck.results import csv_tables, origin
 from bodycheck.running.campaign import Advance
 from bodycheck.running.members import compaction
 from bodycheck.studies.ensemble.findings import stored
-from bodycheck.studies.ensemble.header import EnsembleHeader
+from bodycheck.studies.ensemble.header import WORST, EnsembleHeader
 from bodycheck.studies.ensemble.report import page
 from bodycheck.studies.ensemble.report.reporting import Made, keep_shown, material
 from bodycheck.studies.ensemble.rows import DEPENDENCES, ROWS
@@ -75,7 +75,7 @@ def _run_worst(
     progress: Advance,
 ) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
     """Write the worst members as case files, and return the files and the animations. The parameters are those of `write`."""
-    compaction.remove(folder / worst.FOLDER, folder)  # the files of an earlier ensemble
+    compaction.remove(folder / WORST, folder)  # the files of an earlier ensemble
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     written = worst.write(folder, case, ensemble, text_of, header["source"], progress)
     del ensemble  # it is large

@@ -22,11 +22,11 @@ from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.findings.analysis import Analysis, analyse
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import chosen
-from bodycheck.studies.ensemble.header import EnsembleHeader
+from bodycheck.studies.ensemble.header import WORST, EnsembleHeader
 from bodycheck.studies.ensemble.report import page
 
 #: The file, inside the folder of an ensemble, with the case files and animations of worst members that its report shows.
-SHOWN = Path("worst", "report.json")
+SHOWN = Path(WORST, "report.json")
 
 #: The largest size of the file in bytes: some animations of 200 kB each.
 MAX_BYTES = 1 << 22

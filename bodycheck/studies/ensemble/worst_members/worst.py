@@ -22,11 +22,9 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.instants import check_timestep
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import Way, chosen
+from bodycheck.studies.ensemble.header import WORST
 from bodycheck.studies.ensemble.worst_members.shrinking import BLOCK, Document, shrink
 from bodycheck.studies.ensemble.worst_members.trials import Trials, Tried, trials
-
-#: The folder for the case files, below the folder of the results.
-FOLDER = "worst"
 
 #: The most lines of a case file, unless its numbers need more.
 MOST_LINES = 30
@@ -102,7 +100,7 @@ def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: s
         simple, last = drawn, alone
     simplified = simple != drawn
     simple["title"] = title = _title(way, last)
-    path = folder / FOLDER / f"{case}-{way.member}{SUFFIX}"
+    path = folder / WORST / f"{case}-{way.member}{SUFFIX}"
     content = short(simple, _comments(case, way, others, origin, simplified), MOST_LINES)
     if len(content.splitlines()) > MOST_LINES:
         content = short(simple, _comments(case, way, (), origin, simplified), MOST_LINES)

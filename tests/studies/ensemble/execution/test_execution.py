@@ -123,6 +123,13 @@ def test_another_ensemble_takes_the_place_of_one_that_is_there(calls_here: None,
     folder = run(brick(members=20), tmp_path / "out", Own(1))
     run(brick(members=10), folder, Own(1))
     check_whole(folder, brick(members=10), 2)
+    for name in ("ensemble.csv", "ensemble.csv-metadata.json", "sensitivity.csv", "report.html"):
+        (folder / name).write_text("of the ensemble that is there", "utf-8")
+    run(brick(members=20), folder, Own(1))
+    assert not {path.name for path in folder.iterdir()} & {"ensemble.csv", "sensitivity.csv", "report.html", "worst"}
+    with pytest.raises(BadFolder, match=f"has the ensemble of the case {brick().name}; give an empty or a new folder"):
+        run(brick(name='"other"'), folder, Own(1))
+    check_whole(folder, brick(members=20), 2)
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "thesis.txt").write_text("42")
     with pytest.raises(BadFolder, match="contains files that are not results of an ensemble"):

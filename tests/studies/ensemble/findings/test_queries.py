@@ -203,3 +203,26 @@ def test_faults_of_a_question_are_told(folder: Path) -> None:
     assert 'Candidate bindings: "attitude_error"' in done.stderr
     done = bodycheck("query", "DROP VIEW runs", folder)
     assert "a question is one SELECT statement" in done.stderr
+
+
+def test_a_question_that_is_not_utf_8_is_refused(folder: Path) -> None:
+    with pytest.raises(BadInput, match=r"read SELECT \\udcff; a question is text in UTF-8"):
+        rows(folder, "SELECT \udcff")
+
+
+def test_a_time_with_a_zone_is_refused_in_words(folder: Path) -> None:
+    question = "SELECT TIMESTAMPTZ '2020-01-01 00:00:00+00' AS t"
+    try:
+        import pytz  # noqa: F401  # pandas may have installed it, and DuckDB then prints such times
+    except ModuleNotFoundError:
+        with pytest.raises(BadInput, match=r"^a time with a time zone cannot be printed; cast it"):
+            rows(folder, question)
+    ((text,),) = rows(folder, f"SELECT CAST(t AS VARCHAR) FROM ({question})")
+    assert text.startswith("20")
+
+
+def test_a_long_text_is_shortened_in_a_table_and_whole_in_csv(folder: Path) -> None:
+    question = "SELECT repeat('a', 100000) AS long"
+    table, whole = bodycheck("query", question, folder), bodycheck("query", question, folder, "--csv")
+    assert max(map(len, table.stdout.splitlines())) == 300
+    assert "a" * 100000 in whole.stdout

@@ -1,0 +1,288 @@
+"""Logs: motions of a case that somebody recorded, such as in another simulator or on a real robot, as CSV files.
+
+`read` returns the motion in a log as a run, and `results` compares it with the truth. The first line of a log names the
+columns, and each other line has the state at one instant. The file may come from a stranger: it is data, and its size is
+bounded.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.content import Case
+from bodycheck.errors import BadInput
+from bodycheck.files import reading
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.processes import pool
+from bodycheck.reference.certified import Certificate
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.coordinates import COORDINATES, JointMotion
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truths import Truth
+from bodycheck.results import resumption, store
+from bodycheck.results.header import Header
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.results.store import Results, Writer
+from bodycheck.running import campaign, tasks
+
+#: The columns of a pose: position of the centre of mass (m, world), and quaternion w x y z from body to world.
+POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
+
+#: The columns of a velocity (m/s, world), and of an angular velocity (rad/s, along the axes of the body).
+VELOCITY, ANGULAR_VELOCITY = ("vx", "vy", "vz"), ("wx", "wy", "wz")
+
+#: The column of the instants (s).
+TIME = "t"
+
+#: The separator between the name of a body or joint and the name of a column.
+OF = "."
+
+#: The largest size of a file in bytes, and its largest number of instants.
+MAX_BYTES, MAX_INSTANTS = 1 << 28, 300_000
+
+#: The largest deviation of the length of a quaternion from 1.
+NORM = 0.01
+
+#: The name of the integrator in results: how the motion was computed is not known.
+RECORDED = "recorded"
+
+#: The largest deviation of an instant from the end of the case (relative), by the rounding of a log.
+ROUNDED = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A recorded motion of a case.
+
+    Attributes
+    ----------
+    run
+        The motion as a completed run. Velocities that the file lacks are NaN.
+    notes
+        Sentences about what of the file was not used, and about its end.
+    """
+
+    run: Run
+    notes: tuple[str, ...]
+
+
+def read(path: Path, case: Case, engine: str, version: str) -> Recording:
+    """Return the motion of a case in a CSV file.
+
+    Parameters
+    ----------
+    path
+        The file, with the column `t` and, for a body, the columns of `POSE`, and, if they are known, of `VELOCITY` and
+        `ANGULAR_VELOCITY`. For bodies of a mechanism, the name of the body and a point precede each name. Joints with one
+        coordinate may have `JOINT.position` and `JOINT.velocity` instead (rad and rad/s, or m and m/s).
+    case
+        The case.
+    engine, version
+        What recorded the motion.
+
+    Raises
+    ------
+    BadInput
+        If the file cannot be read, lacks a column, or has a value that is not allowed. The text gives the line and the column.
+    """
+    columns = _columns(path)
+    t, columns, notes = _within(path, columns, case.duration)
+    used, trajectory = _trajectory(path, columns, t, case)
+    if unused := sorted(columns.keys() - used - {TIME}):
+        notes = (f"{path}: columns that are not used: {', '.join(unused)}", *notes)
+    lengths = np.linalg.norm(trajectory.quaternion, axis=-1)
+    norm_error = float(np.abs(lengths - 1).max())
+    trajectory = Trajectory(
+        t,
+        trajectory.position,
+        trajectory.quaternion / lengths[..., None],
+        trajectory.velocity,
+        trajectory.angular_velocity,
+    )
+    timestep = float(f"{(t[-1] - t[0]) / (len(t) - 1):.9g}")
+    outcome = Completed(trajectory, len(t) - 1, 0.0, quaternion_norm_error=norm_error)
+    return Recording(Run(case.name, engine, version, Method(RECORDED, timestep), outcome, scene=case.scene), notes)
+
+
+@contextmanager
+def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], files: Mapping[str, Path]) -> Iterator[Results]:
+    """Compute the truth of a case at the instants of a recorded run, store both as results, and provide these.
+
+    Parameters
+    ----------
+    run
+        The recorded run.
+    case
+        The case.
+    folder
+        The folder for the results; None for a temporary folder.
+    command
+        The words of the command, for the header.
+    files
+        The file of the case by its name, unless the case is shipped.
+
+    Raises
+    ------
+    BadFolder
+        If the folder contains other files.
+    """
+    assert isinstance(run.outcome, Completed)  # as `read` returns it
+    head = campaign.header(command, {}, {}) | {"engines": {run.engine: run.version}, "precisions": {run.engine: "float64"}}
+    t = run.outcome.trajectory.t
+    with ExitStack() as stack:
+        place = folder or stack.enter_context(temporary_folder())
+        identity = resumption.identity(case.text, run.key, run.version, t.tobytes(), datetime.now(UTC))
+        with Writer(place, cast(Header, head), identity, (case,), files=files) as writer:
+            home = pool.Home(prepare=tasks.leave_out_sympy)
+            with pool.Workers(tasks.answer, 1, campaign.TIME_LIMIT_S, home=lambda group: home) as workers:
+                truth = workers.call(tasks.Question(case, tuple(t.tolist()), certified=False))
+            assert not isinstance(truth, Certificate)  # the question does not ask for one
+            timestep = run.method.timestep
+            if isinstance(truth, Truth):
+                writer.add_truth(case, timestep, truth)
+            else:
+                writer.add_missing_truth(case, timestep, campaign.no_truth(truth))
+            writer.add_run(run, 0)
+        yield replace(store.read(place), complete=True, known={case.name: case})
+
+
+def _columns(path: Path) -> dict[str, Array]:
+    """Return the columns of a file by their names; all numbers are finite. Raises `BadInput`."""
+    try:
+        text = reading.content(path, MAX_BYTES, follow=True).decode("utf-8-sig")
+    except reading.Refused as error:
+        raise BadInput(f"{path}: {error.reason}") from error
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{path}: is not UTF-8: {error.reason}") from error
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    rows = csv.reader(io.StringIO(text))
+    try:
+        names = [name.strip() for name in next(rows, [])]
+        if len(set(names)) != len(names) or TIME not in names:
+            raise BadInput(f"{path}:1: read {', '.join(names)[:200]!r}; allowed: different names of columns, among them t")
+        values = [_numbers(path, rows.line_num, names, row) for row in rows if row]
+    except csv.Error as error:
+        raise BadInput(f"{path}:{rows.line_num}: is no CSV: {error}") from error
+    if not 2 <= len(values) <= MAX_INSTANTS:
+        raise BadInput(f"{path}: has {len(values)} instants; allowed: 2 to {MAX_INSTANTS}")
+    return dict(zip(names, np.array(values).T, strict=True))
+
+
+def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> list[float]:
+    if len(row) != len(names):
+        raise BadInput(f"{path}:{line}: has {len(row)} values; allowed: {len(names)}, as many as the first line has names")
+    numbers = []
+    for name, entry in zip(names, row, strict=True):
+        try:
+            number = float(entry)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise BadInput(f"{path}:{line}: {name}: read {entry[:40]!r}; allowed: a finite number")
+        numbers.append(number)
+    return numbers
+
+
+def _within(path: Path, columns: Mapping[str, Array], duration: float) -> tuple[Array, dict[str, Array], tuple[str, ...]]:
+    """Return the instants of a file within the duration of the case (s), the columns there, and notes. Raises `BadInput`."""
+    t = columns[TIME]
+    if t[0] < 0 or not (np.diff(t) > 0).all():
+        line = 2 if t[0] < 0 else int(np.argmax(np.diff(t) <= 0)) + 3
+        raise BadInput(f"{path}:{line}: t: read {t[line - 2]:.12g}; allowed: ascending numbers of at least 0 s")
+    kept = t <= duration * (1 + ROUNDED)
+    if kept.sum() < 2:
+        raise BadInput(f"{path}: has fewer than 2 instants within the duration of the case, {duration:.12g} s")
+    notes = []
+    if after := int((~kept).sum()):
+        notes.append(f"{path}: {after} instants after the end of the case at {duration:.12g} s are not used")
+    elif t[-1] < duration * (1 - ROUNDED):
+        notes.append(f"{path}: ends at {t[-1]:.12g} s, before the end of the case at {duration:.12g} s")
+    return t[kept], {name: values[kept] for name, values in columns.items()}, tuple(notes)
+
+
+def _trajectory(path: Path, columns: Mapping[str, Array], t: Array, case: Case) -> tuple[set[str], Trajectory]:
+    """Return the names of the columns that are used, and the states of all bodies. Raises `BadInput`."""
+    scene = case.scene
+    if not isinstance(scene, Mechanism):
+        _require(path, columns, POSE)
+        return _named("", (*POSE, *VELOCITY, *ANGULAR_VELOCITY)), _state(path, columns, "", t)
+    prefixes = [f"{body.name}{OF}" for body in scene.bodies]
+    lacking = [f"{prefix}{name}" for prefix in prefixes for name in POSE if f"{prefix}{name}" not in columns]
+    if not lacking:
+        used = set().union(*(_named(prefix, (*POSE, *VELOCITY, *ANGULAR_VELOCITY)) for prefix in prefixes))
+        return used, _stacked(t, [_state(path, columns, prefix, t) for prefix in prefixes])
+    if not any(f"{joint.name}{OF}position" in columns for joint in scene.joints):
+        raise BadInput(f"{path}: lacks the columns {_listed(lacking)}; allowed instead: JOINT.position of every joint")
+    return _of_joints(path, columns, t, scene)
+
+
+def _of_joints(path: Path, columns: Mapping[str, Array], t: Array, scene: Mechanism) -> tuple[set[str], Trajectory]:
+    """Return the names of used columns, and the states of the bodies of a mechanism whose joints were recorded."""
+    for joint in scene.joints:
+        if COORDINATES[joint.type] > 1:
+            what = f"{joint.name}, a {joint.type} joint, has several coordinates"
+            raise BadInput(f"{path}: {what}; allowed: the poses of all bodies, BODY.px to BODY.qz")
+    moving = [joint for joint in scene.joints if COORDINATES[joint.type]]
+    free = [body for body, joint in zip(scene.bodies, scene.joint_of, strict=True) if joint is None]
+    needed = [f"{joint.name}{OF}position" for joint in moving]
+    _require(path, columns, (*needed, *(f"{body.name}{OF}{name}" for body in free for name in POSE)))
+    unknown = np.full(len(t), np.nan)
+    rates = [columns.get(f"{joint.name}{OF}velocity", unknown) for joint in moving]
+    joints = JointMotion(_table([columns[name] for name in needed], len(t)), _table(rates, len(t)))
+    states = [_state(path, columns, f"{body.name}{OF}", t) for body in free]
+    used = {*needed, *(f"{joint.name}{OF}velocity" for joint in moving)}
+    used |= set().union(*(_named(f"{body.name}{OF}", (*POSE, *VELOCITY, *ANGULAR_VELOCITY)) for body in free))
+    return used, kinematics.bodies(scene, joints, _stacked(t, states) if free else None, t)
+
+
+def _state(path: Path, columns: Mapping[str, Array], prefix: str, t: Array) -> Trajectory:
+    """Return the states of one body; velocities that are missing are NaN. Raises `BadInput` for a part of a velocity."""
+    unknown = np.full((len(t), 3), np.nan)
+    velocities = []
+    for names in (VELOCITY, ANGULAR_VELOCITY):
+        there = [f"{prefix}{name}" in columns for name in names]
+        if any(there):
+            _require(path, columns, [f"{prefix}{name}" for name in names])
+        velocities.append(np.stack([columns[f"{prefix}{name}"] for name in names], axis=-1) if any(there) else unknown)
+    pose = np.stack([columns[f"{prefix}{name}"] for name in POSE], axis=-1)
+    wrong = np.abs(np.linalg.norm(pose[:, 3:], axis=-1) - 1) > NORM
+    if wrong.any():
+        line = int(np.argmax(wrong)) + 2
+        length = float(np.linalg.norm(pose[line - 2, 3:]))
+        raise BadInput(f"{path}:{line}: {prefix}qw to {prefix}qz: read a quaternion of length {length:.6g}; allowed: length 1")
+    return Trajectory(t, pose[:, :3], pose[:, 3:], *velocities)
+
+
+def _stacked(t: Array, states: Sequence[Trajectory]) -> Trajectory:
+    """Return the states of several bodies as one trajectory."""
+    parts = ("position", "quaternion", "velocity", "angular_velocity")
+    return Trajectory(t, *(np.stack([getattr(state, part) for state in states]) for part in parts))
+
+
+def _table(columns: Sequence[Array], count: int) -> Array:
+    return np.stack(columns, axis=-1) if columns else np.zeros((count, 0))
+
+
+def _named(prefix: str, names: Iterable[str]) -> set[str]:
+    return {f"{prefix}{name}" for name in names}
+
+
+def _require(path: Path, columns: Mapping[str, Array], names: Iterable[str]) -> None:
+    """Raise `BadInput` if a file lacks one of the columns."""
+    if lacking := [name for name in names if name not in columns]:
+        raise BadInput(f"{path}: lacks the columns {_listed(lacking)}; it has: {_listed(list(columns))}")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:20]) + (" …" if len(names) > 20 else "")
