@@ -72,9 +72,7 @@ def releases(
 
     check_engine(engine)
     if remove:
-        if last is not None:
-            raise BadInput("--remove cannot be combined with --last; name the versions to remove")
-        return _remove(engine, versions, json)
+        return _remove(engine, versions, last, json)
     check_has_folder(figures, out)
     tables.check(view, printing.CHANGES)
     make_folder("--out", out)
@@ -155,8 +153,10 @@ def _write(results: "Found", out: Path, figures: Figures) -> None:
     reports.write_study(present({"": results}), out, figures)
 
 
-def _remove(engine: str, versions: tuple[str, ...], json: bool) -> int:
+def _remove(engine: str, versions: tuple[str, ...], last: int | None, json: bool) -> int:
     """Delete the environments of some releases of an engine, or of all if none is named, and print which were deleted."""
+    if last is not None:
+        raise BadInput("--remove cannot be combined with --last; name the versions to remove")
     from bodycheck.console import terminal
     from bodycheck.environments import environments
     from bodycheck.studies.releases import printing, study
