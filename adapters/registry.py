@@ -16,6 +16,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata, version
 from importlib.util import find_spec
 from pathlib import Path
+from traceback import extract_tb
 from typing import get_args
 
 from packaging.version import InvalidVersion, Version
@@ -118,12 +119,12 @@ def load(name: str) -> Adapter:
     except ImportError as error:
         raise EngineBroken(f"{name} cannot be imported: {error}") from error
     except (Exception, SystemExit) as error:  # an engine may raise anything
-        raise EngineBroken(f"{name} cannot be imported: {_told(error)}") from error
+        raise EngineBroken(f"{name} cannot be imported: {_told(error)}{frame(name, error)}") from error
     try:
         complete = isinstance(adapter, Adapter)
         fault = fault_of(adapter.engine) if complete else None
     except (Exception, SystemExit) as error:
-        raise EngineBroken(f"{name} does not say what it is: {_told(error)}") from error
+        raise EngineBroken(f"{name} does not say what it is: {_told(error)}{frame(name, error)}") from error
     if not complete:
         raise EngineMissing(
             f"{name} has no adapter: {_description(adapter)} lacks `engine` or `prepare` of bodycheck's contract"
@@ -131,6 +132,19 @@ def load(name: str) -> Adapter:
     if fault is not None:
         raise EngineBroken(f"{name} does not say what it is: {fault}")
     return adapter
+
+
+def frame(name: str, error: BaseException) -> str:
+    """Return the innermost frame of an exception in the source of an adapter, such as " at toy.py:24"; empty if it has none."""
+    folder = Path(bodycheck.adapters.__path__[0]).resolve()
+    try:
+        files = {path.resolve() for path in sources(name)}
+    except ValueError:  # the module has put an object without a specification in its place
+        return ""
+    for path, line in reversed([(Path(one.filename).resolve(), one.lineno) for one in extract_tb(error.__traceback__)]):
+        if path in files:
+            return f" at {path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name}:{line}"
+    return ""
 
 
 def _extra(name: str) -> str:

@@ -3,11 +3,12 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from cyclopts import App
 
-from bodycheck.console.options import AS_USUAL, Json, Viewed
+from bodycheck.console.options import AS_USUAL, Again, Json, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -18,10 +19,11 @@ engines = App(name="engines", help="List the engines, install them apart, and ch
 
 
 @engines.default
-def listed(*, json: Json = False, view: Viewed = AS_USUAL) -> int:
+def listed(*, again: Again = False, json: Json = False, view: Viewed = AS_USUAL) -> int:
     """List all engines that have an adapter: where each is installed, or the command that installs it.
 
-    An engine is installed beside bodycheck, or in an environment of its own. `NAME@VERSION` names one of several releases.
+    An engine is installed beside bodycheck, or in an environment of its own, whose day is given. `NAME@VERSION` names one of
+    several releases. A line on stderr says what the cache keeps. With --again, every engine is asked again what it is.
     """
     from bodycheck.adapters import offers
     from bodycheck.console import tables, terminal
@@ -29,23 +31,35 @@ def listed(*, json: Json = False, view: Viewed = AS_USUAL) -> int:
 
     tables.check(view, terminal.ENGINES)
     names = _all_names()
+    if again:
+        installed.forget(names)
     records, missing = installed.describe(names)
     places = {name: installed.place(name) for name in records}
+    _say_what_is_kept()
     if json:
         there: list[dict[str, Any]] = [
-            {"name": name, "version": record.version, "place": places[name], "integrators": offers.listed(record)}
+            {
+                "name": name,
+                "version": record.version,
+                "place": places[name][0],
+                "since": places[name][1],
+                "integrators": offers.listed(record),
+            }
             for name, record in records.items()
         ]
         terminal.print_json(there + [{"name": name, "missing": fault.reason} for name, fault in missing.items()])
         return OK
-    rows = [(name, record.version, places[name], ", ".join(offers.listed(record))) for name, record in records.items()]
+    rows = [
+        (name, record.version, " of ".join(filter(None, places[name])), ", ".join(offers.listed(record)))
+        for name, record in records.items()
+    ]
     rows += [(name, "-", "-", fault.reason) for name, fault in missing.items()]
     tables.show(terminal.ENGINES, rows, view)
     return OK
 
 
 @engines.command
-def add(*names: str, version: str | None = None, json: Json = False) -> int:
+def add(*names: str, json: Json = False) -> int:
     """Install engines, each in an environment of its own, and check their adapters there.
 
     An environment holds the engine and the packages that it needs, and uses bodycheck from here. Without a version, it is the
@@ -55,8 +69,6 @@ def add(*names: str, version: str | None = None, json: Json = False) -> int:
     ----------
     names
         The names of engines, each `NAME` or `NAME@VERSION`.
-    version
-        The release of the engine to install, if one engine is named.
     """
     import time
 
@@ -66,9 +78,7 @@ def add(*names: str, version: str | None = None, json: Json = False) -> int:
 
     if not names:
         raise BadInput("engines add: name at least one engine")
-    if version is not None and len(names) > 1:
-        raise BadInput("--version: name one engine, or give each its version as NAME@VERSION")
-    asked = [EngineName.parse(name if version is None else f"{EngineName.parse(name).adapter}@{version}") for name in names]
+    asked = [EngineName.parse(name) for name in names]
     _refuse_unknown(asked)
     rows: list[dict[str, Any]] = []
     for one in asked:
@@ -145,6 +155,25 @@ def check(*names: str, json: Json = False) -> int:
         for name, reasons in faults.items():
             print("\n".join(reasons) if reasons else f"{name}: adapter check passed")
     return FAILED if any(faults.values()) or loaded.missing else OK
+
+
+def _say_what_is_kept() -> None:
+    """Say on stderr what the cache keeps, since when, and how it is made anew."""
+    from bodycheck.environments import user_cache
+    from bodycheck.running.engines import RECORDS
+    from bodycheck.studies.releases.questions import MEASUREMENTS
+
+    kinds = (
+        (RECORDS, "records of engines", "engines --again"),
+        (MEASUREMENTS, "measurements of releases", "releases ENGINE --again"),
+    )
+    kept = [
+        f"{kind}: {len(times)} since {times[0]:%Y-%m-%d} (anew by: bodycheck {command})"
+        for subfolder, kind, command in kinds
+        if (times := user_cache.times(subfolder))
+    ]
+    if kept:
+        print(f"kept in {user_cache.folder()}: {', '.join(kept)}", file=sys.stderr)
 
 
 def _all_names() -> tuple[str, ...]:

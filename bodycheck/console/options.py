@@ -47,6 +47,8 @@ AllowMissing = Annotated[
     Parameter(negative="", help="Do not count expectations of engines that are not installed as failed. Summaries say so."),
 ]
 
+Again = Annotated[bool, Parameter(negative="", help="Take nothing from the cache; what is kept there is replaced.")]
+
 Json = Annotated[bool, Parameter(help="Print JSON instead of tables.")]
 
 Quiet = Annotated[bool, Parameter(help="Print only what failed, and errors: no progress, no tables, no summary.")]

@@ -4,8 +4,9 @@ The cache folder is the user's, or the folder in the environment variable BODYCH
 and each combination of interpreter and packages that the environment must be compatible with.
 
 An environment is made under a temporary name, by one process at a time, and renamed as the last step, so that it is either
-complete or does not exist. The next installation removes the remains of an installation that was killed, and replaces a damaged
-environment. Nothing in the folder is used or run if another user can change it or one of its parent folders.
+complete or does not exist. The next installation removes the remains of an installation that was killed. A damaged environment
+stays until a new one can replace it. Nothing in the folder is used or run if another user can change it or one of its parent
+folders.
 """
 
 import contextlib
@@ -17,6 +18,7 @@ import sysconfig
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
 from importlib import metadata
@@ -89,7 +91,6 @@ def obtain(engine: str, version: str) -> Environment:
     with _lock(folder):
         _remove_unfinished(folder)
         if not ((folder / MARKER).is_file() and making.is_intact(folder, release)):
-            _remove(folder)
             _make(folder, release)
     return Environment(engine, release.version, installation.interpreter(folder))
 
@@ -116,15 +117,19 @@ def kept(engine: str) -> dict[str, Environment]:
 def find(engine: str, version: str | None = None) -> Environment | None:
     """Return the environment of a release, or of the newest release that has one; None if there is none.
 
-    Raises `Unobtainable` for an unknown engine, and if another user can change the environment.
+    Raises `Unobtainable` for an unknown engine, for an environment without an interpreter, and if another user can change it.
     """
     versions = kept(engine)
     environment = versions.get(version) if version is not None else next(reversed(versions.values()), None)
     if environment is not None:
+        name = f"{engine}@{environment.version}"
         try:
             _check_private(environment.python.parent)
-        except OSError:
-            return None
+            environment.python.stat()
+        except OSError as error:
+            raise Unobtainable(
+                f"{name} has a damaged environment without an interpreter; make it anew by: bodycheck engines add {name}"
+            ) from error
     return environment
 
 
@@ -136,9 +141,7 @@ def variables(environment: Environment) -> tuple[tuple[str, str], ...]:
 
 def package_folders(environment: Environment) -> list[Path]:
     """Return the folders of the packages that are installed in an environment itself."""
-    return [
-        path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in environment.python.parents[1].glob(pattern)
-    ]
+    return making.package_folders(environment.python.parents[1])
 
 
 def lock(environment: Environment) -> dict[str, str]:
@@ -148,6 +151,11 @@ def lock(environment: Environment) -> dict[str, str]:
         "==".join(record.parent.name.removesuffix(".dist-info").rsplit("-", 1)): sha256(record.read_bytes()).hexdigest()
         for record in records
     }
+
+
+def made(environment: Environment) -> datetime:
+    """Return the time at which an environment was finished. Raises `OSError` if it is no longer there."""
+    return datetime.fromtimestamp((environment.python.parents[1] / MARKER).stat().st_mtime, UTC)
 
 
 def size(environment: Environment) -> int:
@@ -201,11 +209,11 @@ def run(
         _check_private(environment.python.parent)
         return making.run(environment.python, ["-m", module, *arguments], stdin, timeout, variables(environment))
     except OSError as error:
-        raise Unobtainable(f"{environment.engine} {environment.version} is no longer there: {error}") from error
+        raise Unobtainable(f"{environment.engine}@{environment.version} is no longer there: {error}") from error
 
 
 def _make(folder: Path, release: Release) -> None:
-    """Make the environment of a release and give it its final name. Raises `Unobtainable` if no attempt succeeds."""
+    """Make the environment of a release in the place of any earlier one. Raises `Unobtainable` if no attempt succeeds."""
     failures: list[str] = []
     usable: Path | None = None
     with contextlib.ExitStack() as stack:
@@ -227,18 +235,19 @@ def _make(folder: Path, release: Release) -> None:
             # If the engine fails checks after every attempt, the fault is in the release itself, which a study is to show.
             usable = usable or temporary_folder
         if usable is None:
-            raise Unobtainable(f"{release.engine} {release.version} is not available here: {failures[0]}")
+            raise Unobtainable(f"{release.engine}@{release.version} is not available here: {failures[0]}")
         _finish(usable, folder, release)
 
 
 def _finish(temporary_folder: Path, folder: Path, release: Release) -> None:
-    """Make sure that all files of a new environment are on the disk, and give it its final name."""
+    """Make sure that all files of a new environment are on the disk, and give it its final name, replacing an earlier one."""
     if sys.platform != "win32":
         os.sync()
     with (temporary_folder / MARKER).open("w", encoding="utf-8") as marker:
         json.dump({"engine": release.engine, "version": release.version}, marker)
         marker.flush()
         os.fsync(marker.fileno())
+    _remove(folder)
     temporary_folder.rename(folder)
 
 
@@ -270,10 +279,7 @@ def _version(text: str) -> Version | None:
 def _check_private(folder: Path) -> None:
     """Raise `Unobtainable` if another user can change an existing folder of the cache, and `OSError` if it is missing."""
     if (open_folder := privacy.open_to_others(folder)) is not None:
-        raise Unobtainable(
-            f"{folder}: not used, because another user can change {open_folder}; let {user_cache.VARIABLE} name a folder that "
-            "only you can write to"
-        )
+        raise Unobtainable(user_cache.untrusted(folder, open_folder))
 
 
 def _home() -> Path:

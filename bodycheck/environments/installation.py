@@ -67,7 +67,13 @@ def make(folder: Path) -> None:
     _output(command, os.environ)
 
 
-def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str] = (), day: datetime | None = None) -> None:
+def install(
+    folder: Path,
+    requirements: Sequence[str],
+    constraints: Sequence[str] = (),
+    day: datetime | None = None,
+    cached: bool = True,
+) -> None:
     """Install packages and their dependencies into the virtual environment in a folder.
 
     Parameters
@@ -80,6 +86,8 @@ def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str
         Conditions on the versions of all packages that are installed.
     day
         Ignore files that were uploaded to the index after this time; None to ignore nothing.
+    cached
+        Whether uv uses its cache; if not, it downloads the packages again and replaces installed ones.
 
     Raises
     ------
@@ -91,7 +99,8 @@ def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str
     limits = folder / "constraints.txt"
     limits.write_text("\n".join(constraints), "utf-8")
     until = ["--exclude-newer", day.isoformat()] if day is not None else []
-    options = ["--quiet", "--compile-bytecode", "--only-binary", ":all:", "--constraint", str(limits), *until]
+    anew = [] if cached else ["--no-cache", "--reinstall"]
+    options = ["--quiet", "--compile-bytecode", "--only-binary", ":all:", "--constraint", str(limits), *until, *anew]
     _uv_pip(["install", "--python", str(interpreter(folder)), *options, *requirements], requirements)
 
 

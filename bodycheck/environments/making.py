@@ -16,7 +16,7 @@ import sys
 import sysconfig
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from importlib import metadata
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -53,15 +53,19 @@ import site; list(map(site.addsitedir, {folders!r}))
 import os, sys; sys.path.extend(filter(None, os.environ.get({variable!r}, "").split(os.pathsep)))
 """
 
-#: Code that checks that all files have the size that they were installed with, and prints the version of a package.
+#: Code that checks that all files have the contents that they were installed with, and prints the version of a package.
 VERSION_OF_INTACT_PACKAGE = """
-import csv, importlib.metadata, os, sys, sysconfig
+import base64, csv, hashlib, importlib.metadata, os, sys, sysconfig
 root = sysconfig.get_path("purelib")
 for folder in os.listdir(root):
     if folder.endswith(".dist-info"):
-        for name, _, size in csv.reader(open(os.path.join(root, folder, "RECORD"), encoding="utf-8", newline="")):
-            if size and os.stat(os.path.join(root, name)).st_size != int(size):
-                sys.exit(f"{name} is not what was installed")
+        for name, check, size in csv.reader(open(os.path.join(root, folder, "RECORD"), encoding="utf-8", newline="")):
+            kind, _, digest = check.partition("=")
+            if digest:
+                with open(os.path.join(root, name), "rb") as file:
+                    now = base64.urlsafe_b64encode(hashlib.file_digest(file, kind).digest()).decode().rstrip("=")
+                if now != digest:
+                    sys.exit(f"{name} is not what was installed")
 print(importlib.metadata.version(sys.argv[1]))
 """
 
@@ -157,12 +161,10 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
         latest_upload = uploaded + UPLOAD_DELAY
     numpy_here = metadata.version("numpy")
     installation.make(folder)
-    constraints = [f"numpy<={numpy_here}", *attempt.constraints]
-    installation.install(folder, release.installation.requirements(release.version), constraints, latest_upload)
+    _install(folder, release, [f"numpy<={numpy_here}", *attempt.constraints], latest_upload)
     python = installation.interpreter(folder)
-    packages = Path(output(python, "import sysconfig; print(sysconfig.get_path('purelib'))"))
-    lines = PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
-    (packages / PATH_FILE).write_text(lines, "utf-8")
+    (packages,) = package_folders(folder)
+    (packages / PATH_FILE).write_text(_path_lines(), "utf-8")
     numpy_there = output(python, "import importlib.metadata; print(importlib.metadata.version('numpy'))")
     if numpy_there != numpy_here:
         failing = output(python, PACKAGES_THAT_FAIL, *(word for pair in NUMPY_DEPENDENTS.items() for word in pair)).split()
@@ -172,8 +174,40 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     return output(python, NUMBER_OF_FAILED_CHECKS, release.engine, variables=variables).rpartition("\n")[2] == "0"
 
 
+def _install(folder: Path, release: Release, constraints: Sequence[str], latest_upload: datetime | None) -> None:
+    """Install a release and its dependencies. Raises `InstallationFailed`.
+
+    uv links files from its cache into environments. A file that was changed in one environment is therefore changed in the
+    cache and in every other environment. In this case the packages are downloaded again.
+    """
+    for cached in (True, False):
+        installation.install(folder, release.installation.requirements(release.version), constraints, latest_upload, cached)
+        if _has_its_packages(folder, release):
+            return
+    raise InstallationFailed("its files are not those that its wheels list")
+
+
 def is_intact(folder: Path, release: Release) -> bool:
-    """Return whether the interpreter of an environment runs and all files have the size that they were installed with."""
+    """Return whether an environment has its packages, and imports the other packages from the running interpreter."""
+    try:
+        added = [(packages / PATH_FILE).read_text("utf-8") for packages in package_folders(folder)]
+    except (OSError, ValueError):
+        return False
+    return added == [_path_lines()] and _has_its_packages(folder, release)
+
+
+def package_folders(folder: Path) -> list[Path]:
+    """Return the folders of packages (site-packages) of the environment in a folder: one, unless it is damaged."""
+    return [path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in folder.glob(pattern)]
+
+
+def _path_lines() -> str:
+    """Return the content of the .pth file of an environment."""
+    return PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
+
+
+def _has_its_packages(folder: Path, release: Release) -> bool:
+    """Return whether the interpreter of an environment runs and all files have the contents that they were installed with."""
     try:
         version = output(installation.interpreter(folder), VERSION_OF_INTACT_PACKAGE, release.installation.distribution)
         return Version(version) == Version(release.version)

@@ -3,12 +3,15 @@
 import math
 import os
 import pickle
+import warnings
+from collections.abc import Callable
 from typing import Any
 
 from bodycheck.processes import channel, limits
 from bodycheck.processes.failures import crash
 from bodycheck.processes.interpreter import inherited
 from bodycheck.processes.process_state import state, threads
+from bodycheck.runner_log import printable
 
 
 def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
@@ -32,6 +35,7 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
     served, process = channel.Worker(inherited(descriptor), bytes.fromhex(mark)), os.getpid()
+    warnings.formatwarning = _cleaned(warnings.formatwarning)
     if hasattr(os, "register_at_fork"):
         os.register_at_fork(after_in_child=served.close)
     limits.allow_memory(memory)
@@ -52,6 +56,15 @@ def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
             served.send(number, _pickled(result, reusable=not changed and not limits.keeps_much()))
     except (EOFError, ConnectionError):
         return  # the parent has ended
+
+
+def _cleaned(formatted: Callable[..., str]) -> Callable[..., str]:
+    """Return a function that makes the text of a warning, in which control characters and commands to runners are escaped."""
+
+    def text(*warning: Any, **line: Any) -> str:
+        return printable(formatted(*warning, **line))
+
+    return text
 
 
 def _made(message: bytes) -> tuple[Any, bool]:

@@ -10,10 +10,11 @@ While a journal is written, a lock file beside it, `NAME.lock`, keeps other proc
 process. The lock file of a killed process remains, but locks nothing, and is removed after the work is resumed.
 """
 
+import contextlib
 import json
 import os
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -103,7 +104,12 @@ def begin(path: Path, header: Record) -> Journal:
     return _opened(path, _lock(path), header, ())
 
 
-def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal:
+def _no_record(record: Record) -> bool:
+    """Return False for every record."""
+    return False
+
+
+def resume(path: Path, header: Record, renewed: Collection[str] = (), lost: Callable[[Record], bool] = _no_record) -> Journal:
     """Resume the interrupted journal of the same work, or begin a new one if there is none.
 
     Parameters
@@ -114,6 +120,9 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
         The description of the work. Work is the same if the `identity` in the headers is equal.
     renewed
         The entries of the header that resumed work takes from this header, and not from the existing journal.
+    lost
+        Whether the work of a record is repeated, because its process died or exceeded a limit, perhaps by what interrupted the
+        work. Such records are not kept.
 
     Raises
     ------
@@ -130,7 +139,7 @@ def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal
     if contents.complete or contents.header.get("identity") != header["identity"]:
         return _opened(path, lock, header, ())
     kept = contents.header | {name: header[name] for name in renewed}
-    return _opened(path, lock, kept, contents.records)
+    return _opened(path, lock, kept, tuple(record for record in contents.records if not lost(record)))
 
 
 def read(path: Path) -> Contents:
@@ -182,7 +191,8 @@ def _release(lock: BaseFileLock) -> None:
     if isinstance(lock, UnixFileLock):
         # Unlike other kinds, this lock leaves its file. Removed before the release, the file cannot belong to another process;
         # a process that has already opened it finds that it is gone, and takes no lock on it.
-        Path(lock.lock_file).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # somebody may have removed the folder meanwhile, or replaced it
+            Path(lock.lock_file).unlink()
     lock.release()
 
 

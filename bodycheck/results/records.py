@@ -3,7 +3,7 @@
 Records are checked when they are read, because a folder may come from anyone.
 """
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, cast
@@ -18,6 +18,9 @@ from bodycheck.reference.contact.motion import EventKind
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 
 T = TypeVar("T")
+
+#: The statuses of runs that measured nothing, because their process died or exceeded a limit.
+LOST = (Crashed.status, TimedOut.status)
 
 
 def _printable(text: str) -> str:
@@ -234,6 +237,15 @@ RUNS: dict[str, type[RunRecord]] = {
     TimedOut.status: TimedOutRecord,
     **dict.fromkeys((Unsupported.status, Diverged.status, Crashed.status), FailedRecord),
 }
+
+
+def is_lost(record: Mapping[str, Any]) -> bool:
+    """Return whether a record says that a process crashed or exceeded a limit, so that nothing was measured.
+
+    This is a run, a truth or a stop of a results folder, or a record of a study that has a status.
+    """
+    limited = record.get("limit") is not None or record.get("crashed", False)
+    return limited or record.get("status") in LOST or (record.get("record") == "stop" and "reason" in record)
 
 
 def typed(kind: type[T], values: Any) -> T:

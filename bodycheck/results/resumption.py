@@ -1,7 +1,7 @@
 """Resume interrupted work: the digest that identifies the work, and the journal of its finished parts."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 from bodycheck.results import journal
 from bodycheck.results.header import Header
 from bodycheck.results.journal import Journal
+from bodycheck.results.records import is_lost
 
 
 def versions(head: Header) -> list[Any]:
@@ -24,7 +25,14 @@ def identity(*work: object) -> str:
     return sha256(repr(work).encode("utf-8")).hexdigest()
 
 
-def opened(path: Path, head: Header, *work: object, what: str = "study", **entries: Mapping[str, Any]) -> Journal:
+def opened(
+    path: Path,
+    head: Header,
+    *work: object,
+    lost: Callable[[journal.Record], bool] = is_lost,
+    what: str = "study",
+    **entries: Mapping[str, Any],
+) -> Journal:
     """Return the journal of some work.
 
     If the file is the journal of the same work, and this was interrupted, its records are kept, and a message says so.
@@ -37,6 +45,8 @@ def opened(path: Path, head: Header, *work: object, what: str = "study", **entri
         The header of the results.
     work
         Everything that determines the results in addition to the versions in the header.
+    lost
+        Whether the work of a record is repeated, because its process died or exceeded a limit.
     what
         The word for the work in the message.
     entries
@@ -47,7 +57,7 @@ def opened(path: Path, head: Header, *work: object, what: str = "study", **entri
     BadJournal
         If another process is writing the file.
     """
-    log = journal.resume(path, {**head, **entries, "identity": identity(versions(head), *work)})
+    log = journal.resume(path, {**head, **entries, "identity": identity(versions(head), *work)}, lost=lost)
     if log.records:
         print(f"bodycheck: resuming the interrupted {what} in {path.parent}", file=sys.stderr)
     return log

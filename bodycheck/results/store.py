@@ -45,8 +45,8 @@ NO_FILES: Mapping[str, Path] = {}
 class Writer:
     """Writer of a results folder. It is a context manager, which writes the footer at a regular end of the context.
 
-    If the same work was interrupted in the folder, as shown by the `identity` in the header, it is continued. Any other results
-    are replaced.
+    If the same work was interrupted in the folder, as shown by the `identity` in the header, it is continued. What crashed or
+    exceeded a limit is repeated. Any other results are replaced.
     """
 
     def __init__(
@@ -63,7 +63,10 @@ class Writer:
         contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked], "revisions": REVISIONS}
         self.folder = folder
         self.journal = journal.resume(
-            folder / RECORDS, {"format": FORMAT, **header, "identity": identity, **contents}, renewed=("unchecked",)
+            folder / RECORDS,
+            {"format": FORMAT, **header, "identity": identity, **contents},
+            renewed=("unchecked",),
+            lost=records.is_lost,
         )
         there = self.journal.records
         self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
@@ -79,7 +82,7 @@ class Writer:
         self.journal.__exit__(*exit)
 
     def has_truth(self, case: str, timestep: float) -> bool:
-        """Return whether the folder already had the truth of a case for a time step (s), or the reason why there is none."""
+        """Return whether the folder already had the truth of a case for a time step (s), or that the reference has none."""
         return truth_path(case, timestep) in self.done
 
     @property
@@ -88,7 +91,7 @@ class Writer:
         return bool(self.journal.records)
 
     def has_run(self, key: RunKey) -> bool:
-        """Return whether the folder already had a run, with any outcome."""
+        """Return whether the folder already had a run that neither crashed nor exceeded a limit."""
         return run_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
 
     def has_stop(self, case: str, law: Plane) -> bool:

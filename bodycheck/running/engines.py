@@ -3,11 +3,10 @@
 An engine may end its process, hang or crash when it is imported, or change the state with which others compute. It is therefore
 imported only in worker processes, which use the interpreter in which it is installed: together with bodycheck, or in a separate
 environment. The record of an engine, its description, is requested there once and kept in the cache folder, until the engine,
-its adapter or its environment changes.
+its adapter or the packages installed with it change. Failures are not kept.
 """
 
 import contextlib
-import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -17,19 +16,21 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
-from bodycheck.environments import environments, privacy, user_cache
+from bodycheck.environments import contents, environments, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
-from bodycheck.files import writing
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.processes.interpreter import HERE, Interpreter
 from bodycheck.running.tasks import import_engine, leave_out_sympy
+
+#: The folder of records in the cache.
+RECORDS = "records"
 
 #: Time limit (s) for the import and the record of one engine. Some engines compile code when they are imported.
 TIME_LIMIT_S = 120.0
@@ -62,9 +63,10 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
     """
     answers_by_name: dict[str, Engine | Fault] = {}
     keys: dict[str, str] = {}
+    packages = cache(_packages)  # engines that are installed together share them
     for name in dict.fromkeys(names):
         try:
-            keys[name] = _depends(name, _place(name))
+            keys[name] = _depends(name, environment := _place(name), packages(environment))
         except (registry.EngineMissing, Unobtainable) as error:
             answers_by_name[name] = Fault(str(error), broken=False)
     for name, key in keys.items():
@@ -87,6 +89,12 @@ def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]
         {name: record for name, record in in_order.items() if isinstance(record, Engine)},
         {name: fault for name, fault in in_order.items() if isinstance(fault, Fault)},
     )
+
+
+def forget(names: Sequence[str]) -> None:
+    """Remove the records of engines from the cache, so that they are requested anew."""
+    for name in names:
+        user_cache.forget(_entry(name))
 
 
 def faults(names: Sequence[str]) -> dict[str, Fault]:
@@ -121,10 +129,13 @@ def home(name: str | None) -> pool.Home:
     return pool.Home(Interpreter(environment.python, environments.variables(environment)), import_engine, TIME_LIMIT_S)
 
 
-def place(name: str) -> str:
-    """Return the place of an engine in words: "here" or "own environment". Raises `EngineMissing` and `Unobtainable`."""
+def place(name: str) -> tuple[str, str]:
+    """Return the place of an engine in words, "here" or "own environment", and the day from which its environment is.
+
+    The day of "here" is empty. Raises `EngineMissing` and `Unobtainable`.
+    """
     environment = _place(name)
-    return "here" if environment is None else "own environment"
+    return ("here", "") if environment is None else ("own environment", f"{environments.made(environment):%Y-%m-%d}")
 
 
 def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:
@@ -158,10 +169,9 @@ def _place(name: str) -> Environment | None:
         return None
     if (environment := environments.find(asked.adapter, asked.version)) is not None:
         return environment
-    wanted = f" --version {asked.version}" if asked.version else ""
+    package = source.distribution if asked.version is None else f"{source.distribution} {asked.version}"
     raise registry.EngineMissing(
-        f"{asked} is not installed: there is no package {source.distribution}{f' {asked.version}' if asked.version else ''}; "
-        f"install it by: bodycheck engines add {asked.adapter}{wanted}"
+        f"{asked} is not installed: there is no package {package}; install it by: bodycheck engines add {asked}"
     )
 
 
@@ -178,33 +188,32 @@ def _records() -> TypeAdapter[Engine]:
     return TypeAdapter(Engine)
 
 
-def _depends(name: str, environment: Environment | None) -> str:
+def _packages(environment: Environment | None) -> str:
+    """Return a digest of what is installed in an environment; None stands for the folders of this process."""
+    return contents.of_distributions(map(Path, sys.path) if environment is None else environments.package_folders(environment))
+
+
+def _depends(name: str, environment: Environment | None, packages: str) -> str:
     """Return a digest of everything that the record of an engine depends on, apart from data that its own code reads."""
-    folders = map(Path, sys.path) if environment is None else environments.package_folders(environment)
-    files = [*registry.sources(EngineName.parse(name).adapter), *(folder for folder in folders if folder.is_dir())]
-    decides = (version("bodycheck"), sys.version, environment, sorted((str(file), file.stat().st_mtime_ns) for file in files))
+    adapter = contents.of_files(registry.sources(EngineName.parse(name).adapter))
+    decides = (version("bodycheck"), sys.version, environment, packages, adapter)
     return sha256(repr(decides).encode()).hexdigest()
 
 
-def _file(name: str) -> Path:
-    return user_cache.folder() / "records" / f"{sha256(name.encode()).hexdigest()[:16]}.json"
+def _entry(name: str) -> str:
+    """Return the name in the cache of the record of an engine."""
+    return f"{RECORDS}/{sha256(name.encode()).hexdigest()[:16]}.json"
 
 
 def _kept(name: str, key: str) -> Engine | None:
-    """Return the record in the cache; None if it is missing or outdated, or another user may have written it."""
-    path = _file(name)
+    """Return the record in the cache; None if there is none with this key."""
+    entry = user_cache.kept(_entry(name))
+    kept_key, _, record = entry.text.partition("\n") if entry is not None else ("", "", "")
     try:
-        if privacy.open_to_others(path) is not None:
-            return None
-        kept = json.loads(path.read_text("utf-8"))
-        return _records().validate_json(kept["record"]) if kept["key"] == key else None
-    except (OSError, ValueError, KeyError, TypeError, ValidationError):
+        return _records().validate_json(record) if kept_key == key else None
+    except ValueError:  # another development version of bodycheck has kept it
         return None
 
 
 def _keep(name: str, key: str, record: str) -> None:
-    """Store the record of an engine in the cache folder, if this can be written to."""
-    path = _file(name)
-    with contextlib.suppress(OSError, writing.NotWritten):
-        privacy.make(path.parent)
-        writing.write(path, json.dumps({"key": key, "record": record}).encode("utf-8"))
+    user_cache.keep(_entry(name), f"{key}\n{record}")

@@ -41,10 +41,10 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
         for (_, version), result in workers.map(tasks):
             match result:
                 case Crashed() | TimedOut():
-                    obtained[version] = Unobtainable(f"{engine} {version}: {result.reason}")
+                    obtained[version] = Unobtainable(f"{engine}@{version}: {result.reason}")
                 case _:
                     obtained[version] = result
-            progress(f"{engine} {version}")
+            progress(f"{engine}@{version}")
     return {version: obtained[version] for _, version in tasks}
 
 

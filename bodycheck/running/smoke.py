@@ -8,7 +8,9 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Adapter, Method, Models
+from bodycheck.adapters.engine_name import EngineName
 from bodycheck.processes import pool
+from bodycheck.processes.failures import crash
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -100,6 +102,7 @@ def check(engine: str) -> list[str]:
     """Return the faults of an engine's adapter, one sentence each; empty if there are none. Raises `EngineMissing`."""
     adapter = registry.load(engine)
     faults: list[str] = []
+    raised: dict[str, list[str]] = {}
     for obvious in SCENES:
         for integrator in methods(adapter, obvious.scene):
             try:
@@ -109,7 +112,8 @@ def check(engine: str) -> list[str]:
                 start, end = np.array(returned)[0, :, 0]
                 simulation.advance(np.array([1]))
             except Exception as error:  # any exception is a fault of the adapter
-                faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
+                what = f"{crash(error).reason}{registry.frame(EngineName.parse(engine).adapter, error)}"
+                raised.setdefault(what, []).append(f"{engine} {integrator}: {obvious.name}")
                 continue
             comparisons = (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after))
             for when, row, state in comparisons[:1] if _own_settings(integrator) else comparisons:
@@ -118,7 +122,14 @@ def check(engine: str) -> list[str]:
                 faults.append(
                     f"{engine} {integrator}: {obvious.name}, but its states change when it goes on: they are no copies"
                 )
-    return faults
+    return [*(_of_exception(what, checks) for what, checks in raised.items()), *faults]
+
+
+def _of_exception(what: str, checks: Sequence[str]) -> str:
+    """Return the fault that some checks raise an exception, which is told once."""
+    first, *others = checks
+    more = f"; so {'does' if len(others) == 1 else 'do'} {len(others)} further check{'s' * (len(others) > 1)}" if others else ""
+    return f"{first}, but it raises {what}{more}"
 
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:

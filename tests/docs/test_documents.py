@@ -17,6 +17,9 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 #: Folders of the repository; a document that names a file in one of them names a file that exists.
 FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
 
+#: The words for numbers.
+NUMBERS = {9: "nine", 10: "ten", 11: "eleven", 12: "twelve", 13: "thirteen", 14: "fourteen", 15: "fifteen"}
+
 #: Names in documents that stand for names which readers choose.
 PLACEHOLDERS = ("NAME", "my-case", "thrown-phone")
 
@@ -120,3 +123,16 @@ def test_the_page_on_installation_names_every_extra() -> None:
     named = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
     # Those of development are none of a user's.
     assert named == project["optional-dependencies"].keys() - {"docs", "test", "lint"}
+
+
+def test_numbers_of_engines_are_those_of_the_adapters_and_of_the_table() -> None:
+    """`docs/engines.md` lists the engines that are installed on request, and `docs/robots.md` those that read the robots."""
+    names = ("README.md", "docs/engines.md", "docs/robots.md", "docs/start/install.md")
+    text = {name: (ROOT / name).read_text("utf-8") for name in names}
+    installable = {path.parent.name for path in (ROOT / "adapters").glob("*/__init__.py")} - {"mujoco", "pinocchio"}
+    assert set(re.findall(r"^\| `(\w+)` \|", text["docs/engines.md"], re.MULTILINE)) == installable
+    assert f"MuJoCo, Pinocchio, and {NUMBERS[len(installable)]} more that it\ncan install" in text["README.md"]
+    assert f"one of {NUMBERS[len(installable)]} further engines" in text["docs/start/install.md"]
+    readers = re.findall(r"^\| \w+ [\d.]+( \| \d+){5} \|$", text["docs/robots.md"], re.MULTILINE)
+    guide = (ROOT / "docs" / "howto" / "check-a-robot.md").read_text("utf-8")
+    assert f"compares {NUMBERS[len(readers)]} engines on 69 real robots" in guide

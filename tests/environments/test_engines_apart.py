@@ -69,7 +69,7 @@ def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Pa
 def test_what_is_not_there_is_said_with_the_command_to_type(two_releases: None) -> None:
     done = bodycheck("run", "free-brick", "--engine", "toy@9.9")
     assert done.returncode == 2
-    assert "install it by: bodycheck engines add toy --version 9.9" in done.stderr
+    assert "install it by: bodycheck engines add toy@9.9" in done.stderr
     assert bodycheck("run", "free-brick", "--engine", "toy@new").returncode == 2
     assert bodycheck("engines", "add", "toy@9.9").returncode == 1
     assert bodycheck("engines", "add").returncode == bodycheck("engines", "add", "nobody").returncode == 2
@@ -92,7 +92,7 @@ def test_an_expectation_of_a_release_binds_it_to_its_environment(
     case.write_text(a_case(expect=[*expected[:1], expecting("toy@9.9", "closed-form", 0.01, position_error=1e-6)]), "utf-8")
     done = bodycheck("run", case)
     assert done.returncode == 2
-    assert "install it by: bodycheck engines add toy --version 9.9" in done.stderr
+    assert "install it by: bodycheck engines add toy@9.9" in done.stderr
     allowed = bodycheck("run", case, "--allow-missing", "--integrator", "closed-form")
     assert allowed.returncode == 0
     assert "1 expectation of toy@9.9 was not checked (--allow-missing): toy@9.9 is not installed" in " ".join(

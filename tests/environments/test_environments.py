@@ -15,7 +15,7 @@ import pytest
 
 import bodycheck
 from bodycheck.adapters import registry
-from bodycheck.environments import environments
+from bodycheck.environments import environments, making
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.running.fetch_environments import obtain_all
 from tests.support import wheels
@@ -150,7 +150,7 @@ DEATHS = {
 def test_a_release_that_dies_takes_only_itself(place: Path, wheel: Callable[..., Path], body: str) -> None:
     version = f"2.{list(DEATHS).index(body)}"
     wheel(version, body)
-    with pytest.raises(Unobtainable, match=f"^toy {version} is not available here: {DEATHS[body]}$"):
+    with pytest.raises(Unobtainable, match=f"^toy@{version} is not available here: {DEATHS[body]}$"):
         environments.obtain("toy", version)
     assert version not in environments.cached("toy")
     assert not unfinished(place)
@@ -167,9 +167,9 @@ def test_many_are_obtained_at_once_each_with_its_own_answer(environment: Environ
     found = obtain_all("toy", ["9.9", "1.0", "x", "1.0"], 2, lambda done, count=1: told.append(done))
     assert list(found) == ["9.9", "1.0", "x"]
     assert found["1.0"] == environment
-    assert str(found["9.9"]) == "toy 9.9 is not available here: the index has no wheel of this version"
+    assert str(found["9.9"]) == "toy@9.9 is not available here: the index has no wheel of this version"
     assert str(found["x"]) == "'x' is not a version of toy; a version looks like 3.1.6 (PEP 440)"
-    assert sorted(told) == ["toy 1.0", "toy 9.9", "toy x"]
+    assert sorted(told) == ["toy@1.0", "toy@9.9", "toy@x"]
 
 
 def cut_short(environment: Environment) -> None:
@@ -180,6 +180,10 @@ def cut_short(environment: Environment) -> None:
 
 def without_a_file(environment: Environment) -> None:
     (own_packages(environment) / "toy_engine.py").unlink()
+
+
+def without_the_packages_of_this_interpreter(environment: Environment) -> None:
+    (own_packages(environment) / making.PATH_FILE).write_text("")
 
 
 def with_an_interpreter_that_has_gone(environment: Environment) -> None:
@@ -195,6 +199,7 @@ def without_a_marker(environment: Environment) -> None:
     "spoil",
     [
         cut_short,
+        without_the_packages_of_this_interpreter,
         pytest.param(with_an_interpreter_that_has_gone, marks=pytest.mark.slow),
         pytest.param(without_a_file, marks=pytest.mark.slow),
         pytest.param(without_a_marker, marks=pytest.mark.slow),
@@ -211,7 +216,7 @@ def test_what_is_broken_is_made_anew_and_what_is_removed_is_gone(
     assert environments.remove("toy", ["4.0", "9.9"]) == ("4.0",)
     assert "4.0" not in environments.cached("toy")
     assert not broken.python.parents[1].exists()
-    with pytest.raises(Unobtainable, match=r"toy 4\.0 is no longer there"):
+    with pytest.raises(Unobtainable, match=r"toy@4\.0 is no longer there"):
         environments.run(broken, "toy_adapter", (), None, LIMIT)
 
 
@@ -323,3 +328,34 @@ def test_what_is_run_is_told_and_limited(environment: Environment, place: Path) 
 
 def test_the_engines_here_say_what_they_are_installed_from() -> None:
     assert (registry.installation("mujoco").distribution, registry.installation("pinocchio").distribution) == ("mujoco", "pin")
+
+
+def test_a_file_that_is_changed_in_place_is_installed_without_the_cache_that_shares_it(wheel: Callable[..., Path]) -> None:
+    """uv links files, so that its cache and all environments change with one; the size stays the same here."""
+    wheel("4.1")
+    environment = environments.obtain("toy", "4.1")
+    module = own_packages(environment) / "toy_engine.py"
+    text = module.read_text("utf-8")
+    with module.open("r+", encoding="utf-8") as stream:  # without a new file
+        stream.write(text.replace("exact", "wrong"))
+    assert environments.obtain("toy", "4.1") == environment
+    assert module.read_text("utf-8") == text
+
+
+@pytest.mark.slow
+def test_a_damaged_environment_stays_until_another_can_replace_it(
+    wheel: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wheel("4.2")
+    environment = environments.obtain("toy", "4.2")
+    (own_packages(environment) / "toy_engine.py").unlink()
+    with monkeypatch.context() as patch:
+        patch.setenv("PIP_FIND_LINKS", "nowhere")
+        patch.setenv("UV_CACHE_DIR", str(environment.python.parents[1] / "nothing"))
+        with pytest.raises(Unobtainable, match=r"^toy@4\.2 is not available here: "):
+            environments.obtain("toy", "4.2")
+    assert environments.find("toy", "4.2") == environment
+    environment.python.unlink()
+    with pytest.raises(Unobtainable, match=r"^toy@4\.2 has a damaged environment .* by: bodycheck engines add toy@4\.2$"):
+        environments.find("toy", "4.2")
+    assert environments.obtain("toy", "4.2") == environment

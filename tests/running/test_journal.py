@@ -1,5 +1,6 @@
 """Journals are read as they were written, and gone on with wherever they were cut."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -123,3 +124,15 @@ def test_what_is_no_journal_is_bad_input(tmp_path: Path, content: bytes) -> None
         assert begun.records == ()
     with pytest.raises(BadInput, match="not a journal"):
         journal.read(tmp_path / "absent.jsonl")
+
+
+def test_a_folder_that_is_replaced_meanwhile_keeps_the_error_of_the_work(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+
+    def replace_by_a_file_and_fail() -> None:
+        shutil.rmtree(folder)
+        folder.write_text("a file")
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError), journal.begin(folder / "run.jsonl", HEADER):
+        replace_by_a_file_and_fail()

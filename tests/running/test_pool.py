@@ -33,6 +33,7 @@ from tests.support.calls import (
     poisoned,
     prepared_for,
     preparing,
+    warning,
     whose_process,
     without_looking,
 )
@@ -141,6 +142,15 @@ def test_calls_that_another_thread_cancels_are_stopped(tmp_path: Path) -> None:
         with pytest.raises(pool.Cancelled):
             call.result()
         assert not is_running(worker)
+
+
+def test_a_warning_of_an_engine_has_no_control_characters_and_no_commands_to_runners(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert results(warning, ["one\n::error::two\x1b[2J\r\u202e"]) == [("one\n::error::two\x1b[2J\r\u202e", None)]
+    lines = capfd.readouterr().err.splitlines()
+    assert lines[0].endswith("UserWarning: one")
+    assert lines[1] == ":\\u003aerror::two\\x1b[2J\\r\\u202e"
 
 
 def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:

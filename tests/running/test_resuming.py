@@ -1,5 +1,6 @@
 """Studies that were killed go on where they stopped: nothing is lost, and nothing done twice."""
 
+import json
 import os
 import random
 import re
@@ -29,6 +30,9 @@ from tests.support.processes import calls_here
 
 ENGINES = ("exact", "drifting", "not-a-number", "raising")
 TASKS = [Task(STEADY_SPIN, engine, Method.parse("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
+
+#: The number of runs that end by an exception of the engine.
+CRASHED = sum(task.engine == "raising" for task in TASKS)
 
 
 #: The runs and their truths, one for each time step.
@@ -94,11 +98,12 @@ def test_an_interrupted_study_goes_on(
     whole: tuple[Path, pd.DataFrame], interrupted: Callable[[int], Study], capfd: pytest.CaptureFixture[str], count: int
 ) -> None:
     study = interrupted(count)
-    before = study.lines()[: 1 + count]
+    before = measured(study.lines()[: 1 + count])  # what crashed is done again
+    kept = len(before) - 1
     pd.testing.assert_frame_equal(study.run(), whole[1], check_exact=True)
-    assert (study.counted, len(study.done)) == (len(TASKS), UNITS - count)
+    assert (study.counted, len(study.done)) == (len(TASKS), UNITS - kept)
     after = study.lines()
-    assert after[: 1 + count] == before
+    assert after[: 1 + kept] == before
     assert len(after) == 1 + UNITS + 1
     told = f"bodycheck: resuming the interrupted run in {study.folder}: {study.already} of {len(TASKS)} are done\n"
     assert capfd.readouterr().err.count(told) == (count > 0)
@@ -136,7 +141,7 @@ def test_what_has_lost_its_trajectory_is_done_again(
         content = path.read_bytes()
         path.unlink() if damage == "removed" else path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"")
     pd.testing.assert_frame_equal(study.run(), whole[1], check_exact=True)
-    assert len(study.done) == len(lost) > 2
+    assert len(study.done) == len(lost) + CRASHED > 2
 
 
 def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[int], Study]) -> None:
@@ -156,8 +161,33 @@ def test_what_is_made_of_results_belongs_to_the_run(miniatures: Path, tmp_path: 
     assert not store.read(tmp_path / "out").complete
     study = Study(tmp_path / "out")
     study.run()
-    assert (study.already, study.done) == (len(TASKS), [])
+    assert (study.already, len(study.done)) == (len(TASKS) - CRASHED, CRASHED)
     assert store.read(tmp_path / "out").complete
+
+
+def test_what_crashed_or_took_too_long_is_done_again_when_the_work_goes_on(miniatures: Path, tmp_path: Path) -> None:
+    """The cause may have been what interrupted the work, such as a lack of memory."""
+    tasks = [Task(STEADY_SPIN, "exact", Method.parse("closed-form", step)) for step in (0.1, 0.05, 0.025)]
+    study = Study(tmp_path / "out")
+    study.run(tasks)
+    header, *records, _ = [json.loads(line) for line in study.lines()]
+    for record, why in zip([one for one in records if one["record"] == "run"], ("crashed", "timeout", ""), strict=True):
+        if why:
+            lost = {key: record[key] for key in ("record", "place", "case", "engine", "version", "integrator", "timestep")}
+            record.clear()
+            record.update(lost | {"status": why, "contact_law": None})
+            record |= {"limit": 300.0} if why == "timeout" else {"reason": "its process died of signal SIGKILL"}
+    truth = next(one for one in records if one["record"] == "truth")
+    entries = {key: truth[key] for key in ("record", "case", "timestep")}
+    truth.clear()
+    truth.update(entries | {"reason": "the reference: it ran out of memory", "limit": None, "crashed": True})
+    study.records.write_bytes(
+        b"".join(journal._line({k: v for k, v in one.items() if k != "check"}) for one in (header, *records))
+    )
+    table = study.run(tasks)
+    assert list(table.status) == ["ok"] * 3
+    assert len(study.done) == 3
+    assert b"SIGKILL" not in study.records.read_bytes()
 
 
 def test_the_command_goes_on_too(calls_here: None, tmp_path: Path) -> None:
@@ -235,8 +265,8 @@ def kill_studies(kills: int, seed: int, tmp_path: Path, engines: tuple[str, ...]
     while len(after) < kills or there:
         took = end(folder, engines, chance.uniform(0, duration) if len(after) < kills else None)
         lines = (folder / store.RECORDS).read_bytes().splitlines(keepends=True)
-        # What had been written is still there, in its place.
-        assert lines[: len(there)] == there
+        # What had been measured is still there, in its place.
+        assert measured(lines)[: len(measured(there))] == measured(there)
         if not journal.read(folder / store.RECORDS).complete:
             there = [line for line in lines if line.endswith(b"\n")]
             after.append(len(there) - 1)
@@ -266,6 +296,11 @@ def end(folder: Path, engines: tuple[str, ...], limit: float | None = None) -> f
             process.send_signal(signal.SIGKILL)
             return None
         return time.monotonic() - start
+
+
+def measured(lines: list[bytes]) -> list[bytes]:
+    """Return the lines of records of which none is of a process that died or took too long."""
+    return [line for line in lines if b'"crashed"' not in line and b'"timeout"' not in line]
 
 
 def count_lines(folder: Path) -> int:

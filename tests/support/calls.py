@@ -14,6 +14,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,13 @@ _poisoned = False
 
 #: The groups for which this process was prepared.
 _prepared: list[str] = []
+
+
+def warning(text: str) -> None:
+    """Warn with a text, as an engine may."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        warnings.warn(text, stacklevel=1)
 
 
 def preparing(group: str) -> None:

@@ -171,7 +171,7 @@ def results(
     """
     recorded_facts = {name: asdict(engine_facts) for name, engine_facts in facts(planned.engines).items()}
     work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
-    with resumption.opened(folder / RECORDS, head, limit, work, what="audit", facts=recorded_facts) as log:
+    with resumption.opened(folder / RECORDS, head, limit, work, lost=_is_fault, what="audit", facts=recorded_facts) as log:
         answers = _read(log.records)
         if log.records:
             progress("", sum(map(len, answers.values())))
@@ -305,6 +305,10 @@ def _finite(value: float | None) -> float | None:
 
 def _recorded(answer: Found | Fault) -> dict[str, Any]:
     return {"fault": answer.reason} if isinstance(answer, Fault) else {"found": asdict(answer)}
+
+
+def _is_fault(record: Mapping[str, Any]) -> bool:
+    return "fault" in record
 
 
 def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:

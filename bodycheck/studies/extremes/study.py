@@ -28,6 +28,7 @@ from bodycheck.results.header import Header
 from bodycheck.results.journal import Journal
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Outcome, Run
+from bodycheck.results.records import is_lost
 from bodycheck.running import plan
 from bodycheck.running.engines import home
 from bodycheck.running.simulation import run
@@ -210,7 +211,7 @@ def results(
     BadJournal
         If another process is writing to the folder.
     """
-    with resumption.opened(folder / RECORDS, head, limit, study) as log:
+    with resumption.opened(folder / RECORDS, head, limit, study, lost=lambda record: is_lost(record.get("row", {}))) as log:
         versions = head["engines"]
         rows = _rows(study, log, versions, jobs, limit, progress)
         limits = _limits(study, log, versions, jobs, limit, progress)
@@ -264,7 +265,8 @@ def _limits(
                 is_stable = probes[probe.search.key][probe.product] = answer is True
                 search = probe.search
                 names = (search.case.name, search.engine, search.method.name, search.spin)
-                log.add({"record": "probe", "search": names, "product": probe.product, "stable": is_stable})
+                if isinstance(answer, bool):
+                    log.add({"record": "probe", "search": names, "product": probe.product, "stable": is_stable})
         for search in {probe.search for probe in left}:
             brackets[search] = bracket(probes[search.key])
             if not brackets[search].following:

@@ -18,13 +18,14 @@ from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.judging import judgement
 from bodycheck.processes import pool
-from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.processes.failures import TimedOut
 from bodycheck.reports.quantities import bound
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
-from bodycheck.results.journal import Journal
+from bodycheck.results.journal import Journal, Record
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
+from bodycheck.results.records import is_lost
 from bodycheck.results.store import Results
 from bodycheck.running import engines, plan
 from bodycheck.running.campaign import Advance
@@ -167,7 +168,7 @@ def reused(earlier: Results, study: Study) -> list[Probe]:
         if run.case != study.case.name or versions.get(method) != run.version:
             continue
         figures = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
-        if figures or isinstance(verdict.outcome, Diverged | Crashed):
+        if figures or isinstance(verdict.outcome, Diverged):
             run_names = (run.engine, run.version, run.method.name, run.method.timestep, verdict.outcome.status)
             probes.append(Probe(*run_names, *measuring.figures_of(figures, study.figure), verdict.outcome.reason))
     return probes
@@ -213,7 +214,8 @@ def results(
     """
     case = study.case
     asked = Asked(case.name, case.duration, study.figure, study.error)
-    with resumption.opened(folder / RECORDS, head, study, tuple(known), asked=asdict(asked), revisions=REVISIONS) as log:
+    work = (study, tuple(known))
+    with resumption.opened(folder / RECORDS, head, *work, lost=_is_lost, asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
         with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=True) as workers:
             by_method = _search(study, probes, log, workers, progress)
@@ -226,6 +228,10 @@ def results(
         )
         ordered = [probe for of_method in by_method.values() for probe in sorted(of_method, key=lambda probe: -probe.timestep)]
         yield Recommendation(asked, tuple(answers), tuple(ordered))
+
+
+def _is_lost(record: Record) -> bool:
+    return is_lost(record["probe"])
 
 
 def _search(

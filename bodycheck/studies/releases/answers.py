@@ -1,7 +1,7 @@
 """Get the answers of releases to questions, from a cache or by measurements in the environments of the releases.
 
-A cached answer is used if everything that determines it is unchanged: the release and its environment, the case, the methods,
-bodycheck's own source, the packages with which it computes, and the machine.
+A cached answer is used if everything that determines it is unchanged: the release and the files of its environment, the case,
+the methods, bodycheck's own source, the packages with which it computes, and the machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 from bodycheck import adapters, errors, reference
 from bodycheck.adapters import registry
 from bodycheck.casefile import case
-from bodycheck.environments import user_cache
+from bodycheck.environments import contents, environments, user_cache
 from bodycheck.environments.environments import Environment
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.results import versions
-from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, put, stored
+from bodycheck.studies.releases.questions import MEASUREMENTS, TIME_LIMIT_S, Answer, Errand, Question, failed, kept, put
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -37,19 +37,25 @@ Asked = tuple[Environment, Question]
 
 @dataclass(frozen=True)
 class Answers:
-    """The answers by release and question, and the number of answers that were measured; the others were cached."""
+    """The answers by release and question, and the times at which those that come from the cache were measured."""
 
     by_question: Mapping[Asked, Answer]
-    measured: int
+    kept: tuple[datetime, ...]
 
     @property
-    def known(self) -> int:
-        return len(self.by_question) - self.measured
+    def measured(self) -> int:
+        return len(self.by_question) - len(self.kept)
 
 
 def known(questions: Sequence[Asked]) -> bool:
     """Return whether the answers to all questions are cached."""
-    return all(stored(_path(*pair)) is not None for pair in questions)
+    return all(kept(name) is not None for name in _names(questions).values())
+
+
+def forget(questions: Sequence[Asked]) -> None:
+    """Remove the answers to questions from the cache, so that they are measured anew."""
+    for name in _names(questions).values():
+        user_cache.forget(name)
 
 
 def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
@@ -66,46 +72,56 @@ def ask(questions: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
     progress
         A function that is called with a text after each answer.
     """
-    paths = {pair: _path(*pair) for pair in dict.fromkeys(questions)}
-    answers = {pair: answer for pair, path in paths.items() if (answer := stored(path)) is not None}
+    names = _names(questions)
+    cached = {pair: entry for pair, name in names.items() if (entry := kept(name)) is not None}
+    answers = {pair: answer for pair, (answer, _) in cached.items()}
     if answers:
         progress("", len(answers))
-    errands = _errands({pair: path for pair, path in paths.items() if pair not in answers}, jobs)
+    errands = _errands({pair: name for pair, name in names.items() if pair not in answers}, jobs)
     limit = TIME_LIMIT_S * max((len(errand.questions) for errand in errands), default=1)
     with pool.Workers(put, jobs, limit + pool.SHUTDOWN_TIMEOUT_S) as workers:
         for errand, result in workers.map(errands):
-            failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
-            for question, path in errand.questions:
-                pair = errand.environment, question
-                answers[pair] = stored(path) or failure
-                progress(f"{errand.environment.engine} {errand.environment.version} · {question.name}")
-    measured = sum(len(errand.questions) for errand in errands)
-    return Answers({pair: answers[pair] for pair in paths}, measured)
+            replies = [failed(result)] * len(errand.questions) if isinstance(result, Crashed | TimedOut) else result
+            for (question, _), answer in zip(errand.questions, replies, strict=True):
+                answers[errand.environment, question] = answer
+                progress(f"{errand.environment.engine}@{errand.environment.version} · {question.name}")
+    return Answers({pair: answers[pair] for pair in names}, tuple(time for _, time in cached.values()))
 
 
-def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
+def _errands(left: Mapping[Asked, str], jobs: int) -> list[Errand]:
     """Return one errand for each release. The processes are shared equally among the releases, at least one for each."""
     releases = dict.fromkeys(environment for environment, _ in left)
     share = max(1, jobs // max(1, len(releases)))
     return [
         Errand(
-            release, tuple((question, path) for (environment, question), path in left.items() if environment == release), share
+            release,
+            _contents(release),
+            tuple((question, name) for (environment, question), name in left.items() if environment == release),
+            share,
         )
         for release in releases
     ]
 
 
-def _path(environment: Environment, question: Question) -> Path:
-    """Return the file of an answer, whose name is a digest of everything that determines the answer."""
-    decides = _context(environment.engine), _contents(environment), question, _tolerated(question)
-    return user_cache.folder() / "measurements" / f"{sha256(repr(decides).encode()).hexdigest()}.json"
+def _names(questions: Sequence[Asked]) -> dict[Asked, str]:
+    """Return the names of answers in the cache, which contain a digest of everything that determines the answer."""
+    packages = {
+        environment: _contents(environment) for environment in dict.fromkeys(environment for environment, _ in questions)
+    }
+    return {
+        (environment, question): _name(_context(environment.engine), environment, packages[environment], question)
+        for environment, question in dict.fromkeys(questions)
+    }
 
 
-@cache
-def _contents(environment: Environment) -> tuple[object, ...]:
-    """Return the contents of an environment: the environment, with the path of its interpreter, and its packages."""
-    packages = ("lib/*/site-packages/*.dist-info", "Lib/site-packages/*.dist-info")
-    return environment, sorted({path.name for pattern in packages for path in environment.python.parents[1].glob(pattern)})
+def _name(context: tuple[object, ...], environment: Environment, packages: str, question: Question) -> str:
+    decides = context, environment, packages, question, _tolerated(question)
+    return f"{MEASUREMENTS}/{sha256(repr(decides).encode()).hexdigest()}.json"
+
+
+def _contents(environment: Environment) -> str:
+    """Return a digest of the packages of an environment: of the sizes and times of all their files."""
+    return contents.of_folders(environments.package_folders(environment))
 
 
 def _tolerated(question: Question) -> tuple[bool, ...]:

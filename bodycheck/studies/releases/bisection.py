@@ -149,17 +149,19 @@ class Observer:
         The number of processes.
     report
         A function that is called with a text about each measured release.
+    again
+        Whether every release is measured anew, and replaces what is in the cache.
 
     The attribute `looks` holds the measurements by version, and `made` counts the environments that were made.
     """
 
-    def __init__(self, engine: str, limit: Limit, jobs: int, report: Callable[[str], None]) -> None:
+    def __init__(self, engine: str, limit: Limit, jobs: int, report: Callable[[str], None], again: bool = False) -> None:
         plan.check([limit.case], {}, (limit.integrator,) if limit.integrator else (), (limit.timestep,))
         self.engine, self.limit, self.jobs = engine, limit, jobs
         self.cached = frozenset(kept(engine))
         self.looks: dict[str, Look] = {}
         self.made = 0
-        self._report = report
+        self._report, self._again = report, again
 
     def is_good(self, version: str) -> bool | None:
         """Measure a release, and return whether it keeps the limit; see `Look.is_good`.
@@ -179,6 +181,8 @@ class Observer:
         case, limit = self.limit.case, self.limit
         integrators = (limit.integrator,) if limit.integrator else ()
         question = Question("figures", case.name, case.text, integrators, (limit.timestep,))
+        if self._again:
+            release_answers.forget([(environment, question)])
         (answer,) = release_answers.ask([(environment, question)], self.jobs, _silent).by_question.values()
         if answer.failure:
             return Look(version, answer.status, reason=answer.failure)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
+from bodycheck.console.options import AS_USUAL, Again, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def releases(
     out: Out = None,
     figures: Figures = (),
     remove: bool = False,
+    again: Again = False,
     jobs: Jobs = None,
     json: Json = False,
     view: Viewed = AS_USUAL,
@@ -72,9 +73,7 @@ def releases(
 
     check_engine(engine)
     if remove:
-        if last is not None:
-            raise BadInput("--remove cannot be combined with --last; name the versions to remove")
-        return _remove(engine, versions, json)
+        return _remove(engine, versions, last, json)
     check_has_folder(figures, out)
     tables.check(view, printing.CHANGES)
     make_folder("--out", out)
@@ -84,7 +83,7 @@ def releases(
         return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
     loaded = read_cases(case)
     tell_left_out(loaded)
-    results, tally = study.study(engine, chosen, loaded.cases, integrator, timestep, processes(jobs), bar, notices)
+    results, tally = study.study(engine, chosen, loaded.cases, integrator, timestep, processes(jobs), bar, notices, again)
     if out is not None:
         _write(results, out, figures)
     if json:
@@ -140,7 +139,7 @@ def _models(
         printing.print_models(models_read)
         printing.print_changes(changed)
     printing.tell_unread(models_read, ())
-    for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
+    for line in (*notices, *(f"bodycheck: {engine}@{version}: {why}" for version, why in missing.items())):
         print(line, file=sys.stderr)
     answers = [row | {"version": row["engine"].partition("@")[2]} for one in models_read for row in comparisons(one.rows)]
     failed = bool(notices or missing or any(map(unreadable, models_read)))
@@ -158,8 +157,10 @@ def _write(results: "Found", out: Path, figures: Figures) -> None:
     reports.write_study(present({"": results}), out, figures)
 
 
-def _remove(engine: str, versions: tuple[str, ...], json: bool) -> int:
+def _remove(engine: str, versions: tuple[str, ...], last: int | None, json: bool) -> int:
     """Delete the environments of some releases of an engine, or of all if none is named, and print which were deleted."""
+    if last is not None:
+        raise BadInput("--remove cannot be combined with --last; name the versions to remove")
     from bodycheck.console import terminal
     from bodycheck.environments import environments
     from bodycheck.studies.releases import printing, study
@@ -181,6 +182,7 @@ def bisect(
     limit: float,
     integrator: str = "",
     timestep: float | None = None,
+    again: Again = False,
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
@@ -219,7 +221,7 @@ def bisect(
     check_engine(engine)
     loaded = load_case(case)
     kept = bisection.Limit(loaded, integrator, timestep or DEFAULT_TIMESTEP, quantity, limit)
-    observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr))
+    observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr), again)
     try:
         result, notice = bisection.find(engine, good, bad, observer)
     except bisection.Undecided as error:

@@ -1,7 +1,7 @@
 """The program that the study of releases runs in the environment of each release.
 
-`python -m bodycheck.studies.releases.measurement` reads questions from its input, and writes each answer into a file as soon as
-it is known. A file is written completely or not at all, so that a later study can use the answers of an interrupted study.
+`python -m bodycheck.studies.releases.measurement` reads questions from its input. It prints each answer as soon as it is known,
+and keeps it in the cache, so that a later study can use the answers of an interrupted study.
 """
 
 import json
@@ -15,26 +15,34 @@ from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.casefile import case
 from bodycheck.casefile.content import Case
+from bodycheck.environments import contents, user_cache
 from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import judgement
 from bodycheck.judging.baselines import baseline
 from bodycheck.processes.failures import crash
+from bodycheck.results.records import is_lost
 from bodycheck.running import campaign
 from bodycheck.running.plan import Task, plan
-from bodycheck.studies.releases.questions import Answer, Question, question_of, store
+from bodycheck.studies.releases.questions import Answer, Question, failed, question_of, text_of
 from bodycheck.studies.tradeoff import study as tradeoff
 
 
 def main() -> None:
-    """Read a JSON object from the standard input, and write the answers to its questions into files.
+    """Read a JSON object from the standard input, and print the answers to its questions, one line of JSON each.
 
-    The object has the entries `engine`, `jobs` and `questions`, which are pairs of a question and the path of its answer.
+    The object has the entries `engine` and `jobs`, `folders` and `contents`, which are the folders of packages of this
+    environment and the digest of their contents, and `questions`, which are pairs of a question and the name of its answer in
+    the cache.
     """
     request = json.load(sys.stdin)
-    os.dup2(2, 1)  # keep the output of engines out of stdout
-    for asked, path in request["questions"]:
-        store(_answer(request["engine"], question_of(asked), request["jobs"]), Path(path))
+    with os.fdopen(os.dup(1), "w", encoding="utf-8") as stdout:
+        os.dup2(2, 1)  # keep the output of engines out of stdout
+        for asked, name in request["questions"]:
+            answer = _answer(request["engine"], question_of(asked), request["jobs"])
+            if not answer.lost and contents.of_folders(map(Path, request["folders"])) == request["contents"]:
+                user_cache.keep(name, text_of(answer))
+            print(text_of(answer), file=stdout, flush=True)
 
 
 def _answer(engine: str, question: Question, jobs: int) -> Answer:
@@ -44,17 +52,17 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
         offered = offers.offered(record, loaded.scene)
         lacking = _lacking(record, question.integrators)
     except Exception as error:  # any exception of an engine becomes the answer
-        failed = crash(error)
-        return Answer(status=failed.status, failure=failed.reason)
+        return failed(crash(error))
     tasks = _tasks(question, loaded, engine, record, lacking)
     if not tasks:
         return Answer(offered, lacking)
     head = campaign.header(sys.argv, {engine: record}, {})
     with temporary_folder() as folder, campaign.results(tasks, folder, head, jobs) as results:
         verdicts = judgement.judge(results)
+        lost = any(map(is_lost, results.records))
         if question.kind == "figures":
-            return Answer(offered, lacking, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
-        return Answer(offered, lacking, orders=tuple(tradeoff.orders(results, verdicts, {engine: record})))
+            return Answer(offered, lacking, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))), lost=lost)
+        return Answer(offered, lacking, orders=tuple(tradeoff.orders(results, verdicts, {engine: record})), lost=lost)
 
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:

@@ -1,23 +1,28 @@
-"""Questions to a release of an engine. A process in the environment of the release writes the answers into files.
+"""Questions to a release of an engine. A process in the environment of the release prints the answers.
+
+The process also keeps each answer in the cache, unless it is no measurement: if a process died or exceeded a limit, or if the
+environment changed meanwhile, the next study asks again.
 
 This module imports little, because the questions to every release are asked from a separate process.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from datetime import datetime
 from subprocess import TimeoutExpired
 from typing import Any, Literal
 
-from bodycheck.environments import environments
+from bodycheck.environments import environments, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
-from bodycheck.files import writing
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.studies.orders import Order
 
 #: The module that answers questions in the environment of a release.
 PROGRAM = "bodycheck.studies.releases.measurement"
+
+#: The folder of answers in the cache.
+MEASUREMENTS = "measurements"
 
 #: Time limit (s) of one question to one release. In addition, each run has a time limit.
 TIME_LIMIT_S = 3600.0
@@ -61,6 +66,8 @@ class Answer:
         The figures with their allowances, or the orders of the quantities.
     status, failure
         The status and the reason of a failure; `failure` is empty if the question was answered.
+    lost
+        Whether a process crashed or exceeded a limit, so that the answer, or a part of it, is no measurement.
     """
 
     offered: tuple[str, ...] = ()
@@ -69,51 +76,84 @@ class Answer:
     orders: tuple[Order, ...] = ()
     status: str = "ok"
     failure: str = ""
+    lost: bool = False
 
 
 @dataclass(frozen=True)
 class Errand:
-    """The questions to one release, with the files for the answers and the number of processes."""
+    """The questions to one release.
+
+    Parameters
+    ----------
+    environment
+        The environment of the release.
+    contents
+        The digest of its packages.
+    questions
+        The questions, each with the name of its answer in the cache.
+    jobs
+        The number of processes.
+    """
 
     environment: Environment
-    questions: tuple[tuple[Question, Path], ...]
+    contents: str
+    questions: tuple[tuple[Question, str], ...]
     jobs: int
 
 
-def put(errand: Errand) -> Answer:
-    """Run the program of a release, which writes answers into files, and return the answer for questions without a file."""
-    questions = [(asdict(question), str(path)) for question, path in errand.questions]
-    request = {"engine": errand.environment.engine, "jobs": errand.jobs, "questions": questions}
-    limit = TIME_LIMIT_S * len(questions)
+def put(errand: Errand) -> tuple[Answer, ...]:
+    """Run the program of a release, and return its answers to all questions, in their order."""
+    environment = errand.environment
+    request = {
+        "engine": environment.engine,
+        "jobs": errand.jobs,
+        "folders": [str(folder) for folder in environments.package_folders(environment)],
+        "contents": errand.contents,
+        "questions": [(asdict(question), name) for question, name in errand.questions],
+    }
+    limit = TIME_LIMIT_S * len(errand.questions)
     try:
-        done = environments.run(errand.environment, PROGRAM, (), stdin=json.dumps(request), timeout=limit)
-    except TimeoutExpired:
-        return failed(TimedOut(limit))
+        done = environments.run(environment, PROGRAM, (), stdin=json.dumps(request), timeout=limit)
+    except TimeoutExpired as error:
+        printed, failure = (error.stdout or b"").decode("utf-8", "replace"), failed(TimedOut(limit))
     except Unobtainable as error:
-        return failed(Crashed(str(error)))
-    last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-    return failed(Crashed(f"its process ended without an answer: {last}"))
+        printed, failure = "", failed(Crashed(str(error)))
+    else:
+        last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        printed, failure = done.stdout, failed(Crashed(f"its process ended without an answer: {last}"))
+    answers = list(_printed(printed))
+    return (*answers, *[failure] * (len(errand.questions) - len(answers)))
 
 
 def failed(outcome: Crashed | TimedOut) -> Answer:
     """Return the answer for a question whose process failed."""
-    return Answer(status=outcome.status, failure=outcome.reason)
+    return Answer(status=outcome.status, failure=outcome.reason, lost=True)
 
 
-def store(answer: Answer, path: Path) -> None:
-    """Write an answer into a file, completely or not at all."""
-    writing.make_folder(path.parent)
-    writing.write(path, json.dumps(asdict(answer)).encode("utf-8"))
+def text_of(answer: Answer) -> str:
+    """Return an answer as one line of JSON."""
+    return json.dumps(asdict(answer))
 
 
-def stored(path: Path) -> Answer | None:
-    """Return the answer in a file; None if there is no file, or if it cannot be read."""
+def kept(name: str) -> tuple[Answer, datetime] | None:
+    """Return the answer of a name in the cache, and when it was measured; None if there is none."""
     try:
-        content = json.loads(path.read_text("utf-8"))
-        orders = tuple(Order(**order) for order in content["orders"])
-        return Answer(**content | {"offered": tuple(content["offered"]), "rows": tuple(content["rows"]), "orders": orders})
-    except (OSError, ValueError, TypeError, KeyError):
+        return None if (entry := user_cache.kept(name)) is None else (_answer_of(entry.text), entry.time)
+    except (ValueError, TypeError, KeyError, RecursionError):
         return None
+
+
+def _printed(text: str) -> Iterator[Answer]:
+    """Yield the answers in the output of the program of a release. Its last line is incomplete if it was killed."""
+    for line in text.splitlines(keepends=True):
+        if line.endswith("\n"):
+            yield _answer_of(line)
+
+
+def _answer_of(text: str) -> Answer:
+    content = json.loads(text)
+    orders = tuple(Order(**order) for order in content["orders"])
+    return Answer(**content | {"offered": tuple(content["offered"]), "rows": tuple(content["rows"]), "orders": orders})
 
 
 def question_of(record: dict[str, Any]) -> Question:

@@ -42,15 +42,20 @@ Releases = Mapping[str, Environment | Unobtainable]
 
 @dataclass(frozen=True)
 class Tally:
-    """The effort of a study: the numbers of environments made, of answers measured, and of answers taken from the cache."""
+    """The effort of a study: the numbers of environments made, of answers measured, and of answers taken from the cache.
+
+    `since` is the day on which the oldest answer in the cache was measured; it is empty if none was taken from there.
+    """
 
     made: int
     measured: int
     known: int
+    since: str = ""
 
     @property
     def text(self) -> str:
-        return f"environments made: {self.made}; measured: {self.measured}; from the cache: {self.known}"
+        kept = f" (measured since {self.since}; --again measures anew)" if self.known else ""
+        return f"environments made: {self.made}; measured: {self.measured}; from the cache: {self.known}{kept}"
 
 
 def version(text: str) -> str:
@@ -104,6 +109,7 @@ def study(
     jobs: int,
     bar: Bar,
     notices: Sequence[str] = (),
+    again: bool = False,
 ) -> tuple[Found, Tally]:
     """Measure releases, and return the results of the study and its effort.
 
@@ -125,6 +131,8 @@ def study(
         A function that shows a progress bar.
     notices
         Notices for the reader about the choice of releases.
+    again
+        Whether everything is measured anew, and replaces what is in the cache.
 
     Raises
     ------
@@ -135,6 +143,8 @@ def study(
     integrators = [Method.parse(spelling, 0.0).name for spelling in integrators]
     questions = [Question("figures", case.name, case.text, tuple(integrators), tuple(timesteps)) for case in cases]
     installed = kept(engine)
+    if again:
+        release_answers.forget([(installed[one], question) for one in versions if one in installed for question in questions])
     obtained = _obtained(engine, versions, questions, jobs, bar)
     with bar("measuring", len(questions) * sum(isinstance(one, Environment) for one in obtained.values())) as progress:
         asked = [(one, question) for one in obtained.values() if isinstance(one, Environment) for question in questions]
@@ -144,13 +154,16 @@ def study(
     rows = [row for case in cases for row in rows_of(engine, case, obtained, answers)]
     found_changes = list(changes(rows))
     order_questions = list(dict.fromkeys(_convergences(found_changes, {case.name: case for case in cases}, obtained)))
+    if again:
+        release_answers.forget(order_questions)
     with bar("observing orders", len(order_questions)) as progress:
         observed = release_answers.ask(order_questions, jobs, progress)
     orders = {(one.version, asked.name, *asked.integrators): answer for (one, asked), answer in observed.by_question.items()}
     tally = Tally(
         sum(isinstance(one, Environment) and one.version not in installed for one in obtained.values()),
         figures.measured + observed.measured,
-        figures.known + observed.known,
+        len(measured_before := (*figures.kept, *observed.kept)),
+        f"{min(measured_before):%Y-%m-%d}" if measured_before else "",
     )
     header = _header(engine, cases, obtained, answers, notices)
     return Found(header, tuple(rows), tuple(_with_orders(change, orders) for change in found_changes)), tally
@@ -286,7 +299,7 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
             elif (answer := answers[version, case.name]).failure:
                 yield row | {"status": answer.status, "passed": False, "reason": answer.failure}
             else:
-                lacks = f"{engine} {version} has no integrator {integrator!r} for this scene"
+                lacks = f"{engine}@{version} has no integrator {integrator!r} for this scene"
                 yield row | {"status": Unsupported.status, "reason": lacks}
 
 

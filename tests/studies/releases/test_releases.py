@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import fields, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from subprocess import DEVNULL, PIPE
 
@@ -16,13 +17,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck import load
-from bodycheck.environments import environments
+from bodycheck.environments import environments, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
+from bodycheck.studies.releases import questions
 from bodycheck.studies.releases import rows as release_rows
 from bodycheck.studies.releases import study as releases
 from bodycheck.studies.releases.page import present
-from bodycheck.studies.releases.questions import Answer, store, stored
+from bodycheck.studies.releases.questions import Answer
 from bodycheck.studies.releases.rows import UNOBTAINABLE, Change, Found
 from tests.support import MINIATURES, ROOT, wheels
 from tests.support.commands import call
@@ -103,7 +105,7 @@ def test_a_release_that_fails_in_whatever_way_is_rows_that_say_so() -> None:
     assert [one["reason"] for one in rows[:3]] == [
         "mujoco 1.0: no wheel",
         "its process died of signal SIGSEGV",
-        "mujoco 3.0 has no integrator 'Euler' for this scene",
+        "mujoco@3.0 has no integrator 'Euler' for this scene",
     ]
 
 
@@ -139,15 +141,16 @@ def test_what_is_written_is_read_again_and_its_columns_are_those_of_results(tmp_
     assert (rows[1]["reason"], rows[1]["attitude_error"]) == ('it said "no",\nand died', "")
 
 
-def test_half_an_answer_is_none(tmp_path: Path) -> None:
+def test_what_an_entry_holds_that_is_no_answer_counts_as_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path))
     answer = Answer(("RK4",), rows=(row("1.0"),))
-    path = tmp_path / "deep" / "answer.json"
-    assert stored(path) is None
-    store(answer, path)
-    assert stored(path) == answer
-    assert [file.name for file in path.parent.iterdir()] == ["answer.json"]
-    path.write_text(path.read_text()[:-10])
-    assert stored(path) is None
+    user_cache.keep("measurements/a.json", questions.text_of(answer))
+    kept = questions.kept("measurements/a.json")
+    assert kept is not None
+    assert kept[0] == answer
+    for text in ("", "null", "[]", '{"rows": 1}', "[" * 100_000, questions.text_of(answer)[:-10]):
+        user_cache.keep("measurements/a.json", text)
+        assert questions.kept("measurements/a.json") is None
 
 
 def test_versions_are_ordered_as_versions_and_named_once() -> None:
@@ -234,7 +237,8 @@ def test_a_miniature_engine_through_its_releases(
     asked = ("releases", "toy", "1.0", "3.0", "--case", spin, *METHOD, "--jobs", "1", "--out", tmp_path / "out", "--json")
     assert call(*asked) == 1  # 3.0 cannot be had
     told = json.loads(capsys.readouterr().out)
-    assert told["took"] == {"made": 0, "measured": 0, "known": 1}
+    today = f"{datetime.now(UTC):%Y-%m-%d}"
+    assert told["took"] == {"made": 0, "measured": 0, "known": 1, "since": today}
     assert [(one["version"], one["status"]) for one in told["rows"]] == [("1.0", "ok"), ("3.0", UNOBTAINABLE)]
     assert not told["changes"]
     names = {"releases.csv", "changes.csv", "releases.jsonl", "report.html", "report.md"}
@@ -246,6 +250,38 @@ def test_a_miniature_engine_through_its_releases(
 
     assert call("releases", "toy", "--remove") == 0
     assert "removed 1.0, 2.0" in capsys.readouterr().out
+
+
+#: The body of an engine whose process dies where a file exists.
+MORTAL = """KIND = "exact"
+import os
+if os.path.exists({file!r}):
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_what_died_is_not_kept_and_again_replaces_what_is(
+    index: Path, spin: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    deadly = tmp_path / "deadly"
+    wheels.wheel(index, "4.0", MORTAL.format(file=str(deadly)))
+    command = ("releases", "toy", "4.0", "--case", spin, *METHOD, "--jobs", "1", "--json")
+
+    def took(*options: str) -> tuple[int, list[str], dict[str, object]]:
+        code = call(*command, *options)
+        document = json.loads(capsys.readouterr().out)
+        return code, [one["status"] for one in document["rows"]], document["took"]
+
+    environments.obtain("toy", "4.0")
+    deadly.touch()
+    assert took() == (1, ["crashed"], {"made": 0, "measured": 1, "known": 0, "since": ""})
+    deadly.unlink()
+    assert not user_cache.times("measurements")
+    assert took() == (0, ["ok"], {"made": 0, "measured": 1, "known": 0, "since": ""})
+    (entry,) = (tmp_path / "cache" / "measurements").iterdir()
+    deadly.touch()
+    assert took("--again")[1] == ["crashed"]
+    assert not entry.exists()
 
 
 @pytest.mark.slow
@@ -268,7 +304,8 @@ def test_a_study_that_is_killed_goes_on_and_finds_what_changed(index: Path, spin
     answers = 3 + 2  # the figures of three releases, the orders of two
     assert took[-1]["measured"] + took[-1]["known"] == answers
     again = subprocess.run(list(map(str, command)), stdout=PIPE, stderr=DEVNULL, text=True, check=True)
-    assert json.loads(again.stdout)["took"] == {"made": 0, "measured": 0, "known": answers}
+    again_took = json.loads(again.stdout)["took"]
+    assert again_took == {"made": 0, "measured": 0, "known": answers, "since": again_took["since"]}
     assert json.loads(again.stdout)["changes"] == found["changes"]
 
 
