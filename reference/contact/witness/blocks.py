@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.witness.slide import Margin, Piece, first_negative, slide
+from bodycheck.reference.contact.witness.searching import Margin, first_negative
+from bodycheck.reference.contact.witness.slide import T, V, Piece, slide
 from bodycheck.reference.contact.witness.solids import (
     DECIMALS,
     RigidBody,
@@ -334,11 +335,11 @@ def _slid(
     excess, friction = wide((force - brake) / mass), wide(brake / mass)
     for piece in slide(begin, excess, friction):
         path.velocity_error = max(path.velocity_error, piece.error * float(piece.speed))
-        tip = first_negative(piece, _tipping(block, forces, axes), longest) if turns else None
-        until = min(longest, piece.until if tip is None else tip)
+        tip = _tips(piece, _tipping(block, forces, axes)) if turns else Wide(np.inf)
+        until = min(longest, piece.until, tip)
         instant = forces.end if until == longest else time + MP.convert(until)
         path.fill(instant, _along(piece, axes), time)
-        if tip is not None:
+        if until == tip:
             path.record("tip", instant, path.velocity_error * float(piece.time / piece.speed))
             return None
         if piece.stopped or until == longest or instant > last:
@@ -362,13 +363,20 @@ def _along(piece: Piece, axes: WideArray) -> Motion:
     return motion
 
 
+def _tips(piece: Piece, margin: Margin) -> Wide:
+    """The time since the start of a slide at which a block tips (s); infinite if it does not tip along a piece."""
+    place = first_negative(piece.step, margin)
+    return Wide(np.inf) if place is None else Wide(piece.step.at(np.array([place]))[0, T] * piece.time)
+
+
 def _tipping(block: Block, forces: Forces, axes: WideArray) -> Margin:
-    """The margin of the load in the face of a block that slides, as a function of its velocities (n, 2) along axes (2, 3)."""
+    """The margin of the load in the face of a block that slides, as a function of the states of a slide along axes (2, 3)."""
     to_body = axes @ np.array([wide_vector(row) for row in block.body.begin.cosines])
     arm = wide_vector(block.body.along_axes(scaled(cross(block.normal, forces.moment), -1 / forces.press)))
     reach = wide(block.friction * block.height)
 
-    def margin(velocities: WideArray) -> WideArray:
+    def margin(states: WideArray) -> WideArray:
+        velocities = states[:, V]
         directions = velocities / np.sqrt((velocities * velocities).sum(axis=1))[:, None]
         return np.asarray(block.margin((arm + reach * directions @ to_body).T))
 

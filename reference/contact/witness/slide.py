@@ -9,7 +9,7 @@ and for oblique slides alike. All vectors have two components along the plane. U
 start, so that |v| = 1 and |D| + c = 1.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,14 +30,8 @@ STAGES, FIRST, MOST = 20, 0.5, 20_000
 #: The factor by which an error may exceed the last terms of the series of the steps before it.
 SAFETY = 8.0
 
-#: The number of places of a step at which a condition is examined, and how often the interval around its end is divided again.
-PLACES, SEARCHES = 33, 14
-
 #: The number of Newton's steps for the places of instants; each doubles the number of correct digits.
 NEWTON = 12
-
-#: A function of velocities (n, 2) with values (n,).
-Margin = Callable[[WideArray], WideArray]
 
 #: The indices of the components of a state.
 V, X, T = slice(0, 2), slice(2, 4), 4
@@ -137,19 +131,6 @@ def slide(velocity: WideArray, excess: Wide, friction: Wide) -> Iterator[Piece]:
             if state[1] and abs(state[1]) < ALIGNED * _length(state[V]):
                 state[1], first, error = 0, float(step.size), error + ALIGNED
                 break
-
-
-def first_negative(piece: Piece, margin: Margin, until: Wide) -> Wide | None:
-    """The first time (s) since the start, up to `until`, at which a margin of the velocity is negative; None if it never is."""
-    low, high = piece.step.start, piece.step.end
-    for search in range(SEARCHES):
-        places = np.linspace(low, high, PLACES, dtype=Wide)
-        times, values = piece.step.at(places)[:, T] * piece.time, margin(piece.at(places)[1])
-        negative = np.flatnonzero((values < 0) & (times <= until))
-        if not len(negative):
-            return None if search == 0 else times[-1]
-        low, high = places[max(int(negative[0]) - 1, 0)], places[int(negative[0])]
-    return Wide(piece.step.at(np.array([high]))[0, T] * piece.time)
 
 
 def _length(vector: WideArray) -> Wide:

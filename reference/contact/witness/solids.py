@@ -5,7 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.independent.arithmetic import Real, Vector, Wide, WideArray, applied, dot, scaled, transposed, wide
+from bodycheck.reference.independent.arithmetic import (
+    Matrix,
+    Real,
+    Vector,
+    Wide,
+    WideArray,
+    applied,
+    cross,
+    dot,
+    scaled,
+    transposed,
+    wide,
+)
 from bodycheck.reference.independent.border import MP, Border, border
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, JointedBody, Mechanism, shape_of
 from bodycheck.reference.scene import Body, Brick, Cylinder, Definition, Nearest, Push, Scene, Shape, State
@@ -138,3 +150,9 @@ def wide_vector(vector: Sequence[Real]) -> WideArray:
 def constant(values: WideArray, count: int) -> WideArray:
     """A state (k,) at `count` instants, of one body: (1, count, k)."""
     return np.tile(values, (1, count, 1))
+
+
+def inverse(rows: Matrix) -> Matrix:
+    """The inverse of a regular matrix, from the vector products of its rows."""
+    columns = cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])
+    return transposed([scaled(column, 1 / dot(rows[0], columns[0])) for column in columns])
