@@ -14,21 +14,20 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.witness.searching import Margin, first_negative
-from bodycheck.reference.contact.witness.slide import T, V, Piece, slide
-from bodycheck.reference.contact.witness.solids import (
+from bodycheck.reference.contact.witness.faces import (
     DECIMALS,
-    RigidBody,
-    acting,
-    constant,
-    friction_of,
-    normal_of,
+    STILL,
+    along_axes,
+    along_plane,
+    half_lengths,
+    in_world,
     numbers,
-    rigid_bodies,
-    tangential,
-    total,
     wide_vector,
 )
+from bodycheck.reference.contact.witness.faces import axis as axis_of
+from bodycheck.reference.contact.witness.reading import FreeBody, bodies, surface
+from bodycheck.reference.contact.witness.searching import Margin, first_negative
+from bodycheck.reference.contact.witness.slide import Piece, T, V, slide
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.independent.arithmetic import (
     ROUNDED,
@@ -40,6 +39,7 @@ from bodycheck.reference.independent.arithmetic import (
     cross,
     dot,
     norm,
+    plus,
     scaled,
     wide,
 )
@@ -52,9 +52,6 @@ from bodycheck.reference.witness import Instant, Witness
 
 #: A motion: a function from times (k,) since its start (s) to displacements (k, 3), m, and velocities (k, 3), m/s.
 Motion = Callable[[WideArray], tuple[WideArray, WideArray]]
-
-#: No velocity, or no acceleration.
-STILL: Vector = (MP.zero, MP.zero, MP.zero)
 
 #: Name of the way in results.
 NAME = "Newton's law in logarithmic time, Gauss-Legendre collocation"
@@ -108,29 +105,29 @@ class Block:
         The coefficient of friction; it may be infinite.
     """
 
-    body: RigidBody
+    body: FreeBody
     normal: Vector
     height: Real
     friction: Real
 
     def load_at(self, forces: Forces, friction: Vector) -> Vector:
         """The point where the normal force acts, from the foot of the centre of mass (m). friction: its force (N)."""
-        lever = total([scaled(friction, self.height), cross(self.normal, forces.moment)])
+        lever = plus(scaled(friction, self.height), cross(self.normal, forces.moment))
         return scaled(lever, -1 / forces.press)
 
     def turning(self, forces: Forces, friction: Vector) -> Real:
         """The moment about the normal (N m), with the normal force where it balances the other moments."""
-        return dot(self.normal, total([forces.moment, cross(self.load_at(forces, friction), friction)]))
+        return dot(self.normal, plus(forces.moment, cross(self.load_at(forces, friction), friction)))
 
     def margin(self, along_axes: Sequence[Any]) -> Any:
         """A number that is positive for a point in the face, and negative beyond its border by more than rounding.
 
         along_axes: the components of the point along the axes of the body (m), as numbers or as arrays.
         """
-        halves = wide_vector(self.body.half_lengths) * (1 + Wide(ON_BORDER))
+        halves = wide_vector(half_lengths(self.body)) * (1 + Wide(ON_BORDER))
         if isinstance(self.body.shape, Cylinder):
             return halves[0] ** 2 - along_axes[0] * along_axes[0] - along_axes[1] * along_axes[1]
-        flat = [axis for axis in range(3) if abs(dot(self.body.axis(axis), self.normal)) <= DECIMALS]
+        flat = [axis for axis in range(3) if abs(dot(axis_of(self.body, axis), self.normal)) <= DECIMALS]
         one, other = (halves[axis] - abs(along_axes[axis]) for axis in flat)
         return np.minimum(one, other)
 
@@ -195,15 +192,15 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
         return None
     path = _followed(scene, block, times)
     body, count = block.body, len(times)
-    begin = wide_vector(body.place)
-    attitude = exact_quaternion(body.begin.cosines)
+    begin = wide_vector(body.position)
+    attitude = exact_quaternion(body.cosines)
     unknown = np.isnan(path.places[:, 0])
     size = np.sqrt((begin.astype(float) ** 2).sum()) + np.sqrt((path.places.astype(float) ** 2).sum(axis=1))
     speeds = np.sqrt((path.velocities.astype(float) ** 2).sum(axis=1))
     rising = abs(float(dot(body.velocity, block.normal)))
     return Witness(
         NAME,
-        quaternion=np.where(unknown[:, None], Wide(np.nan), constant(attitude, count)),
+        quaternion=np.where(unknown[:, None], Wide(np.nan), np.tile(attitude, (1, count, 1))),
         angular_velocity=np.zeros((1, count, 3), dtype=Wide),
         position=(begin + path.places)[None],
         velocity=path.velocities[None],
@@ -216,39 +213,39 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
 
 def _block(scene: AnyScene) -> Block | None:
     """The block of a scene; None if the scene has more bodies, or its body does not lie flat or spins."""
-    bodies = rigid_bodies(scene)
-    if bodies is None or len(bodies) != 1 or not isinstance(bodies[0].shape, Brick | Cylinder):
+    free, plane = bodies(scene), surface(scene)
+    if len(free) != 1 or not isinstance(free[0].shape, Brick | Cylinder):
         return None
-    (body,), normal = bodies, normal_of(scene)
+    (body,), normal = free, plane.normal
     faces = (2,) if isinstance(body.shape, Cylinder) else (0, 1, 2)
-    upright = [axis for axis in faces if norm(tangential(body.axis(axis), normal)) <= DECIMALS]
-    if not upright or any(body.begin.rates):
+    upright = [axis for axis in faces if norm(along_plane(axis_of(body, axis), normal)) <= DECIMALS]
+    if not upright or any(body.rates):
         return None
-    height = body.half_lengths[upright[0]]
-    if abs(dot(body.place, normal) - height) > DECIMALS * height:
+    height = half_lengths(body)[upright[0]]
+    if abs(dot(body.position, normal) - height) > DECIMALS * height:
         return None
-    if abs(dot(body.velocity, normal)) > DECIMALS * norm(tangential(body.velocity, normal)):
+    if abs(dot(body.velocity, normal)) > DECIMALS * norm(along_plane(body.velocity, normal)):
         return None
-    return Block(body, normal, height, friction_of(scene, 0))
+    return Block(body, normal, height, plane.friction)
 
 
 def _forces(scene: AnyScene, block: Block) -> list[Forces]:
     """The forces on a block, from 0 to infinity. Raises `NotModelled` if nothing presses the block on the plane."""
     body, normal = block.body, block.normal
     marks = sorted({MP.zero, MP.inf, *(MP.mpf(time) for push in scene.pushes for time in (push.start, push.end))})
-    weight = scaled((MP.zero, MP.zero, MP.mpf(-1)), body.begin.mass * MP.mpf(scene.gravity))
+    weight = scaled((MP.zero, MP.zero, MP.mpf(-1)), body.mass * MP.mpf(scene.gravity))
     collected = []
     for start, end in pairwise(marks):
-        pushes = acting(scene.pushes, start)
+        pushes = [push for push in scene.pushes if push.start <= start < push.end]
         pushed = [numbers(push.force) for push in pushes]
-        arms = [body.in_world(numbers(push.point)) for push in pushes]
-        force = total([weight, *pushed])
+        arms = [in_world(body, numbers(push.point)) for push in pushes]
+        force = plus(weight, *pushed)
         press = -dot(force, normal)
         if press <= 0:
             raise NotModelled("a block that nothing presses on the plane")
-        moment = total([cross(arm, each) for arm, each in zip(arms, pushed, strict=True)])
+        moment = plus(STILL, *(cross(arm, each) for arm, each in zip(arms, pushed, strict=True)))
         rough = sum(((norm(arm) + block.height) * norm(each) for arm, each in zip(arms, pushed, strict=True)), MP.zero)
-        collected.append(Forces(start, end, tangential(force, normal), press, moment, rough))
+        collected.append(Forces(start, end, along_plane(force, normal), press, moment, rough))
     return collected
 
 
@@ -257,7 +254,7 @@ def _followed(scene: AnyScene, block: Block, times: Array) -> Path:
     count, last = len(times), float(np.max(times, initial=0.0))
     places, velocities = (np.full((count, 3), np.nan, dtype=Wide) for _ in range(2))
     path = Path(times.astype(Wide), places, velocities, np.zeros((count, 2)))
-    velocity = tangential(block.body.velocity, block.normal)
+    velocity = along_plane(block.body.velocity, block.normal)
     moves = any(velocity)
     for forces in _forces(scene, block):
         time = forces.start
@@ -267,7 +264,7 @@ def _followed(scene: AnyScene, block: Block, times: Array) -> Path:
             rounding = ROUNDED * block.height * norm(friction)
             if abs(block.turning(forces, friction)) > DECIMALS * forces.rough + rounding:
                 raise NotModelled("a push that turns a block about the normal of the plane")
-            if block.margin(wide_vector(block.body.along_axes(block.load_at(forces, friction)))) < 0:
+            if block.margin(wide_vector(along_axes(block.body, block.load_at(forces, friction)))) < 0:
                 path.record("tip", time)
                 path.fill(time, _uniform(velocity, STILL), time)
                 return path
@@ -277,7 +274,7 @@ def _followed(scene: AnyScene, block: Block, times: Array) -> Path:
                 path.record("slip", time, path.late)
             moves, path.late = not rests, 0.0
             if rests or not any(velocity):
-                acceleration = STILL if rests else scaled(total([forces.drive, friction]), 1 / block.body.begin.mass)
+                acceleration = STILL if rests else scaled(plus(forces.drive, friction), 1 / block.body.mass)
                 time, velocity = _uniformly(path, forces, time, acceleration)
             elif (slid := _slid(block, forces, path, time, velocity, last)) is None:
                 return path
@@ -287,7 +284,7 @@ def _followed(scene: AnyScene, block: Block, times: Array) -> Path:
 
 
 def _braking(block: Block, forces: Forces, velocity: Vector) -> Vector:
-    """The force of friction (N) on a block that slides with a velocity (m/s), or begins to slip in the direction of the drive."""
+    """The force of friction (N) on a block that slides with a velocity (m/s), or begins to slip along the drive."""
     if MP.isinf(block.friction):
         raise NotModelled("a block that moves along a plane on which nothing slips")
     direction = velocity if any(velocity) else forces.drive
@@ -316,14 +313,12 @@ def _uniformly(path: Path, forces: Forces, time: Real, acceleration: Vector) -> 
     return forces.end, scaled(acceleration, passed)
 
 
-def _slid(
-    block: Block, forces: Forces, path: Path, time: Real, velocity: Vector, last: float
-) -> tuple[Real, Vector] | None:
+def _slid(block: Block, forces: Forces, path: Path, time: Real, velocity: Vector, last: float) -> tuple[Real, Vector] | None:
     """Follow a block that slides from a velocity (m/s) until it stops, the forces change, or the instant `last` is past (s).
 
     Returns the instant (s) and the velocity (m/s) then; None if the block tips.
     """
-    mass, end, force = block.body.begin.mass, forces.end - time, norm(forces.drive)
+    mass, end, force = block.body.mass, forces.end - time, norm(forces.drive)
     longest = Wide(np.inf) if MP.isinf(end) else wide(end)
     ahead = scaled(forces.drive, 1 / force) if force else scaled(velocity, 1 / norm(velocity))
     basis = ahead, cross(block.normal, ahead)
@@ -350,7 +345,7 @@ def _slid(
     if piece.stopped and until < longest:
         path.late = path.velocity_error / float(-excess if left[0] > 0 else excess + 2 * friction)
         return instant, STILL
-    return instant, total([scaled(axis, MP.convert(part)) for axis, part in zip(basis, left, strict=True)])
+    return instant, plus(*(scaled(each, MP.convert(part)) for each, part in zip(basis, left, strict=True)))
 
 
 def _along(piece: Piece, axes: WideArray) -> Motion:
@@ -371,8 +366,8 @@ def _tips(piece: Piece, margin: Margin) -> Wide:
 
 def _tipping(block: Block, forces: Forces, axes: WideArray) -> Margin:
     """The margin of the load in the face of a block that slides, as a function of the states of a slide along axes (2, 3)."""
-    to_body = axes @ np.array([wide_vector(row) for row in block.body.begin.cosines])
-    arm = wide_vector(block.body.along_axes(scaled(cross(block.normal, forces.moment), -1 / forces.press)))
+    to_body = axes @ np.array([wide_vector(row) for row in block.body.cosines])
+    arm = wide_vector(along_axes(block.body, scaled(cross(block.normal, forces.moment), -1 / forces.press)))
     reach = wide(block.friction * block.height)
 
     def margin(states: WideArray) -> WideArray:

@@ -1,7 +1,7 @@
-"""The witness of a coin that rolls without slip on its rim: the balance of moments about the point of contact, in the world frame.
+"""The witness of a coin that rolls without slip on its rim: the balance of moments about the contact, in the world frame.
 
-With r the arm from the contact to the centre of mass and w the angular velocity, the velocity of the centre is w x r. The angular
-momentum about the contact, M = J w, changes by the moment of the weight, and because the contact moves along the plane:
+With r the arm from the contact to the centre of mass and w the angular velocity, the velocity of the centre is w x r. The
+angular momentum about the contact, M = J w, changes by the moment of the weight, and because the contact moves along the plane:
 
     dM/dt = r x (m g) + m (dr/dt) x (w x r).
 
@@ -15,18 +15,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
+from bodycheck.reference.contact.witness.faces import DECIMALS, half_lengths, in_world, wide_vector
+from bodycheck.reference.contact.witness.faces import axis as axis_of
+from bodycheck.reference.contact.witness.reading import FreeBody, bodies, surface
 from bodycheck.reference.contact.witness.searching import Margin, first_negative
-from bodycheck.reference.contact.witness.solids import (
-    DECIMALS,
-    RigidBody,
-    difference,
-    friction_of,
-    rigid_bodies,
-    total,
-    wide_vector,
-)
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.independent.arithmetic import WIDE_EPS, Real, Vector, Wide, WideArray, cross, norm, scaled, wide
+from bodycheck.reference.independent.arithmetic import (
+    WIDE_EPS,
+    Real,
+    Vector,
+    Wide,
+    WideArray,
+    cross,
+    dot,
+    minus,
+    norm,
+    plus,
+    scaled,
+    wide,
+)
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.integration.collocation import steps
@@ -50,9 +57,9 @@ SAFETY = 4.0
 #: The number of roundings of a state in the wide type.
 ROUNDINGS = 16.0
 
-#: The indices of the components of a state: the axes K and I of the coin, the angular momentum about the contact, and the place of
-#: the centre of mass along the plane.
-K, I, M, PLACE = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11)
+#: The indices of the components of a state: the axes K and I of the coin, the angular momentum about the contact, and the place
+#: of the centre of mass along the plane.
+AXIS, FIRST_AXIS, MOMENTUM, PLACE = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11)
 
 #: The indices of the next and of the last of three components, in a circle.
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
@@ -94,7 +101,7 @@ class Coin:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The quantities of a coin in n states: its arm, the rate of the arm, angular velocity, and velocity of its centre (n, 3)."""
+    """A coin in n states: its arm, the rate of its arm, its angular velocity, and the velocity of its centre, each (n, 3)."""
 
     arm: WideArray
     arm_rate: WideArray
@@ -118,7 +125,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     coin = _coin(scene)
     if coin is None:
         return None
-    t, friction = times.astype(Wide) / coin.time, friction_of(scene, 0)
+    t, friction = times.astype(Wide) / coin.time, surface(scene).friction
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # steps that are too large are made smaller
         rolled, other = (_rolled(coin, friction, t, stages) for stages in (STAGES, FEWER_STAGES))
     poses, others = _poses(coin, rolled.states), _poses(coin, other.states)
@@ -148,53 +155,50 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
 
 def _coin(scene: AnyScene) -> Coin | None:
     """The coin of a scene; None if its only body does not roll on its rim on a level plane."""
-    bodies = rigid_bodies(scene)
-    assert scene.plane is not None  # the caller has checked this
-    if bodies is None or len(bodies) != 1 or scene.pushes or scene.plane.incline or not scene.gravity:
+    free = bodies(scene)
+    if len(free) != 1 or scene.pushes or surface(scene).normal[0] or not scene.gravity:
         return None
-    (body,) = bodies
-    if not isinstance(body.shape, Cylinder) or not any(body.begin.rates):
+    (body,) = free
+    if not isinstance(body.shape, Cylinder) or not any(body.rates):
         return None
-    axis = body.axis(2)
+    axis = axis_of(body, 2)
     slope = MP.hypot(axis[0], axis[1])
     if min(slope, abs(axis[2])) <= DECIMALS:
         return None
-    radius, half_length = body.half_lengths[0], body.half_lengths[2] * MP.sign(axis[2])
+    radius, half_length = half_lengths(body)[0], half_lengths(body)[2] * MP.sign(axis[2])
     uphill = (-axis[2] * axis[0] / slope, -axis[2] * axis[1] / slope, slope)
-    arm = total([scaled(axis, half_length), scaled(uphill, radius)])
-    spin = body.in_world(body.begin.rates)
+    arm = plus(scaled(axis, half_length), scaled(uphill, radius))
+    spin = in_world(body, body.rates)
     rolling = cross(spin, arm)
-    gap, missed = abs(body.place[2] - arm[2]), norm(difference(body.velocity, rolling))
+    gap, missed = abs(body.position[2] - arm[2]), norm(minus(body.velocity, rolling))
     if gap > DECIMALS * norm(arm) or missed > 2 * DECIMALS * norm(spin) * norm(arm):
         return None
-    if body.begin.tensor[0][0] != body.begin.tensor[1][1]:
+    if body.tensor[0][0] != body.tensor[1][1]:
         raise NotModelled("a coin whose moments about its diameters differ")
     return _scaled(body, MP.mpf(scene.gravity), (radius, half_length), arm, spin, (float(gap), float(missed)))
 
 
 def _scaled(
-    body: RigidBody, gravity: Real, sizes: tuple[Real, Real], arm: Vector, spin: Vector, missed: tuple[float, float]
+    body: FreeBody, gravity: Real, sizes: tuple[Real, Real], arm: Vector, spin: Vector, missed: tuple[float, float]
 ) -> Coin:
     """A coin in its units. sizes: its radius, and half its length with a sign (m). arm: from the contact to the centre (m)."""
     length = sizes[0]
     time = 1 / (MP.sqrt(gravity / length) + norm(spin))
-    across, along = (body.begin.tensor[axis][axis] / (body.begin.mass * length**2) for axis in (0, 2))
-    axis, unit, turning = body.axis(2), scaled(arm, 1 / length), scaled(spin, time)
-    momentum = total(
-        [
-            scaled(turning, across + sum(part * part for part in unit)),
-            scaled(axis, (along - across) * sum(a * b for a, b in zip(axis, turning, strict=True))),
-            scaled(unit, -sum(a * b for a, b in zip(unit, turning, strict=True))),
-        ]
+    across, along = (body.tensor[axis][axis] / (body.mass * length**2) for axis in (0, 2))
+    axis, unit, turning = axis_of(body, 2), scaled(arm, 1 / length), scaled(spin, time)
+    momentum = plus(
+        scaled(turning, across + dot(unit, unit)),
+        scaled(axis, (along - across) * dot(axis, turning)),
+        scaled(unit, -dot(unit, turning)),
     )
-    place = [part / length for part in body.place[:2]]
+    place = [part / length for part in body.position[:2]]
     return Coin(
         wide(MP.one),
         wide(sizes[1] / length),
         wide(across),
         wide(along),
         wide(gravity * time**2 / length),
-        wide_vector([*axis, *body.axis(0), *momentum, *place]),
+        wide_vector([*axis, *axis_of(body, 0), *momentum, *place]),
         wide(length),
         wide(time),
         missed,
@@ -203,12 +207,12 @@ def _scaled(
 
 def _moving(coin: Coin, states: WideArray) -> Motion:
     """The motion of a coin in states (n, 11)."""
-    axis = states[:, K]
+    axis = states[:, AXIS]
     height = axis[:, 2:]
     steep = np.sqrt(axis[:, :1] ** 2 + axis[:, 1:2] ** 2)
     uphill = (UP - height * axis) / steep
     arm = coin.half_length * axis + coin.radius * uphill
-    spin = _solved(_inertia(coin, axis, arm), states[:, M])
+    spin = _solved(_inertia(coin, axis, arm), states[:, MOMENTUM])
     turned = _crossed(spin, axis)
     rate = turned[:, 2:]
     uphill_rate = (uphill * (height * rate) / steep - rate * axis - height * turned) / steep
@@ -239,13 +243,14 @@ def _crossed(a: WideArray, b: WideArray) -> WideArray:
 
 def _momentum_rate(coin: Coin, motion: Motion) -> WideArray:
     """The rate of change (n, 3) of the angular momentum about the contact."""
-    return np.asarray(_crossed(motion.arm_rate, motion.velocity) - coin.gravity * _crossed(motion.arm, np.broadcast_to(UP, motion.arm.shape)))
+    weighing = coin.gravity * _crossed(motion.arm, np.broadcast_to(UP, motion.arm.shape))
+    return np.asarray(_crossed(motion.arm_rate, motion.velocity) - weighing)
 
 
 def _derivatives(coin: Coin, states: WideArray) -> WideArray:
     """The derivatives (n, 11) of states (n, 11)."""
     motion = _moving(coin, states)
-    turned = (_crossed(motion.spin, states[:, part]) for part in (K, I))
+    turned = (_crossed(motion.spin, states[:, part]) for part in (AXIS, FIRST_AXIS))
     return np.concatenate([*turned, _momentum_rate(coin, motion), motion.velocity[:, :2]], axis=1)
 
 
@@ -253,7 +258,7 @@ def _margins(coin: Coin, friction: Real) -> dict[str, Margin]:
     """The conditions under which a coin rolls on: friction holds the force at its rim, and it touches with one point alone."""
 
     def held(states: WideArray) -> WideArray:
-        motion, axis = _moving(coin, states), states[:, K]
+        motion, axis = _moving(coin, states), states[:, AXIS]
         turned = _crossed(motion.spin, axis)
         across, along = (motion.spin * motion.arm).sum(axis=1), (motion.spin * axis).sum(axis=1)
         # The rate of change of J, times w.
@@ -297,7 +302,7 @@ def _rolled(coin: Coin, friction: Real, t: WideArray, stages: int) -> Rolled:
 def _poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """Attitudes (n, 4), angular velocities along the body's axes, places and velocities (n, 3), in the units of the coin."""
     motion = _moving(coin, states)
-    axis, first = states[:, K], states[:, I]
+    axis, first = states[:, AXIS], states[:, FIRST_AXIS]
     cosines = np.stack([first, _crossed(axis, first), axis], axis=2)
     known = ~np.isnan(states[:, 0])
     attitude = np.full((len(states), 4), np.nan, dtype=Wide)

@@ -1,13 +1,14 @@
 """The witness of a body that leans on an edge or on its rim and falls: the balance of moments about the contact, integrated.
 
-All moments are about the level axis a through the contact, perpendicular to the arm r from the contact to the centre of mass, and
-a is a principal axis of the inertia J about the contact. With s and c the sine and the cosine of the angle between the arm and
-the vertical, and w the angular velocity about a,
+All moments are about the level axis a through the contact that is perpendicular to the arm r from the contact to the centre of
+mass. It is a principal axis of the inertia J about the contact. With s and c the sine and the cosine of the angle between the
+arm and the vertical, and w the angular velocity about a,
 
     ds/dt = w c,    dc/dt = -w s,    a J a dw/dt = |r| m g s.
 
-The plane supplies the mass times the acceleration of the centre of mass minus the weight; the motion ends where friction does not
-hold this force, or another corner reaches the plane. The units of length, time and force are |r|, sqrt(|r| / g) and m g.
+The force of the plane is the mass times the acceleration of the centre of mass minus the weight; the motion ends where friction
+does not hold this force, or another corner reaches the plane. The units of length, time and force are |r|, sqrt(|r| / g) and
+m g.
 """
 
 from dataclasses import dataclass
@@ -15,18 +16,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.witness.searching import Margin, first_negative, rate_at
-from bodycheck.reference.contact.witness.solids import (
+from bodycheck.reference.contact.witness.faces import (
     AXES,
     DECIMALS,
-    RigidBody,
-    constant,
-    difference,
-    friction_of,
-    rigid_bodies,
-    total,
+    along_axes,
+    along_plane,
+    half_lengths,
+    in_world,
     wide_vector,
 )
+from bodycheck.reference.contact.witness.reading import FreeBody, bodies, surface
+from bodycheck.reference.contact.witness.searching import Margin, first_negative, rate_at
+from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.independent.arithmetic import (
     WIDE_EPS,
     Real,
@@ -36,7 +37,9 @@ from bodycheck.reference.independent.arithmetic import (
     applied,
     cross,
     dot,
+    minus,
     norm,
+    plus,
     scaled,
     transposed,
     wide,
@@ -45,7 +48,6 @@ from bodycheck.reference.independent.arithmetic import (
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.integration.collocation import FINEST, Derivatives, steps
-from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Brick, Cylinder
 from bodycheck.reference.trajectory import Array
@@ -92,7 +94,7 @@ class Leaning:
         The distance of the contact from the plane divided by the arm, plus the tilt of the edge (rad); both count as zero.
     """
 
-    body: RigidBody
+    body: FreeBody
     contact: Vector
     arm: Vector
     corners: list[Vector]
@@ -104,7 +106,7 @@ class Leaning:
     @property
     def begin(self) -> tuple[Real, Real]:
         """The sine and the cosine of the angle between the arm and the vertical at the start."""
-        arm = scaled(self.body.in_world(self.arm), 1 / norm(self.arm))
+        arm = scaled(in_world(self.body, self.arm), 1 / norm(self.arm))
         return dot(arm, self.ahead), arm[2]
 
     @property
@@ -120,7 +122,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
         return None
     length, unit = norm(leaning.arm), MP.sqrt(norm(leaning.arm) / MP.mpf(scene.gravity))
     t = times.astype(Wide) / wide(unit)
-    margins = _margins(leaning, friction_of(scene, 0))
+    margins = _margins(leaning, surface(scene).friction)
     start = wide_vector((*leaning.begin, MP.zero))
     states, errors = np.full((len(t), 3), np.nan, dtype=Wide), np.zeros(len(t))
     states[t == 0] = start
@@ -145,39 +147,36 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
 
 def _leaning(scene: AnyScene) -> Leaning | None:
     """The body that leans on a level plane; None if a scene has no such body alone, at rest and not pushed."""
-    bodies = rigid_bodies(scene)
-    assert scene.plane is not None  # the caller has checked this
-    if bodies is None or len(bodies) != 1 or scene.pushes or scene.plane.incline or not scene.gravity:
+    free = bodies(scene)
+    if len(free) != 1 or scene.pushes or surface(scene).normal[0] or not scene.gravity:
         return None
-    (body,) = bodies
-    if any(body.begin.rates) or any(body.velocity):
+    (body,) = free
+    if any(body.rates) or any(body.velocity):
         return None
-    upward = body.along_axes((MP.zero, MP.zero, MP.one))
+    upward = along_axes(body, AXES[2])
     sections = _section(body, upward)
     if sections is None:
         return None
     (first, second), tilt = sections
-    corners = [
-        total([scaled(first, MP.mpf(one)), scaled(second, MP.mpf(other))]) for one in (-1, 1) for other in (-1, 1)
-    ]
+    corners = [plus(scaled(first, MP.mpf(one)), scaled(second, MP.mpf(other))) for one in (-1, 1) for other in (-1, 1)]
     lowest = min(corners, key=lambda corner: dot(corner, upward))
-    arm, place = scaled(lowest, MP.mpf(-1)), total([body.place, body.in_world(lowest)])
-    level = total([arm, scaled(upward, -dot(arm, upward))])
+    arm, place = scaled(lowest, MP.mpf(-1)), plus(body.position, in_world(body, lowest))
+    level = along_plane(arm, upward)
     if abs(place[2]) > DECIMALS * norm(arm) or norm(level) <= DECIMALS * norm(arm):
         return None
-    others = [difference(corner, lowest) for corner in corners if corner is not lowest]
-    ahead = body.in_world(scaled(level, 1 / norm(level)))
-    about = cross((MP.zero, MP.zero, MP.one), ahead)
-    along_axes = body.along_axes(about)
-    moment = applied(body.begin.tensor, along_axes)
-    if norm(difference(moment, scaled(along_axes, dot(moment, along_axes)))) > DECIMALS * norm(moment):
+    others = [minus(corner, lowest) for corner in corners if corner is not lowest]
+    ahead = in_world(body, scaled(level, 1 / norm(level)))
+    about = cross(AXES[2], ahead)
+    axis = along_axes(body, about)
+    moment = applied(body.tensor, axis)
+    if norm(minus(moment, scaled(axis, dot(moment, axis)))) > DECIMALS * norm(moment):
         raise NotModelled("a body that does not fall about a principal axis")
-    sluggish = 1 + dot(moment, along_axes) / (body.begin.mass * dot(arm, arm))
+    sluggish = 1 + dot(moment, axis) / (body.mass * dot(arm, arm))
     apart = float(abs(place[2]) / norm(arm) + tilt)
     return Leaning(body, place, arm, others, ahead, about, sluggish, apart)
 
 
-def _section(body: RigidBody, upward: Vector) -> tuple[tuple[Vector, Vector], Real] | None:
+def _section(body: FreeBody, upward: Vector) -> tuple[tuple[Vector, Vector], Real] | None:
     """Half the sides of the body's rectangle in the plane of its fall, along its axes (m), and the tilt of its edge (rad).
 
     None for a body that does not lean on an edge or on its rim. upward: the vertical along the axes of the body.
@@ -187,22 +186,17 @@ def _section(body: RigidBody, upward: Vector) -> tuple[tuple[Vector, Vector], Re
             level = [axis for axis in range(3) if abs(upward[axis]) <= DECIMALS]
             if len(level) != 1:
                 return None
-            one, other = (scaled(_unit(axis), body.half_lengths[axis]) for axis in range(3) if axis != level[0])
+            one, other = (scaled(AXES[axis], half_lengths(body)[axis]) for axis in range(3) if axis != level[0])
             return (one, other), abs(upward[level[0]])
         case Cylinder():
             across = (upward[0], upward[1], MP.zero)
-            round_about = body.begin.tensor[0][0] == body.begin.tensor[1][1]
+            round_about = body.tensor[0][0] == body.tensor[1][1]
             if min(norm(across), abs(upward[2])) <= DECIMALS or not round_about:
                 return None
-            side = scaled(across, body.half_lengths[0] / norm(across))
-            return (side, scaled(_unit(2), body.half_lengths[2])), MP.zero
+            side = scaled(across, half_lengths(body)[0] / norm(across))
+            return (side, scaled(AXES[2], half_lengths(body)[2])), MP.zero
         case _:
             return None
-
-
-def _unit(axis: int) -> Vector:
-    x, y, z = AXES[axis]
-    return MP.mpf(x), MP.mpf(y), MP.mpf(z)
 
 
 def _equations(leaning: Leaning) -> Derivatives:
@@ -219,8 +213,8 @@ def _equations(leaning: Leaning) -> Derivatives:
 def _margins(leaning: Leaning, friction: Real) -> dict[str, Margin]:
     """The conditions under which the contact stays where it is, each by the event with which it ends."""
     mobility = wide(1 / leaning.sluggish)
-    in_world = [scaled(leaning.body.in_world(corner), 1 / norm(leaning.arm)) for corner in leaning.corners]
-    corners = np.array([wide_vector((dot(corner, leaning.ahead), corner[2])) for corner in in_world])
+    turned = [scaled(in_world(leaning.body, corner), 1 / norm(leaning.arm)) for corner in leaning.corners]
+    corners = np.array([wide_vector((dot(corner, leaning.ahead), corner[2])) for corner in turned])
 
     def held(states: WideArray) -> WideArray:
         sine, cosine, rate = states.T
@@ -249,21 +243,21 @@ def _witness(
 ) -> Witness:
     """The witness with states (n, 3) at times t (n,), in units of the fall, and their errors (n,) before they have grown."""
     body, rate = leaning.body, states[:, W] / unit
-    about, begin = wide_vector(leaning.about), wide_matrix(body.begin.cosines)
+    about, begin = wide_vector(leaning.about), wide_matrix(body.cosines)
     skew = wide_matrix(transposed([cross(leaning.about, each) for each in AXES]))
     sine, cosine = _turned(leaning, states)
     turn = np.eye(3, dtype=Wide) + sine[:, None, None] * skew + (1 - cosine)[:, None, None] * (skew @ skew)
     cosines, known = turn @ begin, ~np.isnan(sine)
     attitude = np.full((len(t), 4), np.nan, dtype=Wide)
     attitude[known] = quaternion_of(cosines[known])
-    arm, place = begin @ wide_vector(leaning.arm), wide_vector(body.place)
+    arm, place = begin @ wide_vector(leaning.arm), wide_vector(body.position)
     grown = (errors + ROUNDINGS * WIDE_EPS) * np.cosh(leaning.growth * t.astype(float))
     speed, fastest = float(length / unit), 2 * leaning.growth
     return Witness(
         NAME,
         quaternion=attitude[None],
         angular_velocity=(rate[:, None] * (about @ begin))[None],
-        position=constant(place, len(t)) + (turn @ arm - arm),
+        position=place + (turn @ arm - arm)[None],
         velocity=(rate[:, None] * (turn @ np.cross(about, arm)))[None],
         error=grown,
         angular_velocity_error=grown * (1 + fastest) / float(unit),

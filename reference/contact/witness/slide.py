@@ -84,7 +84,7 @@ class Piece:
 
 
 def equations(excess: Wide, friction: Wide) -> Derivatives:
-    """The derivatives (n, 5) of states (n, 5). excess: the drive, along the first axis, minus the friction, per mass and scaled.
+    """The derivatives (n, 5) of states (n, 5). excess: the drive, along the first axis, minus the friction; both scaled.
 
     With u the velocity along the drive, |v| D - c u = |v| (D - c) + c (|v| - u), so that a drive and a friction that are nearly
     equal are not subtracted from each other here.
