@@ -8,7 +8,18 @@ from typing import Any
 import mpmath
 
 from bodycheck.reference.independent.inertia import Rows, along_axes, inverse, mass_and_tensor, over_common_denominator
-from bodycheck.reference.scene import AlongPlane, Attitude, Body, Definition, EulerAngles, EulerRates, Given, Scene, Valid, valid
+from bodycheck.reference.scene import (
+    AlongPlane,
+    Attitude,
+    Body,
+    Definition,
+    EulerAngles,
+    EulerRates,
+    Given,
+    Scene,
+    Valid,
+    valid,
+)
 
 #: Decimal digits of the arithmetic.
 DIGITS = 100
