@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact.witness import balls, blocks, coins, dropped, leaning
+from bodycheck.reference.contact.witness import balls, blocks, coins, dropped, leaning, pushing, resting
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
@@ -13,7 +13,15 @@ from bodycheck.reference.witness import Witness
 #: kind that it does not follow.
 Family = Callable[[AnyScene, Array], Witness | None]
 
-FAMILIES: tuple[Family, ...] = (balls.second, leaning.second, coins.second, blocks.second, dropped.second)
+FAMILIES: tuple[Family, ...] = (
+    balls.second,
+    leaning.second,
+    coins.second,
+    blocks.second,
+    dropped.second,
+    resting.second,
+    pushing.second,
+)
 
 
 def second(scene: AnyScene, times: Array) -> Witness | None:
