@@ -14,7 +14,7 @@ from bodycheck.reference.scene import Brick, Cylinder, Sphere
 from bodycheck.reference.trajectory import Array
 
 #: The number of corners of the polygon within a disk.
-CORNERS = 24
+CORNERS = 96
 
 
 @dataclass(frozen=True, eq=False)
