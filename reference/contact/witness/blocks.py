@@ -6,7 +6,7 @@ normal, and M the moment of the pushes about the centre of mass, the moments bal
 s = -(h f + n x M) / N from the foot of the centre of mass, and n . (M + s x f) = 0. The block tips where s leaves its face.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -35,7 +35,6 @@ from bodycheck.reference.independent.arithmetic import (
     Real,
     Vector,
     Wide,
-    WideArray,
     cross,
     dot,
     norm,
@@ -48,7 +47,7 @@ from bodycheck.reference.independent.directions import exact_quaternion
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Brick, Cylinder
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness
+from bodycheck.reference.witness import Instant, WideArray, Witness
 
 #: A motion: a function from times (k,) since its start (s) to displacements (k, 3), m, and velocities (k, 3), m/s.
 Motion = Callable[[WideArray], tuple[WideArray, WideArray]]
@@ -119,7 +118,7 @@ class Block:
         """The moment about the normal (N m), with the normal force where it balances the other moments."""
         return dot(self.normal, plus(forces.moment, cross(self.load_at(forces, friction), friction)))
 
-    def margin(self, along_axes: Sequence[Any]) -> Any:
+    def margin(self, along_axes: Any) -> Any:
         """A number that is positive for a point in the face, and negative beyond its border by more than rounding.
 
         along_axes: the components of the point along the axes of the body (m), as numbers or as arrays.
@@ -193,7 +192,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     path = _followed(scene, block, times)
     body, count = block.body, len(times)
     begin = wide_vector(body.position)
-    attitude = exact_quaternion(body.cosines)
+    attitude = exact_quaternion([list(row) for row in body.cosines])
     unknown = np.isnan(path.places[:, 0])
     size = np.sqrt((begin.astype(float) ** 2).sum()) + np.sqrt((path.places.astype(float) ** 2).sum(axis=1))
     speeds = np.sqrt((path.velocities.astype(float) ** 2).sum(axis=1))

@@ -25,7 +25,6 @@ from bodycheck.reference.independent.arithmetic import (
     Real,
     Vector,
     Wide,
-    WideArray,
     cross,
     dot,
     minus,
@@ -40,7 +39,7 @@ from bodycheck.reference.integration.collocation import steps
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Cylinder
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness, angle_between
+from bodycheck.reference.witness import Instant, WideArray, Witness, angle_between
 
 #: Name of the way in results.
 NAME = "balance of moments about the rim, Gauss-Legendre collocation"

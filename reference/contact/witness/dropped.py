@@ -19,13 +19,13 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.witness.faces import DECIMALS, wide_vector
 from bodycheck.reference.contact.witness.reading import FreeBody, bodies, surface
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.independent.arithmetic import WIDE_EPS, Real, Wide, WideArray
+from bodycheck.reference.independent.arithmetic import WIDE_EPS, Real, Wide
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.closed_form import rotation
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness
+from bodycheck.reference.witness import Instant, WideArray, Witness
 
 #: Name of the way in results.
 NAME = "parabola and second closed form, bound of second order of the gap"

@@ -9,7 +9,6 @@ from bodycheck.reference.independent.arithmetic import (
     Real,
     Vector,
     Wide,
-    WideArray,
     applied,
     dot,
     minus,
@@ -19,6 +18,7 @@ from bodycheck.reference.independent.arithmetic import (
 )
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.scene import Brick, Cylinder
+from bodycheck.reference.witness import WideArray
 
 #: The ratio of a length to the size of a body, or of a velocity along the normal to the whole velocity, up to which it counts
 #: as zero, because of the decimals in the file.

@@ -33,7 +33,6 @@ from bodycheck.reference.independent.arithmetic import (
     Real,
     Vector,
     Wide,
-    WideArray,
     applied,
     cross,
     dot,
@@ -51,7 +50,7 @@ from bodycheck.reference.integration.collocation import FINEST, Derivatives, ste
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Brick, Cylinder
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness
+from bodycheck.reference.witness import Instant, WideArray, Witness
 
 #: Name of the way in results.
 NAME = "balance of moments about the contact, Gauss-Legendre collocation"

@@ -30,7 +30,6 @@ from bodycheck.reference.independent.arithmetic import (
     Real,
     Vector,
     Wide,
-    WideArray,
     applied,
     cross,
     dot,
@@ -47,7 +46,7 @@ from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Brick, Push, Sphere
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness
+from bodycheck.reference.witness import Instant, WideArray, Witness
 
 #: Name of the way in results.
 NAME = "Newton's and Euler's equations, bisection"

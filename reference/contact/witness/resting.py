@@ -77,7 +77,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
         raise NotModelled("bodies for which no forces within the cones of friction balance the weights")
     count, n = len(free), len(times)
     places = np.array([wide_vector(body.position) for body in free])
-    attitudes = np.array([exact_quaternion(body.cosines) for body in free])
+    attitudes = np.array([exact_quaternion([list(row) for row in body.cosines]) for body in free])
     none = np.zeros((count, n, 3), dtype=Wide)
     tilt, gap = max(stand.tilt for stand in stands), max(contact.gap for contact in contacts)
     size = float(np.abs(places).max()) + max(stand.half for stand in stands)

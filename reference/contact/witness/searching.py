@@ -4,8 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bodycheck.reference.independent.arithmetic import Wide, WideArray
+from bodycheck.reference.independent.arithmetic import Wide
 from bodycheck.reference.integration.collocation import Step
+from bodycheck.reference.witness import WideArray
 
 #: A function of states (n, k) whose values (n,) are positive or zero as long as a motion goes on.
 Margin = Callable[[WideArray], WideArray]

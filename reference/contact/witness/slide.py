@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.independent.arithmetic import Wide, WideArray
+from bodycheck.reference.independent.arithmetic import Wide
 from bodycheck.reference.integration.collocation import FINEST, Derivatives, Step, steps
+from bodycheck.reference.witness import WideArray
 
 #: The speed, relative to the speed at the start, below which a body has stopped. The time that is left is as short, in units of
 #: the start.
@@ -62,7 +63,7 @@ class Piece:
     @property
     def until(self) -> Wide:
         """The time since the start of the slide at which the piece ends (s)."""
-        return self.step.last()[T] * self.time
+        return Wide(self.step.last()[T] * self.time)
 
     def states(self, times: WideArray) -> tuple[WideArray, WideArray]:
         """Displacements (n, 2), m, and velocities (n, 2), m/s, at times (n,) since the start of the slide (s)."""
