@@ -1,0 +1,26 @@
+"""The families of motions that have a witness. The first family that a scene belongs to computes its witness."""
+
+from collections.abc import Callable
+
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import Witness
+
+#: A family: a function that returns the motion of a scene with a plane at ascending times (n,) >= 0 (s), with the bodies as
+#: first axis of its states, or None for a scene of another kind. It raises `NotModelled` or `OutOfReach` for a motion of its
+#: kind that it does not follow.
+Family = Callable[[AnyScene, Array], Witness | None]
+
+FAMILIES: tuple[Family, ...] = ()
+
+
+def second(scene: AnyScene, times: Array) -> Witness | None:
+    """The witness of a scene with a plane at ascending times (n,) >= 0 (s); None if no family follows its motion."""
+    for family in FAMILIES:
+        try:
+            if (witness := family(scene, times)) is not None:
+                return witness
+        except (NotModelled, OutOfReach):
+            return None
+    return None
