@@ -8,7 +8,7 @@ from typing import Any
 import mpmath
 
 from bodycheck.reference.independent.inertia import Rows, along_axes, inverse, mass_and_tensor, over_common_denominator
-from bodycheck.reference.scene import Attitude, Body, Definition, EulerAngles, EulerRates, Scene, Valid, valid
+from bodycheck.reference.scene import Attitude, Body, Definition, EulerAngles, EulerRates, Given, Scene, Valid, valid
 
 #: Decimal digits of the arithmetic.
 DIGITS = 100
@@ -77,6 +77,12 @@ def _border(scene: Scene, holds: Valid) -> Border:
     else:
         rates = [MP.mpf(rate) for rate in rotation]
     return Border(mass, tensor, mobility, attitude(orientation), rates, times(tensor, rates))
+
+
+def made_of(given: Given) -> tuple[Number, Matrix]:
+    """The mass (kg) and the inertia tensor (kg m^2) of a body, in its frame, from its data in a file."""
+    mass, tensor = mass_and_tensor(Definition(given), _rational_cosines)
+    return _number(mass), _numbers(tensor)
 
 
 def attitude(orientation: Attitude) -> Matrix:

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.contact.witness import balls
+from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Witness
@@ -12,15 +13,13 @@ from bodycheck.reference.witness import Witness
 #: kind that it does not follow.
 Family = Callable[[AnyScene, Array], Witness | None]
 
-FAMILIES: tuple[Family, ...] = ()
+FAMILIES: tuple[Family, ...] = (balls.second,)
 
 
 def second(scene: AnyScene, times: Array) -> Witness | None:
     """The witness of a scene with a plane at ascending times (n,) >= 0 (s); None if no family follows its motion."""
-    for family in FAMILIES:
-        try:
-            if (witness := family(scene, times)) is not None:
-                return witness
-        except (NotModelled, OutOfReach):
-            return None
-    return None
+    try:
+        with within_range("the second way"):
+            return next((witness for family in FAMILIES if (witness := family(scene, times)) is not None), None)
+    except (NotModelled, OutOfReach):
+        return None
