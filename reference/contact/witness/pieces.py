@@ -1,7 +1,8 @@
 """Pieces of a motion: the states of a body at instants within a flight or within a step on the plane."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -155,7 +156,7 @@ def _turns(piece: Piece, s: WideArray) -> tuple[WideArray, Array]:
     return turn, (1 + s * (abs(rates[0]) + s * abs(rates[1]))).astype(float)
 
 
-def multiplied(p: Sequence[WideArray], q: Sequence[WideArray]) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+def multiplied(p: Iterable[Any], q: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
     """The components of the product of two quaternions, given by their components w, x, y, z: numbers or arrays."""
     a, b, c, d = p
     w, x, y, z = q

@@ -314,7 +314,10 @@ def _stepped(
             moving.time,
             pieces.wide(moving.position),
             pieces.wide(moving.turn),
-            *(series.widened(each) for each in (path, velocity, spin, turning)),
+            series.widened(path),
+            series.widened(velocity),
+            series.widened(spin),
+            series.widened(turning),
             series.widened([clock])[0],
         )
     )

@@ -133,4 +133,5 @@ def widened(series: Sequence[Series]) -> WideArray:
 
 def _term(one: Series, other: Series, order: int) -> int:
     """The coefficient of a power of a product of two series."""
-    return sum(map(mul, one, other[order::-1])) >> BITS
+    total: int = sum(map(mul, one, other[order::-1]))
+    return total >> BITS
