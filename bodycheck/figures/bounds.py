@@ -57,7 +57,7 @@ def _energy(compared: Comparison) -> Array:
 def _angular_momentum(compared: Comparison) -> Array:
     errors = compared.truth.bounds.angular_momentum_error
     if isinstance(compared.scene, Mechanism):
-        return errors / mechanisms.angular_momentum_size(compared.scene, compared.truth, compared.expected)
+        return np.asarray(errors / mechanisms.angular_momentum_size(compared.scene, compared.truth, compared.expected))
     assert isinstance(compared.expected, Observables)
     return errors / angular_momentum_size(compared.scene, compared.expected, errors[..., 0])[..., None]
 

@@ -80,7 +80,7 @@ def angular_momentum_size(scene: Scene | Scenes, reference: Observables, error: 
 
 def _momentum(reference: Observables) -> Array:
     """Return the size of the initial angular momentum (kg m^2/s) of each scene."""
-    return np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1)
+    return np.asarray(np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1))
 
 
 def _above(size: Array, error: Array | float) -> Array:

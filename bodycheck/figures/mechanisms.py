@@ -4,14 +4,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from bodycheck.figures.definition import AnyObservables, Comparison, Figure
+from bodycheck.figures.definition import AnyObservables, Comparison, Exact, Figure
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.observables import MechanismObservables, floats, masses
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truths import Truth, distance
+from bodycheck.reference.truths import distance
 
 #: An angular momentum below this fraction of the largest possible is due to rounding of zero.
 ROUNDED = 1e-12
@@ -58,7 +58,7 @@ def momentum_size(mechanism: Mechanism, exact: Trajectory) -> float:
     return float(masses(mechanism).sum() * np.linalg.norm(exact.velocity, axis=-1).max()) or 1.0
 
 
-def angular_momentum_size(mechanism: Mechanism, truth: Truth, expected: AnyObservables) -> float:
+def angular_momentum_size(mechanism: Mechanism, truth: Exact, expected: AnyObservables) -> float:
     """Return the size (kg m^2/s) to which angular momenta about the centre of mass are relative, from the truth.
 
     It is the initial angular momentum or, if that is zero up to rounding or up to its bound, the angular momentum of the total

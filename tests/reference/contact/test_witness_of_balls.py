@@ -28,6 +28,9 @@ Patch = pytest.MonkeyPatch
 
 TIMES = np.linspace(0.0, 1.5, 31)
 
+#: The number of random scenes in the default suite, and in all.
+FEW, MANY = 16, 300
+
 #: A ball that bounces with spin, slips and then rolls.
 THROWN = ball_on(
     Plane(0.2, restitution=0.5),
@@ -66,7 +69,7 @@ def random_scene(seed: int) -> Scene:
     return roller_on(plane, begin, radius=radius)
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.slow) if seed >= FEW else seed for seed in range(MANY)])
 def test_both_ways_agree_within_their_bounds(seed: int) -> None:
     scene = random_scene(seed)
     assert touches(scene)
