@@ -139,6 +139,7 @@ def _largest(vectors: Array) -> Array:
 def _event_in_world(event: Event, turn: WideArray) -> Event:
     return replace(
         event,
+        error=event.error + EPS * event.time,  # the time is rounded to a double
         position=_vector(turn, event.position),
         velocity=_vector(turn, event.velocity),
         spin=_vector(turn, event.spin),

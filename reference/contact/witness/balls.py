@@ -31,7 +31,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Instant, Witness
 
 #: The name of the way in results.
-NAME = "Newton's and Euler's equations with the force at the point of contact, power series of 256 bits"
+NAME = "Newton's and Euler's equations with the force at the point of contact, power series"
 
 #: The smallest and the largest size of numbers, in SI units, for which the series have their digits.
 SMALLEST, LARGEST = 1e-20, 1e20

@@ -1,7 +1,8 @@
 """Pieces of a motion: the states of a body at instants within a flight or within a step on the plane."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Piece:
     path, velocity, spin
         (3, k) coefficients of the path (m), of the velocity (m/s) and of the angular velocity (rad/s), world frame.
     turning
-        (4, k) coefficients of the rotation since t = 0; None if the body turns uniformly.
+        (4, k) coefficients of the rotation since t = 0; None if the body turns about a fixed axis.
     clock
         (k,) coefficients of the time since the start (s).
     """
@@ -69,9 +70,12 @@ class States:
     errors: dict[str, Array]
 
 
-def uniform(start: Real, position: Vector, velocity: Vector, acceleration: Vector, spin: Vector, turn: Vector) -> Piece:
-    """The piece of a body with a constant acceleration (m/s^2) that turns uniformly, from its state at the start."""
-    speeds, rates = wide(velocity), wide(acceleration)
+def uniform(start: Real, position: Vector, turn: Vector, velocity: tuple[Vector, Vector], spin: tuple[Vector, Vector]) -> Piece:
+    """The piece of a body whose velocity and angular velocity change uniformly, from its state at the start.
+
+    velocity, spin: each at the start, and its constant rate. The angular velocity keeps its axis.
+    """
+    speeds, rates = (wide(each) for each in velocity)
     none = np.zeros(3, Wide)
     return Piece(
         start,
@@ -79,7 +83,7 @@ def uniform(start: Real, position: Vector, velocity: Vector, acceleration: Vecto
         wide(turn),
         np.stack([none, speeds, rates / 2], axis=1),
         np.stack([speeds, rates], axis=1),
-        wide(spin)[:, None],
+        np.stack([wide(each) for each in spin], axis=1),
         None,
         np.array([0, 1], Wide),
     )
@@ -141,16 +145,18 @@ def _turns(piece: Piece, s: WideArray) -> tuple[WideArray, Array]:
     if piece.turning is not None:
         turn, sizes = _sums(piece.turning, s)
         return turn / np.sqrt((turn * turn).sum(axis=1))[:, None], sizes
-    spin = piece.spin[:, 0]
-    rate = np.sqrt(spin @ spin)
-    angle = rate * s
-    axis = spin / (rate if rate else 1)
+    first, faster = piece.spin.T
+    axis = first if np.any(first) else faster
+    size = np.sqrt(axis @ axis)
+    axis = axis / (size if size else 1)
+    rates = axis @ first, axis @ faster / 2
+    angle = s * (rates[0] + s * rates[1])
     added = np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=1)
     turn = np.stack(multiplied(added.T, piece.turn), axis=1)
-    return turn, 1 + np.abs(angle).astype(float)
+    return turn, (1 + s * (abs(rates[0]) + s * abs(rates[1]))).astype(float)
 
 
-def multiplied(p: Sequence[WideArray], q: Sequence[WideArray]) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+def multiplied(p: Iterable[Any], q: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
     """The components of the product of two quaternions, given by their components w, x, y, z: numbers or arrays."""
     a, b, c, d = p
     w, x, y, z = q

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from bodycheck.reference.independent.arithmetic import Matrix, Real, Vector
-from bodycheck.reference.independent.border import MP, attitude, border, euler_velocity, made_of
+from bodycheck.reference.independent.arithmetic import Real, Vector
+from bodycheck.reference.independent.border import MP, Matrix, Triple, attitude, border, euler_velocity, made_of
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.scene import EulerRates, Shape
 
@@ -83,5 +83,5 @@ def surface(scene: AnyScene, body: int = 0) -> Surface:
     return Surface((sine, MP.mpf(0), cosine), MP.mpf(friction), MP.mpf(restitution))
 
 
-def _numbers(values: tuple[float, float, float]) -> Vector:
+def _numbers(values: tuple[float, float, float]) -> Triple:
     return [MP.mpf(value) for value in values]

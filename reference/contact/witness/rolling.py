@@ -26,21 +26,21 @@ from bodycheck.reference.witness import Instant
 DECIMALS = MP.mpf("1e-12")
 
 #: The ratio of a number to the terms that it is the sum of, up to which rounding explains it.
-ROUNDED = MP.mpf(10) ** -60
+ROUNDED = MP.mpf(10) ** -45
 
 #: The ratio of the speed after an impact to that of the first impact below which all remaining impacts are summed.
 LAST_IMPACT = MP.mpf(10) ** -20
 
 #: The ratio of a slip across the fall line to its size at its start at which it has ended.
-LAST_SLIP = MP.mpf(10) ** -30
+LAST_SLIP = MP.mpf(10) ** -25
 
 #: The largest angle (rad) by which a body turns in a step, and the largest relative change of the slip in a step.
 STEP_RAD, STEP_SLIP = 6, 4
 
 #: The largest numbers of impacts and of steps on the plane; they take some seconds.
-MOST_IMPACTS, MOST_STEPS = 4000, 1000
+MOST_IMPACTS, MOST_STEPS = 10_000, 3000
 
-NO_ACCELERATION: Vector = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
+NONE: Vector = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,11 +137,11 @@ def _bounced(body: Round, moving: Moving, end: Real, parts: list[Piece], events:
     gravity = minus(body.pull, scaled(normal, body.load))
     first = None
     for _ in range(MOST_IMPACTS):
-        parts.append(_uniform(moving, gravity))
+        parts.append(_uniform(moving, gravity, NONE))
         lasting = _falling(body, moving)
         if lasting is None or moving.time + lasting > end:
             return None
-        landed = _flown(moving, gravity, lasting)
+        landed = _after(moving, gravity, NONE, lasting)
         fall = -dot(landed.velocity, normal)
         first = fall if first is None else first
         pressing = (1 + back) * fall
@@ -151,32 +151,36 @@ def _bounced(body: Round, moving: Moving, end: Real, parts: list[Piece], events:
         if rise <= LAST_IMPACT * first:
             rest = 2 * rise / (body.load * (1 - back)) if rise else MP.mpf(0)
             level = replace(moving, velocity=along(moving.velocity, normal))
-            return replace(_flown(level, NO_ACCELERATION, rest), held=moving.held)
+            return replace(_after(level, NONE, NONE, rest), held=moving.held)
     raise OutOfReach(f"a body that bounces more than {MOST_IMPACTS} times")
 
 
-def _uniform(moving: Moving, acceleration: Vector) -> Piece:
-    """The piece of a body that turns uniformly from its state on."""
-    return pieces.uniform(moving.time, moving.position, moving.velocity, acceleration, moving.spin, moving.turn)
+def _uniform(moving: Moving, acceleration: Vector, faster: Vector) -> Piece:
+    """The piece of a body with a constant acceleration (m/s^2), and a constant rate of its spin (rad/s^2) along its axis."""
+    velocity, spin = (moving.velocity, acceleration), (moving.spin, faster)
+    return pieces.uniform(moving.time, moving.position, moving.turn, velocity, spin)
 
 
 def _falling(body: Round, moving: Moving) -> Real | None:
     """The time (s) after which a body in flight hits the plane; None if it does not."""
     height = dot(moving.position, body.surface.normal) - body.radius
     rise = dot(moving.velocity, body.surface.normal)
+    height = height if height > ROUNDED * body.radius else MP.mpf(0)
     if body.load > 0:
-        return (rise + MP.sqrt(rise * rise + 2 * body.load * max(height, MP.mpf(0)))) / body.load
+        return (rise + MP.sqrt(rise * rise + 2 * body.load * height)) / body.load
     return height / -rise if rise < 0 else None
 
 
-def _flown(moving: Moving, acceleration: Vector, lasting: Real) -> Moving:
-    """A body that turns uniformly after a time (s)."""
+def _after(moving: Moving, acceleration: Vector, faster: Vector, lasting: Real) -> Moving:
+    """A body after a time (s) in which it moves as in `_uniform`."""
     path = plus(scaled(moving.velocity, lasting), scaled(acceleration, lasting * lasting / 2))
-    rate = norm(moving.spin)
-    cosine, sine = MP.cos_sin(rate * lasting / 2)
-    turn = pieces.multiplied((cosine, *scaled(moving.spin, sine / rate if rate else MP.mpf(0))), moving.turn)
-    velocity = plus(moving.velocity, scaled(acceleration, lasting))
-    return Moving(moving.time + lasting, plus(moving.position, path), velocity, moving.spin, turn)
+    axis = moving.spin if norm(moving.spin) else faster
+    size = norm(axis)
+    axis = scaled(axis, 1 / size) if size else NONE
+    cosine, sine = MP.cos_sin(lasting * (dot(axis, moving.spin) + lasting * dot(axis, faster) / 2) / 2)
+    turn = pieces.multiplied((cosine, *scaled(axis, sine)), moving.turn)
+    velocity, spin = plus(moving.velocity, scaled(acceleration, lasting)), plus(moving.spin, scaled(faster, lasting))
+    return Moving(moving.time + lasting, plus(moving.position, path), velocity, spin, turn)
 
 
 def slip(body: Round, moving: Moving) -> Vector:
@@ -213,10 +217,10 @@ def along(vector: Vector, normal: Vector) -> Vector:
 
 def _slid(body: Round, moving: Moving, end: Real, parts: list[Piece]) -> Moving | None:
     """Append the pieces of a slip, and return the body when it no longer slips; None if it still slips at `end` (s)."""
-    slipping: Vector = NO_ACCELERATION if moving.held else slip(body, moving)
+    slipping: Vector = NONE if moving.held else slip(body, moving)
     size, steep = norm(slipping), norm(body.pull)
     if not body.braking:
-        return _advance(body, moving, NO_ACCELERATION, MP.inf, end, parts)
+        return _advance(body, moving, NONE, MP.inf, end, parts)
     if norm(cross(slipping, body.pull)) > ROUNDED * size * steep:
         return _curved(body, moving, end, parts)
     direction = scaled(slipping, 1 / size) if size else scaled(body.pull, 1 / steep)
@@ -232,9 +236,9 @@ def _advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Re
     """
     acceleration = plus(body.pull, friction)
     faster = scaled(cross(body.surface.normal, friction), -body.lever / body.radius)
-    if not norm(faster):
-        parts.append(_uniform(moving, acceleration))
-        return replace(_flown(moving, acceleration, until - moving.time), held=True) if until <= end else None
+    if norm(cross(moving.spin, faster)) <= ROUNDED * norm(moving.spin) * norm(faster):
+        parts.append(_uniform(moving, acceleration, faster))
+        return replace(_after(moving, acceleration, faster, until - moving.time), held=True) if until <= end else None
     last, share = min(until, end), MP.mpf(1)
     for _ in range(MOST_STEPS):
         if last - moving.time <= ROUNDED * last:
@@ -310,7 +314,10 @@ def _stepped(
             moving.time,
             pieces.wide(moving.position),
             pieces.wide(moving.turn),
-            *(series.widened(each) for each in (path, velocity, spin, turning)),
+            series.widened(path),
+            series.widened(velocity),
+            series.widened(spin),
+            series.widened(turning),
             series.widened([clock])[0],
         )
     )

@@ -13,13 +13,13 @@ from bodycheck.reference.independent.arithmetic import Real, Vector, Wide, WideA
 from bodycheck.reference.independent.border import MP
 
 #: Binary digits after the point.
-BITS = 256
+BITS = 192
 
 #: The number of coefficients of a series after the first.
-TERMS = 48
+TERMS = 36
 
-#: The size of the last three coefficients of a series of numbers of size 1 up to which a step is accepted: 1e-33.
-LEAST = 1 << (BITS - 110)
+#: The size of the last three coefficients of a series of numbers of size 1 up to which a step is accepted: 1e-24.
+LEAST = 1 << (BITS - 80)
 
 #: The coefficients of a series.
 Series = list[int]
@@ -133,4 +133,5 @@ def widened(series: Sequence[Series]) -> WideArray:
 
 def _term(one: Series, other: Series, order: int) -> int:
     """The coefficient of a power of a product of two series."""
-    return sum(map(mul, one[: order + 1], other[order::-1])) >> BITS
+    total: int = sum(map(mul, one, other[order::-1]))
+    return total >> BITS
