@@ -359,8 +359,8 @@ def _along(piece: Piece, axes: WideArray) -> Motion:
 
 def _tips(piece: Piece, margin: Margin) -> Wide:
     """The time since the start of a slide at which a block tips (s); infinite if it does not tip along a piece."""
-    place = first_negative(piece.step, margin)
-    return Wide(np.inf) if place is None else Wide(piece.step.at(np.array([place]))[0, T] * piece.time)
+    tips = first_negative(piece.step, margin)
+    return Wide(np.inf) if tips is None else Wide(piece.step.at(np.array([tips]))[0, T] * piece.time)
 
 
 def _tipping(block: Block, forces: Forces, axes: WideArray) -> Margin:

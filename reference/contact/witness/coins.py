@@ -190,14 +190,14 @@ def _scaled(
         scaled(axis, (along - across) * dot(axis, turning)),
         scaled(unit, -dot(unit, turning)),
     )
-    place = [part / length for part in body.position[:2]]
+    centre = [part / length for part in body.position[:2]]
     return Coin(
         wide(MP.one),
         wide(sizes[1] / length),
         wide(across),
         wide(along),
         wide(gravity * time**2 / length),
-        wide_vector([*axis, *axis_of(body, 0), *momentum, *place]),
+        wide_vector([*axis, *axis_of(body, 0), *momentum, *centre]),
         wide(length),
         wide(time),
         missed,
@@ -285,7 +285,7 @@ def _rolled(coin: Coin, friction: Real, t: WideArray, stages: int) -> Rolled:
     solved = steps(lambda each: _derivatives(coin, each), coin.start, stages=stages, first=FIRST, most=MOST, memory=1)
     with contextlib.suppress(OutOfReach):  # near lying flat or upright, no step can be solved
         for step in solved:
-            ends = {kind: place for kind, margin in margins.items() if (place := first_negative(step, margin)) is not None}
+            ends = {kind: instant for kind, margin in margins.items() if (instant := first_negative(step, margin)) is not None}
             kind = min(ends, key=lambda each: ends[each], default=None)
             until = step.end if kind is None else ends[kind]
             last = int(np.searchsorted(t, until, side="right"))
@@ -307,5 +307,5 @@ def _poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArr
     attitude = np.full((len(states), 4), np.nan, dtype=Wide)
     attitude[known] = quaternion_of(cosines[known])
     spin = np.einsum("nij,ni->nj", cosines, motion.spin)
-    place = np.concatenate([states[:, PLACE], motion.arm[:, 2:]], axis=1)
-    return attitude, spin, place, motion.velocity
+    position = np.concatenate([states[:, PLACE], motion.arm[:, 2:]], axis=1)
+    return attitude, spin, position, motion.velocity

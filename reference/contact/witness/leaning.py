@@ -129,7 +129,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     events: tuple[Instant, ...] = ()
     for step in steps(_equations(leaning), start, stages=STAGES, first=FIRST, most=MOST, memory=1):
         error += SAFETY * max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
-        ends = {kind: place for kind, margin in margins.items() if (place := first_negative(step, margin)) is not None}
+        ends = {kind: instant for kind, margin in margins.items() if (instant := first_negative(step, margin)) is not None}
         kind = min(ends, key=lambda each: ends[each], default=None)
         until = step.end if kind is None else ends[kind]
         last = int(np.searchsorted(t, until, side="right"))
@@ -159,9 +159,9 @@ def _leaning(scene: AnyScene) -> Leaning | None:
     (first, second), tilt = sections
     corners = [plus(scaled(first, MP.mpf(one)), scaled(second, MP.mpf(other))) for one in (-1, 1) for other in (-1, 1)]
     lowest = min(corners, key=lambda corner: dot(corner, upward))
-    arm, place = scaled(lowest, MP.mpf(-1)), plus(body.position, in_world(body, lowest))
+    arm, contact = scaled(lowest, MP.mpf(-1)), plus(body.position, in_world(body, lowest))
     level = along_plane(arm, upward)
-    if abs(place[2]) > DECIMALS * norm(arm) or norm(level) <= DECIMALS * norm(arm):
+    if abs(contact[2]) > DECIMALS * norm(arm) or norm(level) <= DECIMALS * norm(arm):
         return None
     others = [minus(corner, lowest) for corner in corners if corner is not lowest]
     ahead = in_world(body, scaled(level, 1 / norm(level)))
@@ -171,8 +171,8 @@ def _leaning(scene: AnyScene) -> Leaning | None:
     if norm(minus(moment, scaled(axis, dot(moment, axis)))) > DECIMALS * norm(moment):
         raise NotModelled("a body that does not fall about a principal axis")
     sluggish = 1 + dot(moment, axis) / (body.mass * dot(arm, arm))
-    apart = float(abs(place[2]) / norm(arm) + tilt)
-    return Leaning(body, place, arm, others, ahead, about, sluggish, apart)
+    apart = float(abs(contact[2]) / norm(arm) + tilt)
+    return Leaning(body, contact, arm, others, ahead, about, sluggish, apart)
 
 
 def _section(body: FreeBody, upward: Vector) -> tuple[tuple[Vector, Vector], Real] | None:
@@ -249,18 +249,18 @@ def _witness(
     cosines, known = turn @ begin, ~np.isnan(sine)
     attitude = np.full((len(t), 4), np.nan, dtype=Wide)
     attitude[known] = quaternion_of(cosines[known])
-    arm, place = begin @ wide_vector(leaning.arm), wide_vector(body.position)
+    arm, position = begin @ wide_vector(leaning.arm), wide_vector(body.position)
     grown = (errors + ROUNDINGS * WIDE_EPS) * np.cosh(leaning.growth * t.astype(float))
     speed, fastest = float(length / unit), 2 * leaning.growth
     return Witness(
         NAME,
         quaternion=attitude[None],
         angular_velocity=(rate[:, None] * (about @ begin))[None],
-        position=place + (turn @ arm - arm)[None],
+        position=position + (turn @ arm - arm)[None],
         velocity=(rate[:, None] * (turn @ np.cross(about, arm)))[None],
         error=grown,
         angular_velocity_error=grown * (1 + fastest) / float(unit),
-        position_error=float(length) * grown + ROUNDINGS * WIDE_EPS * float(np.abs(place).max()),
+        position_error=float(length) * grown + ROUNDINGS * WIDE_EPS * float(np.abs(position).max()),
         velocity_error=speed * grown * (1 + fastest),
         events=events,
     )

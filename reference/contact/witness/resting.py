@@ -131,13 +131,13 @@ def balanced(stands: Sequence[Standing], contacts: Sequence[Contact], normal: Ve
     down = np.array([float(normal[0]), 0.0, -float(normal[2])])
     columns = []
     for contact in contacts:
-        for place in contact.places:
+        for point in contact.places:
             for force in contact.forces:
                 column = np.zeros((len(stands), 6))
                 for index, sign in ((contact.upper, 1.0), (contact.lower, -1.0)):
                     if index != WORLD:
                         centre = np.array([float(part) for part in stands[index].body.position])
-                        arm = (place - [float(centre @ each) for each in basis]) / stands[index].half
+                        arm = (point - [float(centre @ each) for each in basis]) / stands[index].half
                         column[index] += sign * np.concatenate([force, np.cross(arm, force)])
                 columns.append(column.ravel())
     masses = np.array([float(stand.body.mass) for stand in stands])

@@ -31,8 +31,8 @@ def first_negative(step: Step, margin: Margin) -> Wide | None:
     return Wide(high)
 
 
-def rate_at(step: Step, margin: Margin, place: Wide) -> float:
-    """The rate at which a margin decreases at a place of a step; at least the smallest double."""
+def rate_at(step: Step, margin: Margin, instant: Wide) -> float:
+    """The rate at which a margin decreases at an instant of a step; at least the smallest double."""
     width = step.size * Wide(EARLIER)
-    before, after = margin(step.at(np.array([place - width, place + width])))
+    before, after = margin(step.at(np.array([instant - width, instant + width])))
     return max(float((before - after) / (2 * width)), float(np.finfo(float).tiny))
