@@ -5,6 +5,6 @@ the description of scenes, the start of a motion in `independent`, and the type 
 
 - `ways`: the families, and the witness of a scene.
 - `reading`: the bodies of a scene and their plane.
-- `balls`: spheres and cylinders on their side. `rolling` has their equations and phases, `series` the power series of a step, and
-  `pieces` the states at instants.
+- `balls`: spheres and cylinders on their side. `rolling` has their equations and phases, `series` the power series of a step,
+  and `pieces` the states at instants.
 """

@@ -77,7 +77,7 @@ class Round:
 
     @property
     def holds(self) -> bool:
-        """Whether friction can keep the point of contact from slipping."""
+        """True if friction can keep the point of contact from slipping."""
         needed = norm(self.holding)
         return not needed or bool(needed <= self.braking)
 
