@@ -115,8 +115,8 @@ def event_distances(events: Sequence[Instant], others: Sequence[Instant], last: 
 
 def _event_distance(event: Instant, alike: list[Instant], last: float) -> float:
     """The result of `event_distances` for one event. alike: the other way's events of its kind and body, in order of time."""
-    later = bisect.bisect(alike, event.time, key=lambda other: other.time)
-    nearest = min(alike[max(later - 1, 0) : later + 1], key=lambda other: abs(other.time - event.time), default=None)
+    after = bisect.bisect(alike, event.time, key=lambda other: other.time)
+    nearest = min(alike[max(after - 1, 0) : after + 1], key=lambda other: abs(other.time - event.time), default=None)
     if last - event.time <= event.error:
         return 0.0
     if nearest is None:

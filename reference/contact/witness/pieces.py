@@ -117,12 +117,12 @@ def wide(values: Sequence[Real]) -> WideArray:
 
 def _places(pieces: Sequence[Piece], times: Array) -> tuple[Array, WideArray]:
     """The indices (n,) of the pieces of ascending instants (n,), and the times (n,) since the starts of these pieces (s)."""
-    index, lasting, current = np.zeros(len(times), int), [], 0
+    index, lasting, number = np.zeros(len(times), int), [], 0
     for row, time in enumerate(times.tolist()):
-        while current + 1 < len(pieces) and pieces[current + 1].start < time * (1 - SAME):
-            current += 1
-        index[row] = current
-        lasting.append(time - pieces[current].start)
+        while number + 1 < len(pieces) and pieces[number + 1].start < time * (1 - SAME):
+            number += 1
+        index[row] = number
+        lasting.append(time - pieces[number].start)
     return index, wide(lasting)
 
 
