@@ -12,7 +12,15 @@ from itertools import combinations
 import numpy as np
 
 from bodycheck.reference import truth
-from bodycheck.reference.certified import BITS, NO_OTHER_WAY, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
+from bodycheck.reference.certified import (
+    BITS,
+    NO_OTHER_WAY,
+    SPARE_BITS,
+    TRUTH_WAY,
+    Certificate,
+    contradiction,
+    contradiction_of_events,
+)
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.independent import closed_form as second_closed_form
@@ -27,26 +35,25 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
     """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
-    if touches(scene):
-        alone = truth.computed(scene, times)
-        return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own_bounds.error), 0, (NO_OTHER_WAY,), None)
-    if isinstance(scene, Mechanism):
+    if isinstance(scene, Mechanism) and not touches(scene):
         from bodycheck.reference.mechanisms.certificate import certify_mechanism  # imported where it is needed
 
         return certify_mechanism(scene, times)
     computed = truth.computed(scene, times)
-    truth_way = as_way(TRUTH_WAY, computed.truth.trajectory, computed.own_bounds)
+    truth_way = as_way(TRUTH_WAY, computed.truth.trajectory, computed.own_bounds, computed.own_events)
     ways = (truth_way, *_other_ways(scene, times, computed.witnesses))
     apart = {(one.name, other.name): distances(one, other) for one, other in combinations(ways, 2)}
+    last = float(np.max(times, initial=0.0))
     faults = [
         fault
         for one, other in combinations(ways, 2)
-        if (fault := contradiction(one, other, apart[one.name, other.name])) is not None
+        for fault in (contradiction(one, other, apart[one.name, other.name]), contradiction_of_events(one, other, last))
+        if fault is not None
     ]
     others = [way for way in ways[1:] if way.quaternion is not None]
     if others:
-        best = min(others, key=lambda way: float(np.max(way.error)))
-        bound = np.maximum.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
+        best = min(others, key=lambda way: float(np.nanmax(way.error)))
+        bound = np.fmax.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
     else:
         bound = computed.own_bounds.error
         faults.append(NO_OTHER_WAY)
@@ -60,11 +67,14 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
     )
 
 
-def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> tuple[Witness, ...]:
+def _other_ways(scene: AnyScene, times: Array, witnesses: tuple[Witness, ...]) -> tuple[Witness, ...]:
     """Every way except the truth.
 
     For a slide, they include the integration that the truth is taken from, with its own bounds.
     """
+    if touches(scene):
+        return witnesses
+    assert isinstance(scene, Scene)  # mechanisms whose bodies do not touch have a certificate of their own
     if scene.plane is not None:
         return slides.ways(scene, times)
     included = any(witness.name == second_closed_form.NAME for witness in witnesses)
@@ -85,11 +95,13 @@ def _wide_way(scene: Scene, times: Array) -> Iterator[Witness]:
             yield wide_witness(scene, times, bits)
 
 
-def _growth(scene: Scene, times: Array) -> Array | None:
+def _growth(scene: AnyScene, times: Array) -> Array | None:
     """The growth of an error along a flight; None without heyoka, on a plane, or if the motion is too long."""
     try:
         from bodycheck.reference.integration import sensitivity
     except ImportError:
         return None
+    if isinstance(scene, Mechanism) or scene.plane is not None:
+        return None
     turning = math.hypot(*scene.initial.angular_velocity) * float(np.max(times, initial=0.0))
-    return sensitivity.growth(scene, times).of_any if scene.plane is None and turning <= FARTHEST_RAD else None
+    return sensitivity.growth(scene, times).of_any if turning <= FARTHEST_RAD else None

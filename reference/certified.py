@@ -1,12 +1,13 @@
 """A certificate of a truth, and the contradiction between two computations that refutes it."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
-from bodycheck.reference.witness import Witness
+from bodycheck.reference.witness import Witness, event_distances
 
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
@@ -74,10 +75,25 @@ def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str 
         if name not in apart:
             continue
         allowed = np.broadcast_to(getattr(one, name) + getattr(other, name), apart[name].shape)
-        worst = int(np.argmax(apart[name] - allowed))
+        worst = int(np.argmax(np.where(np.isnan(allowed), -np.inf, apart[name] - allowed)))
         if apart[name][worst] > allowed[worst]:
             return (
                 f"{one.name} and {other.name} are {apart[name][worst]:.2g} {unit} apart{what}, "
                 f"their bounds allow {allowed[worst]:.2g}"
             )
+    return None
+
+
+def contradiction_of_events(one: Witness, other: Witness, last: float) -> str | None:
+    """Return in words the first event of one way that the other does not have, otherwise None. last: the last instant (s)."""
+    if one.events is None or other.events is None:
+        return None
+    for name, events, another, others in (
+        (one.name, one.events, other.name, other.events),
+        (other.name, other.events, one.name, one.events),
+    ):
+        for event, apart in zip(events, event_distances(events, others, last), strict=True):
+            if apart:
+                known = "does not have it" if math.isinf(apart) else f"has it {apart:.2g} s before or after"
+                return f"{name} has the event {event.kind} at t = {event.time:.12g} s, {another} {known}"
     return None

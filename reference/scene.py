@@ -168,8 +168,15 @@ class EulerAngles:
     psi: float
 
 
-#: An attitude: a quaternion w, x, y, z of any length, or Euler angles.
-Attitude = Quaternion | EulerAngles
+@dataclass(frozen=True)
+class AlongPlane:
+    """The attitude of a plane that is turned about y by its incline (rad), which no quaternion of doubles states exactly."""
+
+    incline: float
+
+
+#: An attitude: a quaternion w, x, y, z of any length, Euler angles, or the attitude of an inclined plane.
+Attitude = Quaternion | EulerAngles | AlongPlane
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vo
         from bodycheck.reference.contact.truth import computed_contact  # imported where it is needed
 
         with within_range("the motion"):
-            return computed_contact(scene, times)
+            return computed_contact(scene, times, vouched=vouched)
     if isinstance(scene, Mechanism):
         from bodycheck.reference.mechanisms.truth import computed_mechanism  # imported where it is needed
 

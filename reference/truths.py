@@ -11,7 +11,7 @@ from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.witness import Witness
+from bodycheck.reference.witness import Instant, Witness
 
 #: Name of the backend that evaluates closed forms.
 CLOSED_FORM_BACKEND = "numpy"
@@ -104,11 +104,14 @@ class Computed:
         witness contradicts it.
     witnesses
         The witnesses.
+    own_events
+        The events with the bounds of the computation of the truth; None if the motion has no events.
     """
 
     truth: Truth
     own_bounds: Bounds
     witnesses: tuple[Witness, ...]
+    own_events: tuple[Instant, ...] | None = None
 
 
 @dataclass(frozen=True)

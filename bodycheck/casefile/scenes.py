@@ -62,7 +62,7 @@ def build_scene(table: grammar.CaseTable) -> Scene:
         scene,
         initial=replace(
             scene.initial,
-            position=initial.position or position_on(plane, body.shape, scene.initial.quaternion),
+            position=initial.position or position_on(plane, body.shape, attitude_of(initial, attitude_on(plane))),
             velocity=initial.velocity,
         ),
         gravity=surroundings.gravity,
@@ -186,7 +186,7 @@ class Turned(Protocol):
         """The quaternion w, x, y, z."""
 
 
-def attitude_of(table: Turned, default: Quaternion = (1.0, 0.0, 0.0, 0.0)) -> Attitude:
+def attitude_of(table: Turned, default: Attitude = (1.0, 0.0, 0.0, 0.0)) -> Attitude:
     """Return the attitude that a table gives, or a default one."""
     if table.quaternion is not None:
         return table.quaternion

@@ -9,15 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any
 
-import numpy as np
-
 from bodycheck.casefile import grammar
 from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import BODY_PATTERN, MAX_CONTACTS, MAX_NAME_LENGTH, MAX_PUSHES
-from bodycheck.reference.contact_observables import reach
+from bodycheck.reference.exact.touching import touching_above_origin
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
-from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector, vector_of
+from bodycheck.reference.scene import AlongPlane, Attitude, Plane, Push, Shape, Vector, vector_of
 from bodycheck.suggestion import did_you_mean, first_names
 
 #: The name of the body of a file of format 1, and the name of the plane among the bodies.
@@ -96,22 +94,21 @@ def build_push(table: grammar.PushTable, body: int = 0) -> Push:
     return Push(table.force, table.point, begin, math.inf if until is None else until, body)
 
 
-def attitude_on(plane: Plane | None) -> Quaternion:
-    """Return the default attitude of a body: the attitude of the plane, or no rotation without a plane."""
-    return (1.0, 0.0, 0.0, 0.0) if plane is None else (math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0)
+def attitude_on(plane: Plane | None) -> Attitude:
+    """Return the default attitude of a body: the attitude of the plane, or no rotation without an inclined plane."""
+    return (1.0, 0.0, 0.0, 0.0) if plane is None or not plane.incline else AlongPlane(plane.incline)
 
 
-def position_on(plane: Plane | None, shape: Shape | None, quaternion: Quaternion) -> Vector:
+def position_on(plane: Plane | None, shape: Shape | None, attitude: Attitude) -> Vector:
     """Return the default position (m) of the centre of mass: above the origin, so that the body touches the plane.
 
-    Without a plane or a shape it is the origin.
+    Without a plane or a shape it is the origin. The position is computed with a hundred digits and rounded once.
 
-    quaternion: the attitude of the body.
+    attitude: the attitude of the body, as the file gives it.
     """
     if plane is None or shape is None:
         return 0.0, 0.0, 0.0
-    height = float(reach(shape, np.array([quaternion]), plane.normal)[0])
-    return vector_of(height * part for part in plane.normal)
+    return vector_of(touching_above_origin(shape, attitude, plane.incline))
 
 
 def _coefficient(friction: float | str) -> float:

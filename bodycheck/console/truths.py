@@ -126,6 +126,8 @@ def print_certificate(certificate: Certificate) -> None:
         tell(f"certified: {certificate.bound[-1]:.1e} rad, measured against arithmetic of {certificate.digits} digits")
     if certificate.growth is not None and not isinstance(truth.scene, Mechanism):
         tell(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
+    if touches(truth.scene):
+        return  # friction and impacts change the energy
     compared = Comparison(truth, truth.trajectory)
     if isinstance(truth.scene, Mechanism):
         tell(f"drift of the energy of the truth itself, relative: {total_energy(compared).max():.1e}")

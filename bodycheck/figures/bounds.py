@@ -50,15 +50,16 @@ def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison
 
 
 def _energy(compared: Comparison) -> Array:
-    return compared.truth.bounds.energy_error / energy_size(compared.expected)[..., None]
+    errors = compared.truth.bounds.energy_error
+    return errors / energy_size(compared.expected, errors[..., 0])[..., None]
 
 
 def _angular_momentum(compared: Comparison) -> Array:
+    errors = compared.truth.bounds.angular_momentum_error
     if isinstance(compared.scene, Mechanism):
-        size = mechanisms.angular_momentum_size(compared.scene, compared.truth.trajectory, compared.expected)
-        return compared.truth.bounds.angular_momentum_error / size
+        return np.asarray(errors / mechanisms.angular_momentum_size(compared.scene, compared.truth, compared.expected))
     assert isinstance(compared.expected, Observables)
-    return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)[..., None]
+    return errors / angular_momentum_size(compared.scene, compared.expected, errors[..., 0])[..., None]
 
 
 #: The bound of the attitude error. It is the oldest bound, so that its column precedes the columns of the cost.

@@ -23,14 +23,14 @@ REST = 1e-28
 
 def total_energy(compared: Comparison) -> Array:
     """Return the relative distance (..., n) of the total energy from its initial value or from the value of the truth."""
-    size = energy_size(compared.expected)
+    size = energy_size(compared.expected, compared.truth.bounds.energy_error[..., 0])
     return _relative(compared, compared.seen.total_energy[..., None], compared.expected.total_energy[..., None], size)
 
 
 def rotational_energy(compared: Comparison) -> Array:
     """Return the relative distance (..., n) of the rotational energy from its initial value or from the value of the truth."""
     seen, expected = _of_one_body(compared)
-    size = rotational_energy_size(expected)
+    size = rotational_energy_size(expected, compared.truth.bounds.angular_momentum_error[..., 0])
     return _relative(compared, seen.rotational_energy[..., None], expected.rotational_energy[..., None], size)
 
 
@@ -38,38 +38,54 @@ def angular_momentum(compared: Comparison) -> Array:
     """Return the relative distance (..., n) of the angular momentum (world frame) from its initial or from its true value."""
     seen, expected = _of_one_body(compared)
     assert not isinstance(compared.scene, Mechanism)
-    size = angular_momentum_size(compared.scene, expected)
+    size = angular_momentum_size(compared.scene, expected, compared.truth.bounds.angular_momentum_error[..., 0])
     return _relative(compared, seen.angular_momentum, expected.angular_momentum, size)
 
 
-def energy_size(reference: AnyObservables) -> Array:
+def energy_size(reference: AnyObservables, error: Array | float) -> Array:
     """Return the energy (J) by which total energies are divided, from the truth: a number, or (m,) for m scenes.
 
     It is the initial kinetic energy or, if that is zero up to rounding, the largest kinetic energy. Potential energy is left
     out, because it depends on the position of the origin.
+
+    error: the bound of the error of the initial energy (J), up to which the kinetic energy counts as zero.
     """
     initial = reference.kinetic_energy[..., 0]
     moves = initial > REST * np.fmax.reduce(reference.kinetic_energy, axis=-1)
-    return _first(np.where(moves, initial, 0.0), lambda: _largest(reference))
+    return _first(np.where(moves, _above(initial, error), 0.0), lambda: _largest(reference))
 
 
-def rotational_energy_size(reference: Observables) -> Array:
+def rotational_energy_size(reference: Observables, error: Array | float) -> Array:
     """Return the energy (J) by which rotational energies are divided, from the truth: a number, or (m,) for m scenes.
 
-    It is the initial rotational energy or, if that is zero, the largest kinetic energy.
+    It is the initial rotational energy or, if the initial angular momentum is zero, the largest kinetic energy.
+
+    error: the bound of the error of the initial angular momentum (kg m^2/s), up to which it counts as zero.
     """
-    return _first(np.abs(reference.rotational_energy[..., 0]), lambda: _largest(reference))
+    rotates = _above(_momentum(reference), error) > 0
+    return _first(np.where(rotates, reference.rotational_energy[..., 0], 0.0), lambda: _largest(reference))
 
 
-def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Array:
+def angular_momentum_size(scene: Scene | Scenes, reference: Observables, error: Array | float) -> Array:
     """Return the size (kg m^2/s) by which angular momenta are divided, from the truth: a number, or (m,) for m scenes.
 
     It is the initial angular momentum or, if that is zero, the angular momentum of a rotation with the largest kinetic energy
     about the axis of the largest moment of the body.
+
+    error: the bound of the error of the initial angular momentum (kg m^2/s), up to which it counts as zero.
     """
     moments = np.array(scene.body.moments) if isinstance(scene, Scene) else scene.moments
-    momentum = np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1)
-    return _first(momentum, lambda: np.sqrt(2 * _largest(reference) * moments.max(axis=-1)))
+    return _first(_above(_momentum(reference), error), lambda: np.sqrt(2 * _largest(reference) * moments.max(axis=-1)))
+
+
+def _momentum(reference: Observables) -> Array:
+    """Return the size of the initial angular momentum (kg m^2/s) of each scene."""
+    return np.asarray(np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1))
+
+
+def _above(size: Array, error: Array | float) -> Array:
+    """Return sizes, and zero for those that do not exceed the bound of their error, if that is known."""
+    return np.where(size <= error, 0.0, size)
 
 
 def _largest(reference: AnyObservables) -> Array:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from bodycheck.figures.definition import AnyObservables, Comparison, Figure
+from bodycheck.figures.definition import AnyObservables, Comparison, Exact, Figure
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
@@ -43,7 +43,7 @@ def momentum_drift(compared: Comparison) -> Array | None:
     if mechanism is None or not floats(mechanism):
         return None
     assert isinstance(seen, MechanismObservables)
-    size = angular_momentum_size(mechanism, compared.truth.trajectory, expected)
+    size = angular_momentum_size(mechanism, compared.truth, expected)
     drift = distance(seen.angular_momentum, seen.angular_momentum[:1]) / size
     if mechanism.gravity:
         return drift
@@ -58,18 +58,20 @@ def momentum_size(mechanism: Mechanism, exact: Trajectory) -> float:
     return float(masses(mechanism).sum() * np.linalg.norm(exact.velocity, axis=-1).max()) or 1.0
 
 
-def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: AnyObservables) -> float:
+def angular_momentum_size(mechanism: Mechanism, truth: Exact, expected: AnyObservables) -> float:
     """Return the size (kg m^2/s) to which angular momenta about the centre of mass are relative, from the truth.
 
-    It is the initial angular momentum or, if that is zero up to rounding, the angular momentum of the total mass that moves
-    with the largest kinetic energy at the largest distance of a body from the centre; 1 kg m^2/s if that is zero too.
+    It is the initial angular momentum or, if that is zero up to rounding or up to its bound, the angular momentum of the total
+    mass that moves with the largest kinetic energy at the largest distance of a body from the centre; 1 kg m^2/s if that is
+    zero too.
     """
-    mass = masses(mechanism)[:, None, None]
+    mass, exact = masses(mechanism)[:, None, None], truth.trajectory
     centre = (mass * exact.position).sum(axis=0) / mass.sum()
     reach = np.linalg.norm(exact.position - centre, axis=-1).max()
     most = float(np.sqrt(2 * expected.kinetic_energy.max() * mass.sum()) * reach)
     initial = float(np.linalg.norm(expected.angular_momentum[0]))
-    return (initial if initial > ROUNDED * most else most) or 1.0
+    nothing = initial <= ROUNDED * most or initial <= truth.bounds.angular_momentum_error[0]
+    return (most if nothing else initial) or 1.0
 
 
 def _pairs(mechanism: Mechanism, compared: Comparison, letter: str) -> Iterator[tuple[Array, Array]]:

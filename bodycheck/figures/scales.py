@@ -62,10 +62,11 @@ def _in_body(scene: Scene, truth: Truth, trajectory: Trajectory) -> tuple[float,
     seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
     # Rounding affects the coordinates, which are measured from the origin.
     weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
+    energy_error, momentum_error = truth.bounds.energy_error[0], truth.bounds.angular_momentum_error[0]
     return (
-        float(np.fmax.reduce(seen.kinetic_energy + weighed)) / float(energy_size(reference)),
-        float(np.fmax.reduce(seen.rotational_energy)) / float(rotational_energy_size(reference)),
-        largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference)),
+        float(np.fmax.reduce(seen.kinetic_energy + weighed)) / float(energy_size(reference, energy_error)),
+        float(np.fmax.reduce(seen.rotational_energy)) / float(rotational_energy_size(reference, momentum_error)),
+        largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference, momentum_error)),
     )
 
 
@@ -78,10 +79,11 @@ def _in_mechanism(mechanism: Mechanism, truth: Truth, trajectory: Trajectory) ->
     mass = masses(mechanism)[:, None]
     weighed = (mass * mechanism.gravity * np.abs(trajectory.position[..., 2])).sum(axis=0)
     momentum = float(mass.sum()) * largest(trajectory.position) * largest(trajectory.velocity)
+    energies = np.fmax.reduce(seen.kinetic_energy + np.abs(seen.potential_energy) + weighed)
     return (
-        float(np.fmax.reduce(seen.kinetic_energy + np.abs(seen.potential_energy) + weighed)) / float(energy_size(reference)),
+        float(energies) / float(energy_size(reference, truth.bounds.energy_error[0])),
         0.0,
-        max(1.0, momentum / mechanisms.angular_momentum_size(mechanism, truth.trajectory, reference)),
+        max(1.0, momentum / mechanisms.angular_momentum_size(mechanism, truth, reference)),
     )
 
 

@@ -4,6 +4,7 @@
 - `motion`: the result of every way: states with bounds, and events.
 - `ways`: chooses the way for a scene, and the friction that engines receive instead of an infinite coefficient.
 - `truth`: the truth of a scene from its way.
+- `witness`: the second way, which starts from the scene and shares no code with the first.
 - `round`, `flat`, `leaning`, `piles`, `coin`, `dropped`: the ways. After the first touch of a body that is dropped on an edge
   or a corner, only inequalities are known.
 - `touching`, `observables`, `impacts`: the observables that are measured on the samples of a run.

@@ -4,6 +4,7 @@
 - `rotations`: products of quaternions, rotated vectors, quaternions and body rates of Euler angles.
 - `inertia`: mass, centre of mass and inertia tensor of solids, particles and bodies of parts.
 - `axes`: principal moments and principal axes of a tensor.
+- `touching`: the position of a body that touches a plane.
 - `pairs`: arithmetic of some 120 bits for many numbers at once, for ensembles.
 - `start`: the principal moments, attitude and angular velocity of a scene at t = 0. Open this first.
 

@@ -1,7 +1,7 @@
 """Vectors and rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
 
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
-from bodycheck.reference.scene import Attitude, EulerAngles, EulerRates
+from bodycheck.reference.scene import AlongPlane, Attitude, EulerAngles, EulerRates
 
 #: The origin of a frame, and a vector of zeros.
 ORIGIN: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
@@ -90,6 +90,9 @@ def turned(rows: tuple[Vector3, Vector3, Vector3], v: Vector3) -> Vector3:
 
 def attitude(orientation: Attitude) -> Quaternion4:
     """The unit quaternion (w, x, y, z) of an attitude [G 2.14]."""
+    if isinstance(orientation, AlongPlane):
+        cosine, sine = MP.cos_sin(MP.mpf(orientation.incline) / 2)
+        return cosine, MP.mpf(0), sine, MP.mpf(0)
     if not isinstance(orientation, EulerAngles):
         w, x, y, z = orientation
         return unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
@@ -118,7 +121,7 @@ def _angles(orientation: Attitude) -> tuple[Real, Real]:
     """theta and psi (rad) of an attitude; where only their sum or difference with phi is determined, phi is 0 [G p. 45]."""
     if isinstance(orientation, EulerAngles):
         return MP.mpf(orientation.theta), MP.mpf(orientation.psi)
-    w, x, y, z = (MP.mpf(part) for part in orientation)
+    w, x, y, z = attitude(orientation)
     theta = 2 * MP.atan2(MP.hypot(x, y), MP.hypot(w, z))
     if not (x or y):
         return theta, 2 * MP.atan2(z, w)

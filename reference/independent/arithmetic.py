@@ -76,6 +76,16 @@ def norm(vector: Vector) -> Real:
     return MP.sqrt(dot(vector, vector))
 
 
+def plus(*vectors: Vector) -> Vector:
+    """The sum of vectors."""
+    return [sum(parts) for parts in zip(*vectors, strict=True)]
+
+
+def minus(one: Vector, other: Vector) -> Vector:
+    """The difference of two vectors."""
+    return [a - b for a, b in zip(one, other, strict=True)]
+
+
 def scaled(vector: Vector, factor: Real) -> Vector:
     """A vector times a number."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor

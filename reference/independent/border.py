@@ -8,7 +8,18 @@ from typing import Any
 import mpmath
 
 from bodycheck.reference.independent.inertia import Rows, along_axes, inverse, mass_and_tensor, over_common_denominator
-from bodycheck.reference.scene import Attitude, Body, Definition, EulerAngles, EulerRates, Scene, Valid, valid
+from bodycheck.reference.scene import (
+    AlongPlane,
+    Attitude,
+    Body,
+    Definition,
+    EulerAngles,
+    EulerRates,
+    Given,
+    Scene,
+    Valid,
+    valid,
+)
 
 #: Decimal digits of the arithmetic.
 DIGITS = 100
@@ -79,10 +90,18 @@ def _border(scene: Scene, holds: Valid) -> Border:
     return Border(mass, tensor, mobility, attitude(orientation), rates, times(tensor, rates))
 
 
+def made_of(given: Given) -> tuple[Number, Matrix]:
+    """The mass (kg) and the inertia tensor (kg m^2) of a body, in its frame, from its data in a file."""
+    mass, tensor = mass_and_tensor(Definition(given), _rational_cosines)
+    return _number(mass), _numbers(tensor)
+
+
 def attitude(orientation: Attitude) -> Matrix:
     """The matrix of direction cosines of an attitude, body to world components."""
     if isinstance(orientation, EulerAngles):
         return _product(_product(about_z(orientation.phi), about_x(orientation.theta)), about_z(orientation.psi))
+    if isinstance(orientation, AlongPlane):
+        return about_y(orientation.incline)
     return [[_number(entry) for entry in row] for row in _of_quaternion(orientation)]
 
 
@@ -126,6 +145,12 @@ def about_x(angle: Number) -> Matrix:
     return [[ONE, ZERO, ZERO], [ZERO, c, -s], [ZERO, s, c]]
 
 
+def about_y(angle: Number) -> Matrix:
+    """The matrix of a turn about y by an angle (rad)."""
+    c, s = MP.cos_sin(angle)
+    return [[c, ZERO, s], [ZERO, ONE, ZERO], [-s, ZERO, c]]
+
+
 #: The derivatives of `about_x` and `about_z` at the angle 0.
 TURN_X: Matrix = [[MP.mpf(value) for value in row] for row in ((0, 0, 0), (0, 0, -1), (0, 1, 0))]
 TURN_Z: Matrix = [[MP.mpf(value) for value in row] for row in ((0, -1, 0), (1, 0, 0), (0, 0, 0))]
@@ -151,8 +176,8 @@ def _of_doubles(body: Body) -> tuple[Number, Matrix, Matrix]:
 
 
 def _rational_cosines(orientation: Attitude) -> Rows:
-    """The matrix of an attitude in rational numbers; from Euler angles it is rounded to the digits of `MP`."""
-    if not isinstance(orientation, EulerAngles):
+    """The matrix of an attitude in rational numbers; from angles it is rounded to the digits of `MP`."""
+    if isinstance(orientation, tuple):
         return _of_quaternion(orientation)
     return [[Fraction(*mpmath.libmp.to_rational(entry._mpf_)) for entry in row] for row in attitude(orientation)]
 

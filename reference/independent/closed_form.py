@@ -127,10 +127,27 @@ def witness(scene: Scene, times: Array) -> Witness:
     The attitude and the angular velocity are given in the frame of the body of the scene.
     """
     begin = border(scene)
-    moments, axes = principal_axes(begin.tensor)
-    turned = _turned(moments, _along(axes, begin.rates), times)
+    return rotation(begin.tensor, begin.cosines, begin.rates, times)
+
+
+def rotation(tensor: Matrix, cosines: Matrix, rates: Vector, times: Array) -> Witness:
+    """The rotation of a free body at times (n,) in any order, s, from its start.
+
+    Parameters
+    ----------
+    tensor
+        Rows of the inertia tensor about the centre of mass, in the frame of the body (kg m^2).
+    cosines
+        Rows of the matrix of direction cosines at t = 0, body to world components.
+    rates
+        Angular velocity at t = 0, in the frame of the body (rad/s).
+    times
+        The times (s).
+    """
+    moments, axes = principal_axes(tensor)
+    turned = _turned(moments, _along(axes, rates), times)
     to_body = wide_matrix(axes)
-    before = wide_matrix(product(begin.cosines, transposed(axes)))
+    before = wide_matrix(product(cosines, transposed(axes)))
     return Witness(
         NAME,
         quaternion=quaternion_of(before @ turned.cosines @ to_body),

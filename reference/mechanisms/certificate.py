@@ -58,7 +58,7 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
         ways = [Way(TRUTH_WAY, stated, rounded.bounds.of_states()), *_other_ways(mechanism, times, course, witness)]
         differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
-    pairs = combinations((Witness(way.name, **way.errors, digits=way.digits) for way in ways), 2)
+    pairs = combinations((Witness(way.name, **way.errors, digits=way.digits, events=None) for way in ways), 2)
     faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
     best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
     if best is None:

@@ -60,7 +60,7 @@ def planar_start(scene: Scene) -> Array:
         match definition.attitude:
             case EulerAngles(phi, _, psi):
                 yaw = phi + psi
-            case quaternion:
+            case tuple() as quaternion:
                 yaw = float(direction_of_first_axis(np.array(quaternion)))
         if valid(scene).rotation:
             rotation = definition.rotation

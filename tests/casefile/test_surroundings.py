@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import Case, CaseFaults, parse
+from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.planar import planar_state
@@ -74,6 +76,38 @@ def test_any_shape_lies_on_the_plane_by_default(shape: str, height: float) -> No
 def test_a_tilted_body_touches_the_plane_by_default() -> None:
     scene = body("[scene.plane]\n[initial]\neuler_zxz = [0.0, 0.5, 0.0]\n")
     assert scene.initial.position == pytest.approx([0.0, 0.0, 0.2 * math.sin(0.5) + 0.3 * math.cos(0.5)], abs=1e-15)
+
+
+@pytest.mark.parametrize("incline", [0.0, 0.1, 0.3, 0.7853981633974483, 1.1, 1.5])
+@pytest.mark.parametrize("head", ["format = 1\n[body]\n", 'format = 2\n[[bodies]]\nname = "plate"\n'])
+def test_the_default_pose_is_rounded_once(head: str, incline: float) -> None:
+    """A flat plate has a height that the rounding of its attitude, times its width, exceeds."""
+    shape = 'shape = "brick"\nmass = 1.0\nsemi_axes = [1.0, 1.0, 0.01]\n'
+    plane = f"[scene]\ngravity = 9.81\n[scene.plane]\nincline = {incline!r}\nfriction = 0.5\n"
+    format_line, heading = head.split("\n", 1)
+    scene = read(f"{format_line}\n{HEAD}{heading}{shape}{plane}").scene
+    start = scene.bodies[0].start if isinstance(scene, Mechanism) else scene.initial
+    assert start is not None
+    cosine, sine = MP.cos_sin(MP.mpf(incline))
+    height = MP.mpf(0.01)
+    assert start.position == (float(height * sine), 0.0, float(height * cosine))
+    (flat,) = problem(scene).bodies
+    assert flat.quaternion.tolist() == [1, 0, 0, 0]
+    # The position is the one number of the pose that is rounded to doubles, each component by at most half an ulp.
+    assert abs(flat.position[2] - np.longdouble(0.01)) <= 0.01 * np.finfo(float).eps
+
+
+def test_the_default_height_follows_from_euler_angles_to_all_digits() -> None:
+    """Half a turn of pi / 2, as rounded to a double, tilts the plate by 6e-17 rad."""
+    plane = "[scene.plane]\nincline = 0.3\nfriction = 0.5\n[initial]\neuler_zxz = [0.4, 1.5707963267948966, 0.2]\n"
+    scene = body(plane)
+    theta, phi, psi = MP.mpf(1.5707963267948966), MP.mpf(0.4), MP.mpf(0.2)
+    cosine, sine = MP.cos_sin(MP.mpf(0.3))
+    across = sine * MP.cos(phi), -sine * MP.sin(phi)
+    tilted = across[1] * MP.cos(theta) + cosine * MP.sin(theta), -across[1] * MP.sin(theta) + cosine * MP.cos(theta)
+    along = across[0] * MP.cos(psi) + tilted[0] * MP.sin(psi), -across[0] * MP.sin(psi) + tilted[0] * MP.cos(psi)
+    height = sum(abs(part) * MP.mpf(half) for part, half in zip((*along, tilted[1]), (0.1, 0.2, 0.3), strict=True))
+    assert scene.initial.position == (float(height * sine), 0.0, float(height * cosine))
 
 
 def test_what_a_pair_says_counts_for_the_only_body() -> None:

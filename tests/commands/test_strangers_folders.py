@@ -117,7 +117,8 @@ def test_a_full_disk_is_said_and_the_run_is_resumed(
     there = journal.read(out / "run.jsonl").records if room >= 3000 else ()
     again = bodycheck("run", case, *RUN, "--out", out)
     assert again.returncode == 0
-    assert (f"resuming the interrupted run in {out}: {len(there)} of 2" in again.stderr) == bool(there)
+    done_before = len(there) // 2  # a run counts as done when its truth is there too
+    assert (f"resuming the interrupted run in {out}: {done_before} of 1 are done" in again.stderr) == bool(there)
     assert journal.read(out / "run.jsonl").complete
     assert (out / "report.html").exists()
     assert not [path for path in out.rglob("*") if path.suffix in (".part", ".lock")]

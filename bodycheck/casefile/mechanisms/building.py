@@ -15,7 +15,6 @@ from bodycheck.casefile.surroundings import attitude_on, build_contacts, build_p
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import start
-from bodycheck.reference.mechanisms.exact import nearest_turn
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.scene import Plane, Shape, Solid, Vector
@@ -199,7 +198,7 @@ def _body(table: grammar.AnyBody, plane: Plane | None, *, free: bool) -> Jointed
 
 def _start(table: InitialTable, plane: Plane | None, shape: Shape | None) -> BodyStart:
     attitude = attitude_of(table, attitude_on(plane))
-    position = table.position or position_on(plane, shape, nearest_turn(attitude))
+    position = table.position or position_on(plane, shape, attitude)
     return BodyStart(position, attitude, table.velocity, rotation_of(table))
 
 

@@ -313,15 +313,16 @@ def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
     quantities = {
         "attitude": normalise(trajectory.quaternion),
         "position": trajectory.position,
-        "energy": seen.total_energy[:, None] / energy_size(reference),
+        "energy": seen.total_energy[:, None] / energy_size(reference, truth.bounds.energy_error[0]),
     }
     if isinstance(scene, Mechanism):
         if floats(scene):
-            momentum = mechanisms.angular_momentum_size(scene, truth.trajectory, reference)
+            momentum = mechanisms.angular_momentum_size(scene, truth, reference)
             quantities["angular_momentum"] = seen.angular_momentum / momentum
         return quantities
     assert isinstance(reference, Observables)
-    return quantities | {"angular_momentum": seen.angular_momentum / angular_momentum_size(scene, reference)}
+    size = angular_momentum_size(scene, reference, truth.bounds.angular_momentum_error[0])
+    return quantities | {"angular_momentum": seen.angular_momentum / size}
 
 
 def apart(quantity: str, one: dict[str, Array], other: dict[str, Array]) -> float:

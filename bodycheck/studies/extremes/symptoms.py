@@ -172,7 +172,7 @@ def energy_change(scene: AnyScene, trajectory: Trajectory) -> Array:
     """
     if isinstance(scene, Mechanism):
         total = observe_mechanism(scene, trajectory)
-        change = (total.total_energy - total.total_energy[0]) / energy_size(total)
+        change = (total.total_energy - total.total_energy[0]) / energy_size(total, 0.0)
         return np.asarray(np.minimum(change, MAX_RELATIVE_ENERGY))
     seen, body = observe(scene, trajectory), scene.body
     kinetic = float(seen.kinetic_energy[0])

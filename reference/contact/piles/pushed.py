@@ -123,12 +123,12 @@ def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> boo
     if any(abs(faces[ball].bottom - under.top) > near or margin(under, faces[ball].centre) <= near for ball in balls):
         return False
     pairs = ((faces[one], faces[other]) for index, one in enumerate(balls) for other in balls[index + 1 :])
-    return all(np.sum((one.centre - other.centre) ** 2) > _touching(one, other) for one, other in pairs)
+    return all(np.sum((one.centre - other.centre) ** 2) > _touching(one, other) * (1 + Wide(NONE)) for one, other in pairs)
 
 
 def _touching(one: Upright, other: Upright) -> Wide:
     """The square of the distance (m^2), along the face, of two touching spheres on the face: (R + r)^2 - (R - r)^2."""
-    return Wide(4 * one.half[0] * other.half[0] * (1 + Wide(NONE)))
+    return Wide(4 * one.half[0] * other.half[0])
 
 
 def _roundness(body: ContactBody) -> Real:

@@ -40,7 +40,7 @@ def errors(
     speeds = np.maximum.accumulate([_speed(ball, begin.velocity, begin.spin) for begin in begins])
     speed = np.maximum(speeds[phase_index], np.array([_speed(ball, v, w) for v, w in zip(velocity, spin, strict=True)]))
     unit = ROUNDINGS * np.finfo(Wide).eps * (phase_index + 1)
-    late = _late(ball, course) * (phase_index > 0)
+    late = _late(ball, course, phase_index)
     size = np.sqrt(begins[0].position @ begins[0].position)
     slope = _edge(ball) * times
     fast = unit * speed + velocity_error + (ball.onto + ball.downhill) * late + slope
@@ -65,21 +65,28 @@ def event_errors(ball: Ball, course: Course) -> WideArray:
     least = ball.slowing - ball.downhill if ball.slowing > ball.downhill else ball.slowing
     stops = np.array([change.kind != "impact" for change in course.changes])
     ends = stops * (speed / least if least else Wide(0))
-    unit = ROUNDINGS * np.finfo(Wide).eps * (np.arange(len(times)) + 1)
-    return np.asarray(np.where(times > 0, unit * (times + ends) + _late(ball, course), 0))
+    count = np.arange(len(times)) + 1
+    unit = ROUNDINGS * np.finfo(Wide).eps * count
+    return np.asarray(np.where(times > 0, unit * (times + ends) + _late(ball, course, count), 0))
 
 
 def _speed(ball: Ball, velocity: WideArray, spin: WideArray) -> Wide:
     return Wide(np.sqrt(velocity @ velocity) + ball.radius * np.sqrt(spin @ spin))
 
 
-def _late(ball: Ball, course: Course) -> Wide:
-    """The bound of the error of the time of the first impact (s), from the roundings of the height."""
+def _late(ball: Ball, course: Course, count: WideArray) -> WideArray:
+    """The bounds (n,) of the errors of the times of the last of `count` (n,) impacts (s), from the roundings of the height.
+
+    If the first impact is late by dt, its speed is wrong by g dt, and the flight after k impacts lasts 2 e^k dt longer.
+    """
     first = next((change for change in course.changes if change.kind == "impact"), None)
     if first is None:
-        return Wide(0)
+        return np.zeros(len(count), Wide)
     height = course.phases[0].start.position[2]
-    return Wide(ROUNDINGS * np.finfo(Wide).eps * (height / first.normal_speed + first.moment.time)) * (first.moment.time > 0)
+    late = ROUNDINGS * np.finfo(Wide).eps * (height / first.normal_speed + first.moment.time) * (first.moment.time > 0)
+    e, flights = ball.restitution, np.maximum(count - 1, 0)
+    longer = 2 * (flights if e == 1 else e * (1 - e**flights) / (1 - e))
+    return np.asarray(late * (count > 0) * (1 + longer))
 
 
 def _edge(ball: Ball) -> Wide:
