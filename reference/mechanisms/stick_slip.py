@@ -21,7 +21,7 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
 from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, places_of_rates, split, start
-from bodycheck.reference.mechanisms.sticking import EXACT, Modes, settled, sign, with_modes
+from bodycheck.reference.mechanisms.sticking import EQUAL, EXACT, Modes, settled, sign, with_modes
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 
@@ -32,9 +32,8 @@ MOST_CHANGES, MOST_AT_ONCE = 10_000, 100
 #: again: its velocity there is zero except for rounding.
 JUST_BEGUN = 2.0**-20
 
-#: The number of roundings, relative to the forces, up to which a strain in a state that was integrated equals the friction, and
-#: of those, relative to the largest velocity of a joint, up to which a velocity is zero.
-EQUAL, STOPPED = 2.0**12, 2.0**5
+#: The number of roundings, relative to the largest velocity of a joint with dry friction, up to which a velocity is zero.
+STOPPED = 2.0**5
 
 #: The unused part of the friction below which a joint that sticks is watched: heyoka may not find a root at the beginning of a
 #: step.

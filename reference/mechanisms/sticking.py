@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.mechanisms.link_states import Decision, Form, Rates, derivatives, in_arithmetic
@@ -27,8 +28,11 @@ Modes = dict[int, int]
 #: The part of the forces by which a strain at t = 0 may exceed the friction without slip: rounding of a hundred digits.
 EXACT = MP.mpf(10) ** -70
 
-#: The same in double precision.
-IN_DOUBLES = 1e-12
+#: The number of roundings, relative to the forces, up to which a strain in a state that was integrated equals the friction.
+EQUAL = 2.0**12
+
+#: The part of the forces that double precision does not resolve.
+IN_DOUBLES = EQUAL * EPS
 
 #: The largest number of pivots.
 MOST_PIVOTS = 2000
