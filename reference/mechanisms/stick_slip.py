@@ -157,9 +157,9 @@ def _advanced(
             raise OutOfReach(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}")
         ignored = phase.begun if first else frozenset[int]()
         crossings = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
-        if not crossings:
-            crossings = [(index, begin) for index in _missed(tree, inner.state, phase.modes, watched, solver.eps)]
         crossing = min(crossings, key=lambda each: each[1], default=None)
+        if missed := _missed(tree, solver, phase.modes, watched, begin, inner.time if crossing is None else crossing[1]):
+            crossing = missed[0], begin
         until = inner.time if crossing is None else crossing[1]
         while len(rows) < len(instants) and instants[len(rows)] <= until:
             rows.append(solver.output(instants[len(rows)]))
@@ -169,21 +169,22 @@ def _advanced(
     raise OutOfReach(f"Taylor's method stopped at t = {float(inner.time):.6g} s, since the motion needs too many steps")
 
 
-def _missed(tree: Tree, state: WideArray, modes: Modes, watched: Sequence[int], eps: float) -> list[int]:
-    """The links that contradict their modes at the end of a step without a root, so that their modes changed at its beginning.
+def _missed(tree: Tree, solver: _Solver, modes: Modes, watched: Sequence[int], begin: Any, until: Any) -> list[int]:
+    """The links that contradict their modes between the beginning of a step and a time in it, before which there is no root.
 
-    Their velocity, or the unused part of their friction, was zero there except for rounding, and heyoka does not find a root
-    at the beginning of a step.
+    Their velocity, or the unused part of their friction, was zero at the beginning except for rounding, where heyoka does not
+    find a root. The velocities are those in the middle: at the end other joints may come to rest at the same time.
     """
-    velocities = {index: modes[index] * state[at] for index, at in _velocities(tree).items()}
-    back, largest = [index for index, velocity in velocities.items() if velocity < 0], float(np.abs(state.astype(float)).max())
-    if any(velocities[index] < -WATCHED * largest for index in back):
+    middle = solver.output(begin + (until - begin) / 2)
+    velocities = {index: modes[index] * float(middle[at]) for index, at in _velocities(tree).items()}
+    back = [index for index, velocity in velocities.items() if velocity < 0]
+    if any(velocities[index] < -WATCHED * float(np.abs(middle.astype(float)).max()) for index in back):
         raise OutOfReach("rounding leaves undecided whether a joint with dry friction slips")
     if not watched:
         return back
-    strains = with_modes(tree, [exactly(value) for value in state], modes, real, MP).strains
+    strains = with_modes(tree, [exactly(value) for value in solver.output(until)], modes, real, MP).strains
     over = {index: abs(strains[index]) / tree.links[index].friction for index in watched}
-    return back + [index for index, used in over.items() if used > 1 + EQUAL * eps]
+    return back + [index for index, used in over.items() if used > 1 + EQUAL * solver.eps]
 
 
 def _stopped(tree: Tree, state: WideArray, modes: Modes, index: int, eps: float) -> tuple[WideArray, Modes]:

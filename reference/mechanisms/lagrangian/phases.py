@@ -27,8 +27,8 @@ from bodycheck.reference.mechanisms.lagrangian.structure import Structure, frict
 #: The largest number of changes.
 MOST_CHANGES = 10_000
 
-#: The number of roundings up to which forces in an integrated state are equal, and velocities are zero.
-ROUNDINGS = 2.0**12
+#: The numbers of roundings up to which forces in an integrated state are equal, and velocities are zero.
+ROUNDINGS, STOPPED = 2.0**12, 2.0**5
 
 #: The part of the friction that may be unused where an element that sticks is watched after every step.
 WATCHED = 1e-9
@@ -171,7 +171,8 @@ def _advanced(
             raise OutOfReach(f"Taylor's method stopped at {float(begin):.6g} units of time: {outcome.name}")
         early = begin + BEGINNING * step if begin == time else begin
         changes = [(at, index) for at, index in solver.roots if at > early or index not in begun]
-        changes = changes or [(begin, index) for index in _overlooked(slipping, inner.state, modes, watching)]
+        until = min(changes)[0] if changes else inner.time
+        changes = [(begin, index) for index in _overlooked(slipping, solver, modes, watching, (begin, until))] or changes
         if changes:
             change = min(changes)
             while len(rows) < len(times) and times[len(rows)] <= change[0]:
@@ -190,11 +191,16 @@ def _watched(slipping: Slipping, state: WideArray, modes: Modes) -> list[int]:
     return [index for index, mode in modes.items() if not mode and abs(outcome[index].friction) > limits[index]]
 
 
-def _overlooked(slipping: Slipping, state: WideArray, modes: Modes, watching: bool) -> list[int]:
-    """The elements that contradict their modes after a step in which no root was found: the root was at its beginning."""
-    back = [index for index, mode in modes.items() if mode * state[slipping.velocity(index)] < 0]
+def _overlooked(slipping: Slipping, solver: _Solver, modes: Modes, watching: bool, span: tuple[Any, Any]) -> list[int]:
+    """The elements that contradict their modes in a span of a step without a root: they had a root at its beginning.
+
+    In the middle of the span, no velocity is zero because an element is about to come to rest.
+    """
+    halfway = solver.at((span[0] + span[1]) / 2)
+    back = [index for index, mode in modes.items() if mode * halfway[slipping.velocity(index)] < 0]
     if back or not watching:
         return back
+    state = solver.at(span[1])
     outcome = reactions(slipping, _exact(state), slipping.with_modes(modes), MP.mpf, MP)
     most = 1 + ROUNDINGS * float(np.finfo(state.dtype).eps)
     return [
@@ -206,8 +212,8 @@ def _stopped(slipping: Slipping, state: WideArray, modes: Modes, index: int) -> 
     """The state in which an element, and those that stop with it, are at rest, and the modes of all elements from then on."""
     state, moving, rounding = state.copy(), dict(modes), float(np.finfo(state.dtype).eps)
     velocities = {each: modes[each] * float(state[slipping.velocity(each)]) for each in modes}
-    largest = max(abs(velocity) for velocity in velocities.values())
+    zero = STOPPED * rounding * max(abs(velocity) for velocity in velocities.values())
     for each, velocity in velocities.items():
-        if each == index or velocity <= 32 * rounding * largest:
+        if each == index or velocity <= zero:
             state[slipping.velocity(each)], moving[each] = 0, 0
     return state, decided(slipping, _exact(state), moving, MP.mpf(ROUNDINGS * rounding))

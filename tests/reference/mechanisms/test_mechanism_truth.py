@@ -232,16 +232,3 @@ def test_the_lagrangian_vouches_for_a_chain_that_sticks_and_slips(monkeypatch: p
     for name in STATES:
         assert max(off[name]) > 1e-9
         assert (off[name] <= getattr(faulty.bounds, name)).all()
-
-
-def test_a_joint_that_sticks_too_early_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("heyoka")
-    mechanism = rough_chain(0.8)
-    phases = followed.phases(mechanism, TIMES)
-    early = [phases[0], replace(phases[1], begin=phases[1].begin - 1e-4), *phases[2:]]
-    assert phases[1].modes[1] == 0
-    monkeypatch.setattr(followed, "phases", lambda *_: early)
-    way = followed.lagrangian(mechanism, TIMES)
-    assert way is not None
-    # The joint would stop from some 1e-4 s times its deceleration of some 10 rad/s^2.
-    assert 1e-4 < way.strays["angular_velocity_error"][-1] < 1e-2
