@@ -1,7 +1,7 @@
-"""Certificate of a truth: every applicable computation of one motion, compared with every other.
+"""The cross-check of a truth: every applicable computation of one motion, compared with every other.
 
 Here a way is one such computation: the truth itself, its witnesses, or an integration in arithmetic so wide that the growth of
-its rounding errors stays far below what is certified.
+its rounding errors stays far below the error that is to be measured.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
-    """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
+    """The cross-check of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
     if touches(scene):
         alone = truth.computed(scene, times)
         return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own_bounds.error), 0, (NO_OTHER_WAY,), None)

@@ -1,7 +1,8 @@
-"""The certificate of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
+"""The cross-check of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
 
 The ways are the truth, the recursion if the truth is a closed form, the Lagrangian, and the recursion in arithmetic so wide
-that its rounding errors, with their growth, stay far below the certified bound.
+that its rounding errors, with their growth, stay far below the error that is to be measured. This last way has the equations of
+the recursion: it measures rounding, and only the Lagrangian checks the equations.
 """
 
 import contextlib
@@ -47,7 +48,7 @@ LOOPS_TOLERANCE = 1e-12
 
 
 def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
-    """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises what `mechanism_truth` raises."""
+    """The cross-check of the truth of a mechanism at ascending times (n,) >= 0, s. Raises what `mechanism_truth` raises."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
         course = followed(mechanism, times)

@@ -154,8 +154,8 @@ def doubts(decision: Decision, relative: float, errors: Sequence[float]) -> Iter
         return
     exactly = with_modes(tree, state, modes, real, MP)
     moved = []
-    for place, error in enumerate(errors):
-        beside = [value + error if place == index else value for index, value in enumerate(state)]
+    for component, error in enumerate(errors):
+        beside = [value + error if index == component else value for index, value in enumerate(state)]
         moved.append(with_modes(tree, beside, modes, real, MP).strains)
     for index, (margin, _) in zip(decision.rest, _margins(decision, exactly), strict=True):
         error = sum(abs(strains[index] - exactly.strains[index]) for strains in moved)

@@ -98,7 +98,7 @@ def reactions(
     }
     values = made(equations.tape, nodes, lambda kind, value: sources[kind](value), functions.sin, functions.cos)
     pairs = values[len(dry) :]
-    return {index: Reaction(values[place], pairs[2 * place], pairs[2 * place + 1]) for place, index in enumerate(dry)}
+    return {index: Reaction(values[row], pairs[2 * row], pairs[2 * row + 1]) for row, index in enumerate(dry)}
 
 
 def decided(slipping: Slipping, state: Sequence[Number], moving: Modes, slack: Number) -> Modes:
@@ -150,8 +150,8 @@ def _guess(slipping: Slipping, state: Sequence[Number], moving: Modes, rest: Seq
     force = np.zeros(len(rest))
     for _ in range(ROUNDS):
         before = force.copy()
-        for place, row in enumerate(across):
-            force[place] = np.clip(force[place] - (free[place] + row @ force) / row[place], -1.0, 1.0)
+        for i, row in enumerate(across):
+            force[i] = np.clip(force[i] - (free[i] + row @ force) / row[i], -1.0, 1.0)
         if np.abs(force - before).max() < UNCHANGED:
             break
     acceleration, scale = free + across @ force, np.abs(free) + np.abs(across).sum(axis=1)

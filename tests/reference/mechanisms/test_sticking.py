@@ -30,7 +30,7 @@ def slider(friction: float, velocity: float = 0.0) -> Mechanism:
     return Mechanism(bodies, (replace(rail, start_velocity=(velocity,)), AXLE), gravity=0.0)
 
 
-def place(found: Truth) -> Fraction:
+def position(found: Truth) -> Fraction:
     assert found.joints is not None
     return Fraction(float(found.joints.position[-1, 0]))
 
@@ -42,7 +42,7 @@ def test_the_numbers_of_the_file_decide_whether_a_joint_sticks(less: float) -> N
     # The friction is a double, and 1 minus it is exact.
     exact = max(1 - Fraction(friction), Fraction(0)) / 2 * 100**2 / 2
     assert [name.partition(",")[0] for name in found.witnesses] == ["Euler-Lagrange"]
-    assert abs(place(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
+    assert abs(position(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
     # Some 64 roundings of 80 bits of the speed of a point at 1 m from the axle, 10 m/s, for 100 s.
     assert found.bounds.position_error[-1] < 1e-14
 
@@ -55,8 +55,8 @@ def test_gravity_and_friction_are_compared_in_exact_arithmetic() -> None:
         # The wheel turns about the normal of the slope, and is balanced.
         found = mechanism_truth(replace(fast, joints=(rail, replace(AXLE, axis=(4.0, 0.0, 3.0))), gravity=10.0), TIMES)
         exact = (16 - Fraction(float(friction))) / 2 * 100**2 / 2 if slips else Fraction(0)
-        assert abs(place(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
-        assert (place(found) > Fraction(1, 10**13)) == slips
+        assert abs(position(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
+        assert (position(found) > Fraction(1, 10**13)) == slips
 
 
 def test_where_rounding_leaves_a_later_stop_undecided_the_bound_covers_both() -> None:
@@ -66,7 +66,7 @@ def test_where_rounding_leaves_a_later_stop_undecided_the_bound_covers_both() ->
     slowing = (1 + Fraction(friction)) / 2
     stop = 1 / slowing
     exact = -stop / 2 + (1 - Fraction(friction)) / 4 * (100 - stop) ** 2
-    assert abs(place(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
+    assert abs(position(found) - exact) <= Fraction(float(found.bounds.position_error[-1]))
     slack = (1 - friction) / 2
     assert found.bounds.position_error[-1] >= slack * 99**2 / 2
 
@@ -77,7 +77,7 @@ def test_a_strain_within_the_error_of_a_state_is_a_doubt() -> None:
     rail = replace(slider(1.0).joints[0], stiffness=2.0, effort=0.0, start_velocity=(float(np.sqrt(0.75)),))
     mechanism = replace(slider(1.0), joints=(rail, AXLE))
     found = mechanism_truth(mechanism, TIMES)
-    assert abs(place(found) - Fraction(1, 2)) < Fraction(1, 10**14)
+    assert abs(position(found) - Fraction(1, 2)) < Fraction(1, 10**14)
     # The place has an error of some roundings of 80 bits, by which the force, and the acceleration for 99 s, are uncertain.
     assert found.bounds.position_error[-1] > 1e-19 * 99**2 / 2
 
