@@ -186,8 +186,9 @@ def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
         slides = link.kind == "prismatic"
         of_components += [errors["position_error" if slides else "error"]] * held
         of_components += [errors["velocity_error" if slides else "angular_velocity_error"]] * moving
-    floating = [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
-    return of_components + (floating if decision.tree.floats else [])
+    if decision.tree.floats:
+        of_components += [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
+    return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
 
 
 def _add(mechanism: Mechanism, times: Array, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:

@@ -65,6 +65,8 @@ class Decision:
         The time (s).
     state
         The state of the tree as it was computed, in numbers of a hundred digits.
+    exact
+        The indices of the components of the state that are exact, since their joints have not moved.
     modes
         The mode of each link with dry friction from then on, by its index.
     rest
@@ -74,6 +76,7 @@ class Decision:
     tree: Tree
     time: float
     state: list[Real]
+    exact: frozenset[int]
     modes: dict[int, int]
     rest: tuple[int, ...]
 

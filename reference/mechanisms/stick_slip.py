@@ -104,6 +104,7 @@ def _rows(
     modes = settled(tree, begin, moving, EXACT)
     phase = _Phase(instants[0], kind.array(begin), modes, _slipping(modes, moving))
     rows, left, at_once = [phase.state], most_steps(solver.solver), 0
+    still = {index for index, mode in modes.items() if not mode}
     while len(rows) < len(instants):
         crossing, left = _advanced(tree, kind, solver, phase, instants, rows, left)
         if crossing is None:
@@ -115,15 +116,17 @@ def _rows(
         state, before = solver.output(time), phase.modes
         if before[index]:
             state, moving = _stopped(tree, state, before, index, solver.eps)
-            numbers = [exactly(value) for value in state]
+            exact = frozenset(at - step for each, at in _velocities(tree).items() if each in still for step in (0, 1))
+            numbers = [begin[at] if at in exact else exactly(value) for at, value in enumerate(state)]
             modes = settled(tree, numbers, moving, real(EQUAL * solver.eps))
             rest = tuple(each for each, mode in moving.items() if not mode)
-            decisions.append(Decision(tree, float(time), numbers, modes, rest))
+            decisions.append(Decision(tree, float(time), numbers, exact, modes, rest))
         else:
             # Its acceleration begins at zero, so that the modes of the other links do not change at this instant.
             modes = {**before, index: sign(_strains(tree, state, before)[index])}
         changes += [Change(time, tree.links[each].joint, mode) for each, mode in modes.items() if mode != before[each]]
         phase = _Phase(time, state, modes, _slipping(modes, before))
+        still = {each for each in still if not modes[each]}
     return np.array(rows), tuple(changes), tuple(decisions)
 
 

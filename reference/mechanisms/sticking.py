@@ -155,6 +155,8 @@ def doubts(decision: Decision, relative: float, errors: Sequence[float]) -> Iter
     exactly = with_modes(tree, state, modes, real, MP)
     moved = []
     for component, error in enumerate(errors):
+        if not error:
+            continue
         beside = [value + error if index == component else value for index, value in enumerate(state)]
         moved.append(with_modes(tree, beside, modes, real, MP).strains)
     for index, (margin, _) in zip(decision.rest, _margins(decision, exactly), strict=True):

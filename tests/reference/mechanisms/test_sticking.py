@@ -137,3 +137,19 @@ def test_without_a_fault_the_two_ways_agree() -> None:
     checked = certify(slider(1.0 - 1e-12), TIMES)
     assert checked.certified
     assert checked.truth.bounds.position_error[-1] < 1e-14
+
+
+def test_a_joint_that_has_not_moved_is_decided_exactly_where_another_one_stops() -> None:
+    # Friction is the double nearest to what gravity asks of the hinge, 9.81 * 1.5 sin(1/2) / 2 N m: an irrational number.
+    rod = body("rod", 1.0, (1 / 12, 1 / 12, 0.0), (0.0, 0.0, -0.5))
+    hinge = Joint("hinge", "revolute", WORLD, 0, axis=(0.0, 1.0, 0.0), start=(0.5,), start_velocity=(0.0,))
+    tie = 9.81 * 0.75 * float(np.sin(0.5))
+    axle = replace(AXLE, position=(0.0, 0.0, -0.5))
+    wheel = body("wheel", 0.5, (0.02, 0.02, 0.04))
+    for friction in (np.nextafter(tie, 9.0), tie * (1 + 1e-14)):
+        mechanism = Mechanism((rod, wheel), (replace(hinge, friction=float(friction)), axle), gravity=9.81)
+        found = mechanism_truth(mechanism, TIMES)
+        assert found.joints is not None
+        assert (found.joints.position[:, 0] == 0.5).all()
+        # The wheel's 12.5 rad have some roundings, and nothing grows with the 97.5 s of the hinge.
+        assert found.bounds.error[-1] < 1e-13
