@@ -1,5 +1,6 @@
 """Arithmetic of a hundred decimal digits, and rounding to the types of NumPy and heyoka."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -44,8 +45,13 @@ def real(value: Any) -> Real:
 
 
 def exactly(value: Any) -> Real:
-    """Convert a finite number of a type of NumPy or heyoka, however many bits it has, to this arithmetic, without rounding."""
+    """Convert a number of a type of NumPy or heyoka, however many bits it has, to this arithmetic, without rounding.
+
+    Raises `OverflowError` if it is not finite.
+    """
     total, part = MP.zero, float(value)
+    if not math.isfinite(part):
+        raise OverflowError(f"{part} is not a number of this arithmetic")
     while part:
         total, value = total + MP.mpf(part), value - part
         part = float(value)

@@ -132,6 +132,8 @@ def _rounded(value: Number, dtype: Any) -> Any:
 
 def _exact(state: WideArray) -> list[Number]:
     """A state in numbers of a hundred digits, without rounding."""
+    if not np.isfinite(state.astype(float)).all():
+        raise OutOfReach("the motion exceeds the range of floating-point numbers")
     total, rest = [MP.zero] * len(state), state
     while rest.any():
         part = rest.astype(float)
