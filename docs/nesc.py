@@ -196,8 +196,10 @@ def print_exact(scene: Scene) -> None:
     print("| after 30 s | roll rate, deg/s | pitch rate, deg/s | yaw rate, deg/s | error at most, deg/s |")
     print("| --- | --- | --- | --- | --- |")
     print(f"| exact | {' | '.join(f'{rate:.12f}' for rate in rates_of(found.truth.trajectory)[0])} | {bound:.1e} |")
-    certified = f"certified to {found.bound[0]:.1e} rad" if found.certified else f"not certified: {'; '.join(found.faults)}"
-    print(f"\nThe attitude is {certified}.\n")
+    checked = (
+        f"cross-checked to {found.bound[0]:.1e} rad" if found.certified else f"not cross-checked: {'; '.join(found.faults)}"
+    )
+    print(f"\nThe attitude is {checked}.\n")
 
 
 def print_tools(scene: Scene, traces: Mapping[str, Trace]) -> None:

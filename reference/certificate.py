@@ -1,7 +1,7 @@
-"""Certificate of a truth: every applicable computation of one motion, compared with every other.
+"""The cross-check of a truth: every applicable computation of one motion, compared with every other.
 
 Here a way is one such computation: the truth itself, its witnesses, or an integration in arithmetic so wide that the growth of
-its rounding errors stays far below what is certified.
+its rounding errors stays far below the error that is to be measured.
 """
 
 import contextlib
@@ -34,7 +34,7 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
-    """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
+    """The cross-check of the truth of a scene, at ascending times (n,) >= 0, s. It raises as `truth.truth` does."""
     if isinstance(scene, Mechanism) and not touches(scene):
         from bodycheck.reference.mechanisms.certificate import certify_mechanism  # imported where it is needed
 

@@ -1,4 +1,4 @@
-"""A certificate of a truth, and the contradiction between two computations that refutes it."""
+"""A cross-check of a truth, and the contradiction between two computations that makes it fail."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from bodycheck.reference.witness import Witness, event_distances
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
 
-#: Why a truth without another way is not certified.
+#: Why a truth without another way is not cross-checked.
 NO_OTHER_WAY = "no other way follows this motion"
 
 #: Bits of the mantissa that stay correct after rounding errors have grown along the motion: the error of the way is then below
@@ -42,12 +42,12 @@ class Certificate:
     differences
         (n,) largest angles so far between the attitudes of two ways (rad), by the names of the two ways.
     bound
-        (n,) certified bound of the attitude error of the truth (rad), never decreasing: its distance from the most accurate
-        other way, plus that way's own error. It is measured, and is not the bound that the truth prints.
+        (n,) measured bound of the attitude error of the truth (rad), never decreasing: its distance from the most accurate
+        other way, plus that way's own error. It is not the bound that the truth prints.
     digits
         Decimal digits of the arithmetic of the most accurate other way; 0 if there is none.
     faults
-        Why the truth is not certified, one sentence each: pairs of ways that are farther apart than their own bounds allow.
+        Why the truth is not cross-checked, one sentence each: pairs of ways that are farther apart than their own bounds allow.
     growth
         (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where it is not known. See
         `integration.sensitivity`.

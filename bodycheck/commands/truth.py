@@ -40,9 +40,9 @@ def truth(
     at
         Instants in s, in any order. By default, the sampling times of the case.
     certify
-        Also compute the trajectory by all other methods, and print how far they are apart and how large the error of the
-        truth is at most according to the most accurate of them. The exit code is 1 if two methods are farther apart than their
-        own error bounds allow.
+        Cross-check the truth: also compute the trajectory by all other methods, and print how far they are apart and how
+        large the error of the truth is at most according to the most accurate of them. This is a measurement, not a proof.
+        The exit code is 1 if two methods are farther apart than their own error bounds allow.
     limit
         The time limit in s.
     """
@@ -69,7 +69,7 @@ def truth(
         if certificate:
             printing.print_certificate(certificate)
     for fault in certificate.faults if certificate else ():
-        print(f"not certified: {fault}", file=sys.stderr if json else sys.stdout)
+        print(f"not cross-checked: {fault}", file=sys.stderr if json else sys.stdout)
     return OK if certificate is None or certificate.certified else FAILED
 
 

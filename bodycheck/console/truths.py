@@ -1,4 +1,4 @@
-"""Print a truth and its certificate to stdout."""
+"""Print a truth and its cross-check to stdout."""
 
 from importlib.util import find_spec
 from operator import itemgetter
@@ -117,13 +117,16 @@ def print_certificate(certificate: Certificate) -> None:
     rows = [(f"{one} | {other}", *figures(apart)) for (one, other), apart in certificate.differences.items()]
     rows += [
         ("printed bound of the truth's error", *figures(truth.bounds.error)),
-        ("certified bound", *figures(certificate.bound)),
+        ("bound by the most accurate other way", *figures(certificate.bound)),
     ]
     heads = [f"until {t[i]:g} s" for i in chosen]
     columns = [Column(head, head, itemgetter(index), goes=len(heads) - index) for index, head in enumerate(heads, start=1)]
     show([Column("ways", "ways", itemgetter(0), wraps=True), *columns], rows)
     if certificate.certified:
-        tell(f"certified: {certificate.bound[-1]:.1e} rad, measured against arithmetic of {certificate.digits} digits")
+        tell(
+            f"cross-checked: all ways agree within their bounds, and the truth is at most {certificate.bound[-1]:.1e} rad off "
+            f"by the most accurate other way, in arithmetic of {certificate.digits} digits"
+        )
     if certificate.growth is not None and not isinstance(truth.scene, Mechanism):
         tell(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
     if touches(truth.scene):

@@ -1,4 +1,4 @@
-"""The tasks of worker processes: make a run, compute truths, certify a truth, and compute where a body stops.
+"""The tasks of worker processes: make a run, compute truths, cross-check a truth, and compute where a body stops.
 
 A process of an engine needs nothing of the reference, and a process of the reference needs no engine. Each imports only what it
 needs.
@@ -56,7 +56,7 @@ class StopTask:
 
 @dataclass(frozen=True)
 class Question:
-    """The truth of a case, or its certificate, at some times (s) or at the case's instants."""
+    """The truth of a case, or its cross-check, at some times (s) or at the case's instants."""
 
     case: Case
     times: tuple[float, ...] | None
@@ -95,7 +95,7 @@ def perform(argument: TruthTask | Task) -> Run | Truths:
 
 
 def answer(question: Question) -> Truth | Certificate | NoTruth:
-    """Compute the requested truth or certificate; `NoTruth` if the reference has none."""
+    """Compute the requested truth or cross-check; `NoTruth` if the reference has none."""
     from bodycheck.running import truths
 
     compute = truths.certify if question.certified else truths.truth

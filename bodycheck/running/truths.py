@@ -1,4 +1,4 @@
-"""Compute the truth of a case, certify it, and convert both to JSON."""
+"""Compute the truth of a case, cross-check it, and convert both to JSON."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, replace
@@ -159,7 +159,8 @@ def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
 def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
     """Return the additional JSON entries of `bodycheck truth --certify --json`.
 
-    The entries are the attitude differences (rad) of all pairs of methods, the certified bound, and the growth of an error.
+    The entries are the attitude differences (rad) of all pairs of methods, the bound according to the most accurate other
+    method, and the growth of an error.
     """
     return {
         "differences": [

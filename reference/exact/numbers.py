@@ -1,5 +1,6 @@
 """Arithmetic of a hundred decimal digits, and rounding to the types of NumPy and heyoka."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -43,6 +44,20 @@ def real(value: Any) -> Real:
     return MP.convert(value)
 
 
+def exactly(value: Any) -> Real:
+    """Convert a number of a type of NumPy or heyoka, however many bits it has, to this arithmetic, without rounding.
+
+    Raises `OverflowError` if it is not finite.
+    """
+    total, part = MP.zero, float(value)
+    if not math.isfinite(part):
+        raise OverflowError(f"{part} is not a number of this arithmetic")
+    while part:
+        total, value = total + MP.mpf(part), value - part
+        part = float(value)
+    return total
+
+
 def vector(values: Sequence[Any]) -> Vector3:
     """Three numbers of any type as numbers of this arithmetic, without rounding."""
     x, y, z = values
@@ -70,6 +85,13 @@ class FloatType:
 
     dtype: Any = np.longdouble
     bits: int | None = None
+
+    @property
+    def eps(self) -> float:
+        """The distance from 1 to the next number of this type."""
+        if self.bits is not None:
+            return 2.0 ** (1 - self.bits)
+        return float(np.finfo(self.dtype).eps) if self.dtype in (np.float64, np.longdouble) else 2.0**-112
 
     def number(self, value: Real) -> Any:
         """The number of this type that is nearest to an exact number or to a double."""

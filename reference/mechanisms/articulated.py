@@ -38,11 +38,13 @@ ZERO: Vec = [0, 0, 0]
 class Accelerations:
     """The derivatives of the rates of each link; of a free link the acceleration (6,), without gravity, along its own axes.
 
-    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating.
+    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating. inertias: the
+    quotients of the strains and the accelerations without these forces.
     """
 
     rates: list[Vec]
     strains: list[Number]
+    inertias: list[Number]
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,7 +341,7 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
     """The accelerations of the joints, from the root to the tips."""
     extra: list[Vec] = []
     rates: list[Vec] = []
-    strains: list[Number] = []
+    strains, inertias = list[Number](), list[Number]()
     for link, motion, steps in zip(links, motions, eliminated, strict=True):
         if link.parent >= 0:
             angular, linear = extra[link.parent][:3], extra[link.parent][3:]
@@ -360,8 +362,8 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
             whole[k] = whole[k] + along[k]
         extra.append(whole)
         rates.append([along[k] for k in sorted(along)])
-        strains.append(step.weight * released)
-    return Accelerations(rates, strains)
+        strains, inertias = [*strains, step.weight * released], [*inertias, step.weight]
+    return Accelerations(rates, strains, inertias)
 
 
 def _absent(value: Number) -> bool:

@@ -1,7 +1,8 @@
-"""The certificate of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
+"""The cross-check of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
 
 The ways are the truth, the recursion if the truth is a closed form, the Lagrangian, and the recursion in arithmetic so wide
-that its rounding errors, with their growth, stay far below the certified bound.
+that its rounding errors, with their growth, stay far below the error that is to be measured. This last way has the equations of
+the recursion: it measures rounding, and only the Lagrangian checks the equations.
 """
 
 import contextlib
@@ -22,14 +23,15 @@ from bodycheck.reference.mechanisms.followed import (
     RECURSION,
     Followed,
     arithmetic,
-    by_recursion,
+    errors_of_witness,
     followed,
     growth_instants,
     growth_with_loops,
     lagrangian,
     require_modelled,
     rounding_errors,
-    roundings,
+    roundings_of_lagrangian,
+    with_doubts,
     witness_of,
 )
 from bodycheck.reference.mechanisms.growth import Growth
@@ -37,17 +39,16 @@ from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import joined, printed
-from bodycheck.reference.mechanisms.ways import Motion, Way, disagreement, sizes
+from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness
-from bodycheck.reference.witnesses import DOP853_ROUNDINGS
 
 #: Relative error that the witness of a mechanism with loops may have in addition to the error of the way, from its tolerance.
 LOOPS_TOLERANCE = 1e-12
 
 
 def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
-    """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises what `mechanism_truth` raises."""
+    """The cross-check of the truth of a mechanism at ascending times (n,) >= 0, s. Raises what `mechanism_truth` raises."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
         course = followed(mechanism, times)
@@ -57,9 +58,11 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
         assert truth.joints is not None  # the truth of a mechanism always has joints
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
         ways = [Way(TRUTH_WAY, stated, rounded.bounds.of_states()), *_other_ways(mechanism, times, course, witness)]
-        differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
-    pairs = combinations((Witness(way.name, **way.errors, digits=way.digits, events=None) for way in ways), 2)
-    faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
+        differences = {
+            (one.name, other.name): apart(mechanism, one.motion, other.motion) for one, other in combinations(ways, 2)
+        }
+    stated_ways = combinations((Witness(way.name, **way.errors, digits=way.digits, events=None) for way in ways), 2)
+    faults = [fault for one, other in stated_ways if (fault := contradiction(one, other, differences[one.name, other.name]))]
     best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
     if best is None:
         faults.append("no other way follows this motion")
@@ -77,18 +80,16 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
 
 
 def _other_ways(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Iterator[Way]:
-    """Every way except the truth's, with bounds of its errors. witness: the truth's witness, without bounds of its errors."""
+    """Every way except the truth's, with bounds of its errors. witness: the truth's witness."""
     grown = course.growth
     if mechanism.loops and witness is not None:
         yield from _ways_with_loops(mechanism, times, course, witness)
     if mechanism.loops or grown is None:
         return
-    if course.form:
-        yield by_recursion(mechanism, times).way
+    if course.form and witness is not None:
+        yield witness
     if (way := lagrangian(mechanism, times) if course.form else witness) is not None:
-        count = _roundings_of_lagrangian(mechanism, times, _measured_growth(mechanism, times))
-        eps = float(np.finfo(arithmetic()[0]).eps)
-        yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, count, eps))
+        yield replace(way, errors=errors_of_witness(mechanism, times, course, way))
     yield from _wide_way(mechanism, times, grown)
 
 
@@ -98,7 +99,7 @@ def _ways_with_loops(mechanism: Mechanism, times: Array, course: Followed, witne
     if grown is None or course.growth is None or not witness.name.startswith(solution.NAME):
         yield replace(witness, errors=_errors_with_loops(mechanism, course, witness))
         return
-    count = _roundings_of_lagrangian(mechanism, times, grown)
+    count = roundings_of_lagrangian(mechanism, times, grown)
     rounding = rounding_errors(mechanism, witness.motion, course.growth, count, float(np.finfo(arithmetic()[0]).eps))
     yield replace(witness, errors={name: course.way.errors[name] + rounding[name] for name in rounding})
     with contextlib.suppress(OutOfReach, NotModelled):
@@ -112,26 +113,6 @@ def _errors_with_loops(mechanism: Mechanism, course: Followed, way: Way) -> dict
     return {name: course.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
 
 
-def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
-    """Return the number of roundings of the Lagrangian, measured as for the recursion.
-
-    grown: the growth of an error at the `growth_instants` of the times (n,), s.
-    """
-    dtype, _, _ = arithmetic()
-    if dtype is np.float64:
-        return DOP853_ROUNDINGS
-    measured = growth_instants(times)
-    ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
-    wide, base = (way.motion for way in ways if way is not None)
-    return roundings(mechanism, base, wide, grown)
-
-
-def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
-    growth = by_recursion(mechanism, growth_instants(times)).growth
-    assert growth is not None  # the recursion always has a growth
-    return growth
-
-
 def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way]:
     """The recursion in multiprecision with spare digits for the growth of rounding errors, if it can follow the motion."""
     needed = SPARE_BITS + math.log2(float(np.max(grown.of_any, initial=1.0)))
@@ -141,20 +122,18 @@ def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way
 
         require_modelled(mechanism)
         if bits is not None:
-            joint_states = recursion.follow(mechanism, times, hy.real, bits)
-            states = (
-                joint_states.bodies.position,
-                joint_states.bodies.quaternion,
-                joint_states.bodies.velocity,
-                joint_states.bodies.angular_velocity,
+            states = recursion.follow(mechanism, times, hy.real, bits)
+            bodies = states.bodies
+            parts = (bodies.position, bodies.quaternion, bodies.velocity, bodies.angular_velocity)
+            states = replace(
+                states,
+                position=rounded_to_wide(states.position),
+                velocity=rounded_to_wide(states.velocity),
+                bodies=Trajectory(times, *(rounded_to_wide(each) for each in parts)),
             )
-            motion = Motion(
-                rounded_to_wide(joint_states.position),
-                rounded_to_wide(joint_states.velocity),
-                Trajectory(times, *(rounded_to_wide(each) for each in states)),
-            )
+            motion = Motion(states.position, states.velocity, states.bodies)
             stored = rounding_errors(mechanism, motion, grown, 0.0, float(np.finfo(np.longdouble).eps))
-            integrated = rounding_errors(mechanism, motion, grown, FEWEST_ROUNDINGS, 2.0 ** (1 - bits))
+            integrated = with_doubts(mechanism, states, grown, FEWEST_ROUNDINGS, 2.0 ** (1 - bits))
             errors = {name: stored[name] + integrated[name] for name in stored}
             yield Way(f"{RECURSION}, heyoka-{bits}-bit", motion, errors, math.floor(bits * math.log10(2)))
 

@@ -6,7 +6,8 @@ motion, divided by the growth of an error (`growth`) times one rounding, is the 
 type makes the same number of roundings, and they grow by the same factor.
 """
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,18 +17,19 @@ from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
-from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
-from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Stray
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
+from bodycheck.reference.mechanisms.link_states import SIZES, Decision
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.poses import bodies_of
+from bodycheck.reference.mechanisms.recursion import JointStates
+from bodycheck.reference.mechanisms.sticking import Doubt, doubts
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
@@ -55,6 +57,14 @@ RECURSION = "articulated-body recursion"
 
 
 @dataclass(frozen=True, eq=False)
+class Measured:
+    """A motion by the recursion in double precision, and the growth of an error along it, at the `growth_instants`."""
+
+    base: Motion
+    growth: Growth
+
+
+@dataclass(frozen=True, eq=False)
 class Followed:
     """A motion with the bounds and the growth of its errors.
 
@@ -68,6 +78,8 @@ class Followed:
         The growth of an error at the same instants; None if it is not known.
     form
         Whether the way is a closed form.
+    measured
+        The measurement from which the growth comes; None for loops, and if the recursion cannot follow the motion.
     """
 
     way: Way
@@ -76,6 +88,7 @@ class Followed:
     backend: str
     growth: Growth | None
     form: bool = False
+    measured: Measured | None = None
 
 
 def followed(mechanism: Mechanism, times: Array) -> Followed:
@@ -92,16 +105,15 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
     """The witness of a motion: the recursion for a closed form, else the Lagrangian; None if it cannot follow the motion.
 
-    The witness of a mechanism with loops is another one: see `_loops_witness`.
+    The witness of a mechanism with loops is another one: see `_loops_witness`. The Lagrangian has no bounds of its errors: see
+    `errors_of_witness`.
     """
     if mechanism.loops:
         return _loops_witness(mechanism, times, course)
     if not course.form:
         return lagrangian(mechanism, times)
     try:
-        require_modelled(mechanism)
-        dtype, name, digits = arithmetic()
-        return Way(f"{RECURSION}, {name}", _recursion(mechanism, times, dtype), {}, digits)
+        return by_recursion(mechanism, times, course.measured).way
     except (NotModelled, OutOfReach):
         return None
 
@@ -112,51 +124,14 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
     widest, name, digits = arithmetic()
-    strays: list[Stray] = []
     try:
         if widest is np.float64:
             motion = solution.follow_in_doubles(mechanism, times)
-        elif any(joint.friction for joint in mechanism.joints):
-            motion, strays = solution.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
         else:
             motion = solution.follow(mechanism, times, dtype or widest)
     except (NotModelled, OutOfReach):
         return None
-    return Way(f"{solution.NAME}, {name}", _motion_of(motion, times), {}, digits, _as_errors(mechanism, times, strays))
-
-
-def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
-    """The phases in which joints with dry friction slip or stick, until the last of times (n,), s, by the recursion.
-
-    The sign of a joint's velocity in the middle of a phase tells whether it slips forwards or backwards or sticks.
-    """
-    end = times[-1:] if len(times) else np.zeros(1)
-    changes = [change.time for change in recursion.follow(mechanism, end).changes]
-    begins = [Wide(0), *(time for time, before in zip(changes, [None, *changes], strict=False) if time != before)]
-    ends = np.array([*(float(time) for time in begins[1:]), float(end[-1])])
-    rates = recursion.follow(mechanism, (np.array(begins, dtype=float) + ends) / 2).velocity
-    dry = [
-        (number, moving.start)
-        for number, (joint, (_, moving)) in enumerate(zip(mechanism.joints, places(mechanism), strict=True))
-        if joint.friction
-    ]
-    return [
-        Phase(begin, {number: int(np.sign(float(rates[row, at]))) for number, at in dry}) for row, begin in enumerate(begins)
-    ]
-
-
-def _as_errors(mechanism: Mechanism, times: Array, strays: Sequence[Stray]) -> dict[str, Array]:
-    """Errors (n,) at times (n,), s, that wrong velocities of joints, `strays`, cause, by the names of `bounds.STATES`."""
-    errors, length = {name: np.zeros(len(times)) for name in STATES if strays}, reach(mechanism)
-    for stray in strays:
-        later = np.maximum(times - stray.since, 0.0)
-        rate = np.where(times >= stray.since, stray.rate, 0.0)
-        errors["velocity_error"] += rate * (length if stray.turns else 1.0)
-        errors["position_error"] += rate * later * (length if stray.turns else 1.0)
-        if stray.turns:
-            errors["angular_velocity_error"] += rate
-            errors["error"] += rate * later
-    return errors
+    return Way(f"{solution.NAME}, {name}", _motion_of(motion, times), {}, digits)
 
 
 def require_modelled(mechanism: Mechanism) -> None:
@@ -165,23 +140,68 @@ def require_modelled(mechanism: Mechanism) -> None:
         raise NotModelled("closed loops")
 
 
-def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism at ascending times (n,), s, by the recursion, with bounds of its errors."""
+def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
+    """The motion of a mechanism at ascending times (n,), s, by the recursion, with bounds of its errors.
+
+    measured: the measurement at the `growth_instants` of the times, if it was made before.
+    """
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
-    measured = growth_instants(times)
-    instants = np.union1d(times, measured)
-    wide = _recursion(mechanism, instants, dtype)
-    follow = _lagrangian_in_doubles if dtype is np.float64 else _in_doubles
-    base = follow(mechanism, measured)
-    grown = growth(mechanism, follow, base, measured)
+    measured = measured or _measured(mechanism, times)
+    grown = measured.growth
+    instants = np.union1d(times, grown.t)
+    states = recursion.follow(mechanism, instants, dtype)
+    wide = _motion_in_joints(states)
     count = DOP853_ROUNDINGS
     if dtype is not np.float64:
-        count = roundings(mechanism, base, wide.part(np.searchsorted(instants, measured)), grown)
-    here, motion = grown.until(times), wide.part(np.searchsorted(instants, times))
-    errors = rounding_errors(mechanism, motion, here, count, float(np.finfo(dtype).eps))
-    way = Way(f"{RECURSION}, {name}", motion, errors, digits)
-    return Followed(way, RECURSION, "rigid bodies on joints", name, here)
+        count = roundings(mechanism, measured.base, wide.part(np.searchsorted(instants, grown.t)), grown)
+    errors = with_doubts(mechanism, states, grown, count, float(np.finfo(dtype).eps))
+    rows = np.searchsorted(instants, times)
+    way = Way(f"{RECURSION}, {name}", wide.part(rows), {name: values[rows] for name, values in errors.items()}, digits)
+    return Followed(way, RECURSION, "rigid bodies on joints", name, grown.until(times), measured=measured)
+
+
+def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count: float, eps: float) -> dict[str, Array]:
+    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, at all its instants.
+
+    If these errors leave undecided whether a joint with dry friction sticks, the bounds grow from then on by what the other
+    decision would change.
+    """
+    times, here = states.bodies.t, grown.until(states.bodies.t)
+    errors = rounding_errors(mechanism, _motion_in_joints(states), here, count, eps)
+    doubtful: list[Doubt] = []
+    for decision in states.decisions:
+        row = min(int(np.searchsorted(times, decision.time)), len(times) - 1)
+        relative = eps * CAUTION * count * float(here.of_any[row])
+        doubtful += doubts(decision, relative, _of_links(decision, {name: float(errors[name][row]) for name in STATES}))
+    _add(mechanism, times, doubtful, errors)
+    return errors
+
+
+def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
+    """The errors of the components of a state of links, from the errors of a motion by the names of `bounds.STATES`."""
+    of_components: list[float] = []
+    for link in decision.tree.links:
+        held, moving = SIZES[link.kind]
+        slides = link.kind == "prismatic"
+        of_components += [errors["position_error" if slides else "error"]] * held
+        of_components += [errors["velocity_error" if slides else "angular_velocity_error"]] * moving
+    if decision.tree.floats:
+        of_components += [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
+    return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
+
+
+def _add(mechanism: Mechanism, times: Array, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
+    """Add to errors (n,) at times (n,), s, what uncertain accelerations of joints cause."""
+    length = sum(np.linalg.norm(joint.position) for joint in mechanism.joints) + reach(mechanism)
+    for doubt in doubtful:
+        later = np.maximum(times - doubt.since, 0.0)
+        slipped, moved = doubt.acceleration * later, doubt.acceleration * later**2 / 2
+        errors["velocity_error"] += slipped * (length if doubt.turns else 1.0)
+        errors["position_error"] += moved * (length if doubt.turns else 1.0)
+        if doubt.turns:
+            errors["angular_velocity_error"] += slipped
+            errors["error"] += moved
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
@@ -237,6 +257,31 @@ def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -
     return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
 
 
+def errors_of_witness(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
+    """Bounds (n,) of the errors of a witness at times (n,), s; empty if they are not known.
+
+    Those of the Lagrangian are rounding errors, whose number is measured and whose growth is that of the recursion.
+    """
+    if witness.errors or course.growth is None or course.measured is None:
+        return witness.errors
+    count = roundings_of_lagrangian(mechanism, times, course.measured.growth)
+    return rounding_errors(mechanism, witness.motion, course.growth, count, float(np.finfo(arithmetic()[0]).eps))
+
+
+def roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
+    """Return the number of roundings of the Lagrangian, measured as for the recursion.
+
+    grown: the growth of an error at the `growth_instants` of the times (n,), s.
+    """
+    dtype, _, _ = arithmetic()
+    if dtype is np.float64:
+        return DOP853_ROUNDINGS
+    measured = growth_instants(times)
+    ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
+    motions = [way.motion for way in ways if way is not None]
+    return roundings(mechanism, motions[1], motions[0], grown) if len(motions) == 2 else FEWEST_ROUNDINGS
+
+
 def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
     """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
     largest = sizes(mechanism, motion)
@@ -270,18 +315,20 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
         {name: _so_far(values) for name, values in errors.items()},
         EXTENDED_DIGITS,
     )
-    return Followed(way, f"closed form: {form.name}", form.reason, CLOSED_FORM_BACKEND, _growth_of(mechanism, times), form=True)
-
-
-def _growth_of(mechanism: Mechanism, times: Array) -> Growth | None:
-    """The growth of an error along a motion in closed form; None if the recursion cannot follow the motion."""
-    measured = growth_instants(times)
-    try:
+    measured: Measured | None = None
+    with contextlib.suppress(NotModelled, OutOfReach):
         require_modelled(mechanism)
-        follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
-        return growth(mechanism, follow, follow(mechanism, measured), measured).until(times)
-    except (NotModelled, OutOfReach):
-        return None
+        measured = _measured(mechanism, times)
+    grown = None if measured is None else measured.growth.until(times)
+    return Followed(way, f"closed form: {form.name}", form.reason, CLOSED_FORM_BACKEND, grown, form=True, measured=measured)
+
+
+def _measured(mechanism: Mechanism, times: Array) -> Measured:
+    """The motion by the recursion in double precision, and the growth of an error, at the `growth_instants` of times (n,)."""
+    t = growth_instants(times)
+    follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
+    base = follow(mechanism, t)
+    return Measured(base, growth(mechanism, follow, base, t))
 
 
 def growth_instants(times: Array) -> Array:
@@ -303,8 +350,7 @@ def arithmetic() -> tuple[Any, str, int]:
     return np.longdouble, EXTENDED_NAME, EXTENDED_DIGITS
 
 
-def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
-    states = recursion.follow(mechanism, times, dtype)
+def _motion_in_joints(states: JointStates) -> Motion:
     return Motion(states.position, states.velocity, states.bodies)
 
 
@@ -319,4 +365,4 @@ def _motion_of(motion: WideMotion, times: Array) -> Motion:
 
 
 def _in_doubles(mechanism: Mechanism, times: Array) -> Motion:
-    return _recursion(mechanism, times, np.float64)
+    return _motion_in_joints(recursion.follow(mechanism, times, np.float64))

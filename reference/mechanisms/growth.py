@@ -85,18 +85,32 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     units = scales(mechanism, base, float(t[-1]))
     figures = {name: np.full(len(t), units[name]) for name in STATES}
     of_start = np.ones(len(t))
-    random = np.random.default_rng(0)
-    for number, begin in enumerate(STARTS):
-        first = int(np.searchsorted(t, begin * t[-1]))
-        nudged = _nudged(mechanism, base.part([first]), units, random, turned_only=number == 0)
+    for first, nudged, turned_only in _nudges(mechanism, base, t, units):
         for rows, each in _deviations(mechanism, follow, base, t, first, units, nudged):
             for name in STATES:
                 figures[name][rows] = np.maximum(figures[name][rows], each[name])
-            if number == 0:
+            if turned_only:
                 of_start[rows] = np.maximum(of_start[rows], each["error"])
     capped = {name: np.minimum(np.maximum.accumulate(values), LARGEST * units[name]) for name, values in figures.items()}
     of_any = np.max([capped[name] / units[name] for name in STATES], axis=0)
     return Growth(t, capped, of_any, np.minimum(np.maximum.accumulate(of_start), LARGEST))
+
+
+def _nudges(mechanism: Mechanism, base: Motion, t: Array, units: dict[str, float]) -> Iterator[tuple[int, Mechanism, bool]]:
+    """Yield the index in t of each nudge, the mechanism that starts from the nudged state, and whether only angles are nudged.
+
+    If joints have dry friction, the first nudge of all coordinates and velocities is made in both directions, since friction
+    stops a joint that is nudged in one direction and may balance the force on a joint that is nudged in the other.
+    """
+    random, dry = np.random.default_rng(0), any(joint.friction for joint in mechanism.joints)
+    held, moving = letters(mechanism)
+    sizes_of_draws = (len(held), len(moving), (len(mechanism.bodies), 4), (len(mechanism.bodies), 3))
+    for number, begin in enumerate(STARTS):
+        first = int(np.searchsorted(t, begin * t[-1]))
+        draws = [random.choice([-1.0, 1.0], size) for size in sizes_of_draws]
+        for sign in (1.0, -1.0) if dry and number == 1 else (1.0,):
+            directions = [sign * draw for draw in draws]
+            yield first, _nudged(mechanism, base.part([first]), units, directions, turned_only=number == 0), number == 0
 
 
 def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
@@ -154,20 +168,20 @@ def _deviations(
 
 
 def _nudged(
-    mechanism: Mechanism, state: Motion, units: dict[str, float], random: np.random.Generator, *, turned_only: bool
+    mechanism: Mechanism, state: Motion, units: dict[str, float], directions: list[Array], *, turned_only: bool
 ) -> Mechanism:
-    """A mechanism that starts from a state at one instant, with a random nudge of each coordinate and velocity.
+    """A mechanism that starts from a state at one instant, with a nudge of each coordinate and velocity.
 
-    turned_only: whether angles and attitudes alone are nudged.
+    directions: the signs of the nudges of the coordinates and velocities of joints, and of the quaternions and angular
+    velocities of bodies. turned_only: whether angles and attitudes alone are nudged.
     """
     held, moving = letters(mechanism)
     also = 0.0 if turned_only else 1.0
     of_coordinate = {"a": 1.0, "q": 1.0, "l": also * units["position_error"]}
     of_velocity = {"a": also * units["angular_velocity_error"], "l": also * units["velocity_error"]}
-    q = NUDGE * np.array([of_coordinate[each] for each in held]) * random.choice([-1.0, 1.0], len(held))
-    u = NUDGE * np.array([of_velocity[each] for each in moving]) * random.choice([-1.0, 1.0], len(moving))
-    turn = NUDGE * random.choice([-1.0, 1.0], (len(mechanism.bodies), 4))
-    spin = also * NUDGE * units["angular_velocity_error"] * random.choice([-1.0, 1.0], (len(mechanism.bodies), 3))
+    q = NUDGE * np.array([of_coordinate[each] for each in held]) * directions[0]
+    u = NUDGE * np.array([of_velocity[each] for each in moving]) * directions[1]
+    turn, spin = NUDGE * directions[2], also * NUDGE * units["angular_velocity_error"] * directions[3]
     bodies = state.bodies
     return _started(
         mechanism,

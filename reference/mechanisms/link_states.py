@@ -9,7 +9,7 @@ The equations of quaternions conserve their norm, which changes by rounding only
 by the norm.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -44,31 +44,53 @@ class LinkStates:
 class Change:
     """A change in which a joint with dry friction begins or ceases to slip.
 
-    Attributes
-    ----------
-    time
-        The time of the change (s), in the floating-point type of the motion.
-    joint
-        The index of the joint in the mechanism.
-    mode
-        The mode of the joint from then on: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
-    slope
-        The rate at which a quantity of the joint became zero: its velocity if it slipped before (rad/s^2 or m/s^2), else the
-        unused part of its friction (N m/s or N/s). The error of this quantity, divided by the slope, is the error of the time.
+    time: of the change (s), in the floating-point type of the motion. joint: its index in the mechanism. mode: of the joint
+    from then on, 1 or -1 if it slips forwards or backwards, 0 if it sticks.
     """
 
     time: Any
     joint: int
     mode: int
-    slope: float
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """A decision which of the joints at rest stick, from a state that is known up to the errors of the motion.
+
+    Attributes
+    ----------
+    tree
+        The tree of the joints.
+    time
+        The time (s).
+    state
+        The state of the tree as it was computed, in numbers of a hundred digits.
+    exact
+        The indices of the components of the state that are exact, since their joints have not moved.
+    modes
+        The mode of each link with dry friction from then on, by its index.
+    rest
+        The indices of the links that were at rest.
+    """
+
+    tree: Tree
+    time: float
+    state: list[Real]
+    exact: frozenset[int]
+    modes: dict[int, int]
+    rest: tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The motion of a tree: the states of its links, and the changes of its joints with dry friction in order of time."""
+    """The motion of a tree: the states of its links, and in order of time the changes of its joints with dry friction.
+
+    decisions: which joints stick, except for those from the exact state at t = 0.
+    """
 
     links: list[LinkStates]
-    changes: tuple[Change, ...]
+    changes: tuple[Change, ...] = ()
+    decisions: tuple[Decision, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +109,11 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """The derivative of a state, and the strain of each link's joint (see `articulated.Accelerations`)."""
+    """The derivative of a state, and the strain and the inertia of each link's joint (see `articulated.Accelerations`)."""
 
     state: list[Number]
     strains: list[Number]
+    inertias: list[Number]
 
 
 def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
@@ -107,7 +130,7 @@ def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
     if form.floats:
         linear, rows = solution.rates[0][3:], quaternion_rows(links[0].coordinates)
         rates += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
-    return Rates(rates, solution.strains)
+    return Rates(rates, solution.strains, solution.inertias)
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
@@ -123,22 +146,24 @@ def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
     ]
 
 
-def in_doubles(tree: Tree) -> Form:
-    """A tree in double precision. Zeros are the integer 0, by which the recursion recognises terms that are absent."""
+def in_arithmetic(tree: Tree, number: Callable[[Real], Number]) -> Form:
+    """A tree in an arithmetic. Zeros are the integer 0, by which the recursion recognises terms that are absent.
+
+    number: the function that converts a number of a hundred digits to the arithmetic.
+    """
     links = [(link.kind, link.parent) for link in tree.links]
-    return Form(links, [_in_doubles(link.constants) for link in tree.links], [_double(part) for part in tree.gravity])
+    constants = [_converted(link.constants, number) for link in tree.links]
+    return Form(links, constants, [number(part) if part else 0 for part in tree.gravity])
 
 
-def _in_doubles(constants: Constants) -> Constants:
+def _converted(constants: Constants, number: Callable[[Real], Number]) -> Constants:
     values: dict[str, Any] = {}
     for field in fields(Constants):
         value = getattr(constants, field.name)
-        values[field.name] = [_double(each) for each in value] if isinstance(value, tuple) else _double(value)
+        several = isinstance(value, tuple)
+        converted = [number(each) if each else 0 for each in (value if several else (value,))]
+        values[field.name] = converted if several else converted[0]
     return Constants(**{**values, "moves": 1})
-
-
-def _double(value: Real) -> float | int:
-    return float(value) if value else 0
 
 
 def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:

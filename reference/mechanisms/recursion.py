@@ -16,7 +16,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms import poses
-from bodycheck.reference.mechanisms.link_states import Change, Course, derivatives, in_doubles, split, start
+from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, derivatives, in_arithmetic, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -37,12 +37,15 @@ class JointStates:
         The states of all bodies, including free bodies: arrays (b, n, ...) of the same type.
     changes
         The changes in which joints with dry friction began and ceased to slip, up to the last instant.
+    decisions
+        The decisions which joints stick, from states that have errors.
     """
 
     position: WideArray
     velocity: WideArray
     bodies: Trajectory
     changes: tuple[Change, ...]
+    decisions: tuple[Decision, ...]
 
 
 def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> JointStates:
@@ -76,7 +79,8 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     frames = poses.body_frames(whole, links, count, kind)
     position, velocity = poses.joints(mechanism, whole, states, frames, count, kind)
     changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
-    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes))
+    decisions = tuple(decision for course in courses for decision in course.decisions)
+    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes), decisions)
 
 
 @functools.cache
@@ -104,7 +108,7 @@ def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     """
     if any(link.friction for link in tree.links):
         raise OutOfReach("joints with dry friction are followed by heyoka, which is not installed")
-    doubles = in_doubles(tree)
+    doubles = in_arithmetic(tree, float)
 
     def rates(_: float, state: Array) -> Array:
         return np.array(derivatives(doubles, state.tolist(), math).state, dtype=float)
@@ -113,4 +117,4 @@ def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     instants, rows = np.unique(times, return_inverse=True)
     # States in SI units are of the order of 1 or larger; a smaller scale would make steps needlessly short.
     states = dop853.solve(rates, begin, instants, np.maximum(np.abs(begin), 1.0))
-    return Course(split(tree, states[rows].astype(kind.dtype), times, kind), ())
+    return Course(split(tree, states[rows].astype(kind.dtype), times, kind))

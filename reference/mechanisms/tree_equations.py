@@ -88,7 +88,7 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     shape = shape_of(tree)
     solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
     rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
-    return Course(split(tree, rows, times, kind), ())
+    return Course(split(tree, rows, times, kind))
 
 
 @functools.cache

@@ -6,10 +6,9 @@ mechanism and shares no formula with the recursion. The bound has three parts.
 
 - The rounding of the stated numbers to double precision.
 - The bound of the error that the way itself states; see `followed`.
-- Twice the largest disagreement with the witness so far. If the witness were exact, the disagreement would be the error. If
-  both are equally good, with independent errors, the error is on average 0.7 times the disagreement. A disagreement that is
-  small by chance at one instant does not matter, since the largest so far counts. The witness has larger errors than the way,
-  so that the factor of two is cautious.
+- Twice the largest disagreement with the witness so far beyond the bounds of both. It is zero if both bounds hold. Otherwise
+  one of the two is wrong, and nothing tells which; if the witness were exact, the error would be the disagreement. The witness
+  of a mechanism with loops has no bound of its own, so that its errors count as disagreement.
 
 If energy is conserved, it must not drift by more than the bound allows, and the centre of mass of a chain that floats freely
 must stay on its parabola; otherwise all bounds are multiplied by the ratio of the deviation to the allowed deviation.
@@ -23,14 +22,14 @@ from bodycheck.reference.bounds import EPS, STATES, Bounds
 from bodycheck.reference.errors import within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.followed import Followed, followed, witness_of
+from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, witness_of
 from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.ways import Way, bounds_of, disagreement, sizes
+from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
 
-#: The factor by which the error may exceed a disagreement with a witness: see the docstring of the module.
+#: The factor by which the error may exceed the excess of a disagreement with a witness: see the docstring of the module.
 DISAGREEMENT = 2.0
 
 #: Number of roundings of attitudes and angles, and of the joints' angles that follow from attitudes in double precision.
@@ -79,8 +78,8 @@ def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | 
     rounded = printed(mechanism, times, course)
     errors = rounded.bounds.of_states()
     if witness is not None:
-        for name, difference in disagreement(mechanism, course.way, witness).items():
-            errors[name] = errors[name] + DISAGREEMENT * np.maximum.accumulate(difference)
+        for name, difference in _excess(mechanism, times, course, witness).items():
+            errors[name] = errors[name] + DISAGREEMENT * difference
     truth = Truth(
         mechanism,
         rounded.trajectory,
@@ -93,6 +92,19 @@ def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | 
         growth=None if course.growth is None else course.growth.of_start,
     )
     return Computed(truth, rounded.bounds, ())
+
+
+def _excess(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
+    """Return the largest disagreements (n,) so far of a way and its witness beyond the bounds of both, by their names.
+
+    If the disagreement is within the bounds of the way alone, the bounds of the witness are not computed.
+    """
+    differences = apart(mechanism, course.way.motion, witness.motion)
+    over = {name: difference - course.way.errors[name] for name, difference in differences.items()}
+    if any((values > 0).any() for values in over.values()):
+        for name, error in errors_of_witness(mechanism, times, course, witness).items():
+            over[name] = over[name] - error
+    return {name: np.maximum.accumulate(np.maximum(values, 0.0)) for name, values in over.items()}
 
 
 @dataclass(frozen=True, eq=False)

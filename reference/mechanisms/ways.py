@@ -1,8 +1,7 @@
 """Ways to the motion of a mechanism, the differences of two ways, and the bounds of figures from errors of states."""
 
-import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,16 +51,12 @@ class Way:
         (n,) bounds of its errors, by the names of `bounds.STATES`; empty if they are not known.
     digits
         Decimal digits of the arithmetic.
-    strays
-        (n,) amounts by which the way contradicts data that it takes from another way, by the same names; empty if it takes none
-        or agrees with them.
     """
 
     name: str
     motion: Motion
     errors: dict[str, Array]
     digits: int = DOUBLE_DIGITS
-    strays: dict[str, Array] = field(default_factory=dict)
 
 
 #: A function that follows the motion of a mechanism to times (n,), s.
@@ -98,15 +93,6 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
             _differences(one.velocity, other.velocity, moving, "a"),
         ),
     }
-
-
-def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
-    """Return the differences (n,) of two ways, by the names of `bounds.STATES`, plus the strays of both (see `Way`)."""
-    differences = apart(mechanism, one.motion, other.motion)
-    for name, way in itertools.product(differences, (one, other)):
-        if name in way.strays:
-            differences[name] = differences[name] + way.strays[name]
-    return differences
 
 
 def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:

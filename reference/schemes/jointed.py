@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bodycheck.reference.exact.numbers import FloatType
 from bodycheck.reference.mechanisms import articulated, poses
 from bodycheck.reference.mechanisms.articulated import Constants
-from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_doubles, split, start
+from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_arithmetic, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.schemes.catalogue import EXPLICIT, MUNTHE_KAAS
@@ -205,7 +205,7 @@ def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Traject
 
 def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
     """A tree in doubles, with damping and springs evaluated at the ends of steps of these lengths (s); 0 for the start."""
-    form = in_doubles(tree)
+    form = in_arithmetic(tree, float)
     return replace(form, constants=[_at_end(each, damping_step, spring_step) for each in form.constants])
 
 

@@ -2,7 +2,7 @@
 
 - `motion`: open this first. `slide` gives the motion with the bounds of its error; it chooses between closed forms and the
   coupled equations.
-- `ways`: every way of computing a slide, with the bounds of each, for a certificate.
+- `ways`: every way of computing a slide, with the bounds of each, for a cross-check.
 - `bounds`: the bounds of a slide, from the errors that the witness estimates.
 - `balance`: the witness, which checks the balance of momentum along a motion with the data of the case file.
 - `quadrature`: the separate law of friction of the witness, by quadrature over the face.

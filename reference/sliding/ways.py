@@ -1,4 +1,4 @@
-"""Every way of computing a slide, each with bounds of its own error, for a certificate."""
+"""Every way of computing a slide, each with bounds of its own error, for a cross-check."""
 
 from dataclasses import replace
 

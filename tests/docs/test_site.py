@@ -125,7 +125,7 @@ def test_a_page_can_be_read_by_everybody(site: Path, chromium: Any, page: str, w
     [
         ("restitution", "cases.html"),
         ("--timestep", "reference/command-line.html"),
-        ("certificate", "truth.html"),
+        ("cross-check", "truth.html"),
     ],
 )
 def test_the_search_works_from_disk(site: Path, chromium: Any, words: str, page: str) -> None:

@@ -1,4 +1,4 @@
-"""The certificate: every way to the truth against every other."""
+"""The cross-check: every way to the truth against every other."""
 
 import json
 import re
@@ -49,8 +49,8 @@ def test_a_clock_that_is_a_billionth_wrong_is_not_certified(
     assert found.truth.bounds.error[-1] > 1e-8
     assert all(fault.startswith("truth and ") for fault in found.faults)
     assert app(["truth", flip.name, "--certify"], result_action="return_value") == 1
-    (line, *_) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("not certified: ")]
-    assert re.fullmatch(r"not certified: truth and .* are [-\d.e]+ rad apart, their bounds allow [-\d.e]+", line)
+    (line, *_) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("not cross-checked: ")]
+    assert re.fullmatch(r"not cross-checked: truth and .* are [-\d.e]+ rad apart, their bounds allow [-\d.e]+", line)
     assert app(["truth", flip.name, "--certify", "--json"], result_action="return_value") == 1
     printed = json.loads(capsys.readouterr().out)
     assert printed["certified"] is False
@@ -76,7 +76,7 @@ def test_the_command_prints_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert app(arguments, result_action="return_value") == 0
     printed = capsys.readouterr().out
     assert "truth | euler-lagrange" in printed
-    assert "certified bound" in printed
+    assert "bound by the most accurate other way" in printed
     assert app([*arguments, "--json"], result_action="return_value") == 0
     found = json.loads(capsys.readouterr().out)
     assert len(found["certified_error"]) == len(found["differences"][0]["attitude"]) == 3

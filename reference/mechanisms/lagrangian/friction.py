@@ -1,150 +1,159 @@
-"""The Lagrangian of a mechanism with dry friction, in phases in which each joint slips one way or sticks.
+"""The modes of joints with dry friction in the Lagrangian: which of the joints at rest stick, by Gauss's principle.
 
-The beginnings of the phases and the modes of the joints in them are given. In a phase, friction is a constant force against a
-joint that slips, and the force that holds a joint that sticks. The result is checked against the phases: a joint that slips
-must keep its direction, and come to rest at the end of its phase; a joint that sticks must need no more than its friction, and
-all of it at the end of its phase. Contradictions are reported as errors of velocities: see `Stray`.
+Of all accelerations a, the true ones minimise the constraint (a - b)^T M (a - b) / 2 plus the sum of f |a_i| over the joints at
+rest, where M b are the forces without friction. The forces of friction solve the dual problem, in which each is at most f. It
+is solved in double precision by projected Gauss-Seidel iteration. Its solution is a guess: arithmetic of a hundred digits tests
+it, and tries other modes, those with the fewest changes first, if it is wrong. This code shares nothing with the decisions of
+the recursion (`sticking`).
 """
 
-from collections.abc import Callable, Sequence
+import functools
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.independent.border import MP
-from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms.lagrangian.border import Border, Element
-from bodycheck.reference.mechanisms.lagrangian.differentiation import made
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.independent.border import MP, Number
+from bodycheck.reference.mechanisms.lagrangian.border import Border
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, friction_parameters
 from bodycheck.reference.trajectory import Array
 
-#: The number of evenly spaced instants of a phase at which joints are checked.
-CHECKS = 9
+#: The mode of each element with dry friction, by its index: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
+Modes = dict[int, int]
 
-#: The error by rounding in double precision of the force that holds a joint, as a fraction of the friction.
-ROUNDED = 1e-10
+#: The largest number of joints at rest for which all combinations of modes, 3 to this power, are tried if the guess is wrong.
+MOST_TRIED = 8
 
-#: The number of roundings of the largest velocity up to which a velocity counts as zero.
-STOPPED = 256.0
+#: The largest number of rounds of the iteration, and the change of a force, in units of the friction, below which it ends.
+ROUNDS, UNCHANGED = 2000, 1e-13
 
-#: A function that returns the states (n, k) of the equations of a structure from a start, parameters and times.
-Solve = Callable[[Structure, WideArray, WideArray, WideArray], WideArray]
+#: Rounding of doubles in accelerations, relative to the largest terms; only the guess depends on it.
+NEAR = 1e-11
 
-
-@dataclass(frozen=True, eq=False)
-class Phase:
-    """The beginning of a phase (s), and the mode of each joint with dry friction: 1 or -1 if it slips, 0 if it sticks."""
-
-    begin: Any
-    modes: dict[int, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Stray:
-    """A possible error of a joint's velocity: the time from which it exists (s), its size, and whether the joint turns.
-
-    The size is in rad/s for a joint that turns, else in m/s.
-    """
-
-    since: float
-    rate: float
-    turns: bool
+#: The part of the friction that rounding of a hundred digits may hide.
+EXACT = MP.mpf(10) ** -75
 
 
 @dataclass(frozen=True, eq=False)
 class Slipping:
-    """A mechanism with dry friction: its elements, their structure, and the units of the equations."""
+    """A mechanism with dry friction: its elements, their structure, the units of the equations, and the parameters."""
 
     border: Border
     structure: Structure
     units: Units
+    parameters: list[Number]
 
-    @property
-    def dry(self) -> list[tuple[int, Element]]:
-        """The elements with dry friction, each after its index."""
-        return [(index, element) for index, element in enumerate(self.border.elements) if element.friction]
+    @functools.cached_property
+    def frictions(self) -> dict[int, Number]:
+        """The friction of each element that has some, in the units of the equations, by the index of the element."""
+        units, sizes = self.units, dict[int, Number]()
+        for index, element in enumerate(self.border.elements):
+            if element.friction:
+                inertia = MP.mpf(units.mass) * (MP.mpf(units.length) if element.kind == "slide" else MP.mpf(units.length) ** 2)
+                sizes[index] = MP.mpf(element.friction) * MP.mpf(units.time) ** 2 / inertia
+        return sizes
 
-    def friction(self, element: Element) -> float:
-        """The friction of an element in the units of the equations."""
-        units = self.units
-        inertia = units.mass * (units.length if element.kind == "slide" else units.length**2)
-        return float(MP.mpf(element.friction) * MP.mpf(units.time) ** 2 / MP.mpf(inertia))
+    def velocity(self, index: int) -> int:
+        """The index in a state of the velocity of an element with one coordinate."""
+        places = self.structure.places
+        coordinates: int = places[-1][0].stop
+        return coordinates + int(places[index][1].start)
 
-
-def in_phases(
-    slipping: Slipping, start: WideArray, parameters: WideArray, times: Array, phases: Sequence[Phase], solve: Solve
-) -> tuple[WideArray, list[Stray]]:
-    """The states (n, k) at ascending times (n,), s, and the contradictions to the phases."""
-    dtype: Any = start.dtype.type
-    rows, strays, state = np.empty((len(times), len(start)), dtype), list[Stray](), start.copy()
-    last = dtype(times[-1]) if len(times) else dtype(0)
-    first = 0
-    for number, phase in enumerate(phases):
-        after = phases[number + 1] if number + 1 < len(phases) else None
-        end = last if after is None else dtype(after.begin)
-        begin = dtype(phase.begin)
-        until = len(times) if after is None else int(np.searchsorted(times, float(end)))
-        state, phase_parameters = _begun(slipping, state, parameters, phase)
-        checks = np.linspace(0, 1, CHECKS).astype(dtype) * (end - begin)
-        local = np.concatenate([times[first:until].astype(dtype) - begin, checks]) / dtype(slipping.units.time)
-        states = solve(slipping.structure, state, phase_parameters, np.maximum(local, 0))
-        rows[first:until] = states[: until - first]
-        seen = states[until - first :]
-        strays += _strays(slipping, seen, phase_parameters, phase, after, float(end - begin), float(last - begin))
-        first, state = until, seen[-1]
-    return rows, strays
+    def with_modes(self, modes: Modes) -> list[Number]:
+        """The parameters for given modes."""
+        values = list(self.parameters)
+        for index, mode in modes.items():
+            force, moves = friction_parameters(self.structure, index)
+            values[force], values[moves] = -mode * self.frictions[index], MP.mpf(abs(mode))
+        return values
 
 
-def _begun(slipping: Slipping, state: WideArray, parameters: WideArray, phase: Phase) -> tuple[WideArray, WideArray]:
-    """The state at the beginning of a phase, in which joints that stick are at rest, and the parameters of the phase."""
-    state, phase_parameters = state.copy(), parameters.copy()
-    coordinates = slipping.structure.places[-1][0].stop
-    for index, element in slipping.dry:
-        assert element.joint is not None  # a free body has no friction
-        mode = phase.modes[element.joint]
-        force, moves = friction_parameters(slipping.structure, index)
-        phase_parameters[force] = -mode * phase_parameters.dtype.type(slipping.friction(element))
-        phase_parameters[moves] = abs(mode)
-        if not mode:
-            state[coordinates + slipping.structure.places[index][1].start] = 0
-    return state, phase_parameters
+@dataclass(frozen=True, eq=False)
+class Reaction:
+    """The result of the equations for one element: its acceleration, the friction that its motion requires, its inertia."""
+
+    acceleration: Any
+    friction: Any
+    inertia: Any
 
 
-def _strays(
-    slipping: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
-) -> list[Stray]:
-    """Return the contradictions to a phase.
-
-    states: at `CHECKS` instants of the phase. after: the next phase. lasts: the length of the phase (s). rest: the time from
-    its beginning to the end of the motion (s).
-    """
+def reactions(
+    slipping: Slipping, state: Sequence[Any], parameters: Sequence[Any], number: Callable[[Any], Any], functions: Any
+) -> dict[int, Reaction]:
+    """The reactions of the elements with dry friction in a state, in the arithmetic of `number` and `functions`."""
     equations = derived(slipping.structure)
-    values = states.astype(float).T
-    leaves: dict[str, Callable[[Any], Any]] = {
-        "number": lambda value: np.full(len(states), float(value)),
-        "parameter": lambda index: np.full(len(states), float(parameters[index])),
-        "variable": lambda index: values[index],
+    dry = list(slipping.frictions)
+    nodes: list[Node] = [equations.rates[slipping.velocity(index)] for index in dry]
+    nodes += [node for pair in equations.strains for node in pair]
+    sources: dict[str, Callable[[Any], Any]] = {
+        "number": number,
+        "parameter": lambda index: number(parameters[index]),
+        "variable": lambda index: number(state[index]),
     }
-    nodes = [node for pair in equations.strains for node in pair]
-    evaluated = made(equations.tape, nodes, lambda kind, value: leaves[kind](value), np.sin, np.cos)
-    coordinates, units, strays = slipping.structure.places[-1][0].stop, slipping.units, list[Stray]()
-    for number, (index, element) in enumerate(slipping.dry):
-        assert element.joint is not None  # a free body has no friction
-        strain, inertia = evaluated[2 * number], evaluated[2 * number + 1]
-        rate = values[coordinates + slipping.structure.places[index][1].start]
-        mode, friction = phase.modes[element.joint], slipping.friction(element)
-        changes = after is not None and after.modes[element.joint] != mode
-        if mode:
-            wrong = max(float(np.max(-mode * rate)), abs(float(rate[-1])) if changes else 0.0)
-            wrong = max(wrong - STOPPED * float(np.finfo(states.dtype).eps) * float(np.max(np.abs(values[coordinates:]))), 0.0)
-        else:
-            over = np.maximum(np.abs(strain) - friction * (1 + ROUNDED), 0.0) / inertia
-            short = abs(abs(strain[-1]) - friction) / inertia[-1]
-            early = short if changes and short * inertia[-1] > ROUNDED * friction else 0.0
-            wrong = float(np.max(over)) * lasts / units.time + early * rest / units.time
-        if wrong:
-            size = units.length if element.kind == "slide" else 1.0
-            strays.append(Stray(float(phase.begin), wrong * size / units.time, element.kind == "turn"))
-    return strays
+    values = made(equations.tape, nodes, lambda kind, value: sources[kind](value), functions.sin, functions.cos)
+    pairs = values[len(dry) :]
+    return {index: Reaction(values[row], pairs[2 * row], pairs[2 * row + 1]) for row, index in enumerate(dry)}
+
+
+def decided(slipping: Slipping, state: Sequence[Number], moving: Modes, slack: Number) -> Modes:
+    """Return the modes of all elements with dry friction in a state of a hundred digits.
+
+    moving: the sign of each velocity, 0 for an element at rest. slack: the part of the forces up to which a required friction
+    may exceed the friction of an element that sticks. Raises `OutOfReach` if no modes agree with the accelerations.
+    """
+    rest = [index for index, mode in moving.items() if not mode]
+    if not rest:
+        return dict(moving)
+    for modes in _candidates(_guess(slipping, state, moving, rest), rest):
+        trial = {**moving, **modes}
+        outcome = reactions(slipping, state, slipping.with_modes(trial), MP.mpf, MP)
+        if all(_agrees(outcome[index], trial[index], slipping.frictions[index], slack) for index in rest):
+            return trial
+    raise OutOfReach("rounding leaves undecided which joints with dry friction stick, in the Lagrangian")
+
+
+def _agrees(outcome: Reaction, mode: int, friction: Number, slack: Number) -> bool:
+    """Return whether an element at rest can have a mode."""
+    if mode:
+        return bool(mode * outcome.acceleration * outcome.inertia > slack * friction)
+    return bool(abs(outcome.friction) <= friction + slack * (friction + abs(outcome.friction)))
+
+
+def _candidates(guess: Modes, rest: Sequence[int]) -> Iterator[Modes]:
+    """The guess, and then all other modes of few elements at rest, those with the fewest differences from it first."""
+    yield guess
+    if len(rest) <= MOST_TRIED:
+        others = (dict(zip(rest, trial, strict=True)) for trial in itertools.product((0, 1, -1), repeat=len(rest)))
+        yield from sorted(others, key=lambda modes: sum(modes[index] != guess[index] for index in rest))[1:]
+
+
+def _guess(slipping: Slipping, state: Sequence[Number], moving: Modes, rest: Sequence[int]) -> Modes:
+    """The modes of elements at rest in double precision, from the forces of friction that solve the dual problem."""
+
+    def accelerations(pushed: int | None) -> Array:
+        # An element at rest is not held here, since its acceleration without friction is needed.
+        values = slipping.with_modes(moving)
+        for index in rest:
+            force, moves = friction_parameters(slipping.structure, index)
+            values[force], values[moves] = slipping.frictions[index] if index == pushed else MP.zero, MP.one
+        outcome = reactions(slipping, state, values, float, math)
+        return np.array([outcome[index].acceleration for index in rest])
+
+    free = accelerations(None)
+    across = np.stack([accelerations(index) - free for index in rest], axis=1)
+    force = np.zeros(len(rest))
+    for _ in range(ROUNDS):
+        before = force.copy()
+        for i, row in enumerate(across):
+            force[i] = np.clip(force[i] - (free[i] + row @ force) / row[i], -1.0, 1.0)
+        if np.abs(force - before).max() < UNCHANGED:
+            break
+    acceleration, scale = free + across @ force, np.abs(free) + np.abs(across).sum(axis=1)
+    slips = (np.abs(force) == 1) & (np.abs(acceleration) > NEAR * scale)
+    return dict(zip(rest, (int(mode) for mode in np.where(slips, -np.sign(force), 0)), strict=True))

@@ -7,7 +7,6 @@ and shares no formula with the recursion, from which the truth comes.
 
 import functools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +20,7 @@ from bodycheck.reference.mechanisms.lagrangian.border import Border, Element, bo
 from bodycheck.reference.mechanisms.lagrangian.closing import independent
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 from bodycheck.reference.mechanisms.lagrangian.equations import parts_of, rows_of
-from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Slipping, Stray, in_phases
+from bodycheck.reference.mechanisms.lagrangian.friction import Slipping
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -45,40 +44,32 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` if the mechanism has dry friction (see `follow_slipping`) or free bodies in loops, `OutOfReach` if the
-    integration fails or takes too many steps, and `ImportError` if heyoka is not installed.
+    Raises `NotModelled` if the mechanism has free bodies in loops, `OutOfReach` if the integration fails or takes too many
+    steps, and `ImportError` if heyoka is not installed.
     """
-    from bodycheck.reference.mechanisms.lagrangian import taylor
+    from bodycheck.reference.mechanisms.lagrangian import phases, taylor
 
-    return _followed(mechanism, times, dtype, taylor.solve)
-
-
-def follow_slipping(
-    mechanism: Mechanism, times: Array, phases: Sequence[Phase], dtype: Any = Wide
-) -> tuple[WideMotion, list[Stray]]:
-    """The motion of a mechanism as by `follow`, whose joints with dry friction slip and stick in given phases.
-
-    Returns the motion and the contradictions to the phases.
-    """
-    from bodycheck.reference.mechanisms.lagrangian import taylor
-
+    if not any(joint.friction for joint in mechanism.joints):
+        return _followed(mechanism, times, dtype, taylor.solve)
     ready = prepared(mechanism)
-    start, parameters = _rounded(ready, dtype)
-    slipping = Slipping(ready.border, ready.structure, ready.units)
-    states, strays = in_phases(slipping, start, parameters, times, phases, taylor.solve)
-    return _motion(ready, mechanism, times, states), strays
+    slipping = Slipping(ready.border, ready.structure, ready.units, ready.parameters)
+    states = phases.solve(slipping, ready.start, times.astype(dtype) / dtype(ready.units.time))
+    return _motion(ready, mechanism, times, states)
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
-    """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision."""
+    """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision.
+
+    Raises `NotModelled` also if the mechanism has dry friction.
+    """
     from bodycheck.reference.mechanisms.lagrangian import scipy_solver
 
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction without heyoka")
     return _followed(mechanism, times, np.float64, scipy_solver.solve)
 
 
 def _followed(mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
-    if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction without its phases")
     ready = prepared(mechanism)
     start, parameters = _rounded(ready, dtype)
     if not len(start):

@@ -2,7 +2,7 @@
 
 import functools
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import heyoka as hy
@@ -12,7 +12,7 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import prepare_heyoka, step_tolerance
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms.lagrangian.differentiation import made
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
@@ -24,13 +24,11 @@ MAX_OPERATIONS = 60_000_000
 MAX_OPERATIONS_OF_LOOPS = 10_000_000
 
 #: The lock that is held while an integrator runs, since an integrator contains its state and is shared by all threads.
-_lock = threading.Lock()
+lock = threading.Lock()
 
 
-@functools.lru_cache(maxsize=8)
-def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
-    """The compiled integrator of a structure, and the length of its equations."""
-    prepare_heyoka()
+def system(structure: Structure, further: Sequence[Node] = ()) -> tuple[list[Any], list[Any], list[Any]]:
+    """The variables of a structure's equations, their rates, and further nodes of its tape, as heyoka's expressions."""
     equations = derived(structure)
     variables = [hy.expression(f"s{index}") for index in range(equations.states)]
     leaves: dict[str, Callable[[Any], Any]] = {
@@ -38,17 +36,39 @@ def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
         "parameter": lambda number: hy.par[equations.used.index(number)],
         "variable": lambda number: variables[number],
     }
-    rates = made(equations.tape, equations.rates, lambda kind, value: leaves[kind](value), hy.sin, hy.cos)
+    nodes = [*equations.rates, *further]
+    expressions = made(equations.tape, nodes, lambda kind, value: leaves[kind](value), hy.sin, hy.cos)
+    return variables, expressions[: equations.states], expressions[equations.states :]
+
+
+def compiled(
+    variables: Sequence[Any], rates: Sequence[Any], dtype: Any, parameters: int, events: Sequence[Any] = ()
+) -> tuple[Any, int]:
+    """A compiled integrator of equations with a number of parameters, and the length of the equations."""
+    prepare_heyoka()
     solver = hy.taylor_adaptive(
         list(zip(variables, rates, strict=True)),
-        np.zeros(equations.states, dtype),
-        pars=np.zeros(len(equations.used), dtype),
+        np.zeros(len(variables), dtype),
+        pars=np.zeros(parameters, dtype),
         tol=dtype(step_tolerance(dtype)),
         fp_type=dtype,
         # Code that is not compact takes much longer to compile.
         compact_mode=True,
+        nt_events=list(events),
     )
     return solver, len(solver.decomposition)
+
+
+def most_steps(length: int, structure: Structure) -> int:
+    """Return the largest number of steps of an integration. length: of its equations."""
+    return min(MAX_STEPS, (MAX_OPERATIONS_OF_LOOPS if structure.loops else MAX_OPERATIONS) // length)
+
+
+@functools.lru_cache(maxsize=8)
+def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
+    """The compiled integrator of a structure, and the length of its equations."""
+    variables, rates, _ = system(structure)
+    return compiled(variables, rates, dtype, len(derived(structure).used))
 
 
 def solve(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray) -> WideArray:
@@ -60,12 +80,11 @@ def solve(structure: Structure, start: WideArray, parameters: WideArray, times: 
     solver, length = integrator(structure, dtype)
     instants, rows = np.unique(np.append(0.0, times), return_inverse=True)
     grid = instants.astype(start.dtype)
-    with _lock:
+    with lock:
         solver.time = grid[0]
         solver.state[:] = start
         solver.pars[:] = parameters[list(derived(structure).used)]
-        most = min(MAX_STEPS, (MAX_OPERATIONS_OF_LOOPS if structure.loops else MAX_OPERATIONS) // length)
-        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most)
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most_steps(length, structure))
     if outcome != hy.taylor_outcome.time_limit:
         raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
     return np.asarray(solution[rows[1:]])

@@ -17,14 +17,13 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import matrix
-from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.kinematics import cross, dot
 from bodycheck.reference.mechanisms import exact, start
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, MotionKind
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import about, apply, matrices, rounded, turning
+from bodycheck.reference.mechanisms.loops.vectors import about, apply, matrices, quaternions, rounded, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 _EYE = np.eye(3, dtype=Wide)
@@ -395,6 +394,6 @@ def bodies(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray, Wide
         position, velocity, _ = _at(motion, end, linkage.centre[body])
         axes = np.broadcast_to(_EYE, (len(states), 3, 3)) if end == WORLD else motion.axes[end]
         spin = np.zeros((len(states), 3), dtype=Wide) if end == WORLD else motion.spin[end]
-        rows.append((position, quaternion_of(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))
+        rows.append((position, quaternions(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))
     first, second, third, fourth = (np.array([row[part] for row in rows]) for part in range(4))
     return first, second, third, fourth

@@ -43,6 +43,32 @@ def matrices(q: WideArray) -> WideArray:
     return np.moveaxis(np.array(rows, dtype=Wide) / size, -1, 0)
 
 
+def quaternions(axes: WideArray) -> WideArray:
+    """Unit quaternions (s, 4) of rotation matrices (s, 3, 3).
+
+    The largest component follows from the diagonal, and the others from it by divisions (Shepperd, J. Guid. Control 1, 1978).
+    """
+    diagonal = np.stack([axes[:, 0, 0], axes[:, 1, 1], axes[:, 2, 2]], axis=1)
+    trace = diagonal.sum(axis=1)
+    largest = np.argmax(np.column_stack([trace, diagonal]), axis=1)
+    q = np.empty((len(axes), 4), dtype=Wide)
+    for k in np.unique(largest):
+        some = largest == k
+        m, d, sums = axes[some], diagonal[some].T, trace[some]
+        if k == 0:
+            q[some, 0] = size = np.sqrt(1 + sums) / 2
+            for i, j, part in ((2, 1, 1), (0, 2, 2), (1, 0, 3)):
+                q[some, part] = (m[:, i, j] - m[:, j, i]) / (4 * size)
+            continue
+        i, j, n = k - 1, k % 3, (k + 1) % 3
+        q[some, k] = size = np.sqrt(1 + 2 * d[i] - sums) / 2
+        q[some, 0] = (m[:, n, j] - m[:, j, n]) / (4 * size)
+        for other in (j, n):
+            q[some, 1 + other] = (m[:, i, other] + m[:, other, i]) / (4 * size)
+    unit: WideArray = q / np.sqrt((q * q).sum(axis=1, keepdims=True))
+    return unit
+
+
 def turning(q: WideArray, rates: WideArray) -> WideArray:
     """The derivatives (s, 4) of quaternions (s, 4) of bodies with angular velocities (s, 3) along the bodies' axes."""
     w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]

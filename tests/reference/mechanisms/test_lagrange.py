@@ -166,10 +166,10 @@ def test_taylor_and_dop853_follow_the_same_motion(moved: WideMotion) -> None:
     np.testing.assert_allclose(moved.joint_position, wide.joint_position.astype(float), atol=1e-10)
 
 
-def test_dry_friction_without_its_phases_is_not_modelled() -> None:
+def test_dry_friction_without_heyoka_is_not_modelled() -> None:
     plain = cart_pole()
     rubbing = Mechanism(plain.bodies, (replace(plain.joints[0], friction=0.1), plain.joints[1]), gravity=9.81)
-    with pytest.raises(NotModelled, match="dry friction without its phases"):
+    with pytest.raises(NotModelled, match="dry friction without heyoka"):
         solution.follow_in_doubles(rubbing, TIMES)
 
 
