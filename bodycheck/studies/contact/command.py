@@ -38,26 +38,20 @@ def contact(
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging.judgement import Compared
-    from bodycheck.results import origin
     from bodycheck.studies.contact import printing, sheet, study
-    from bodycheck.studies.contact.page import present
-    from bodycheck.studies.contact.rows import SHEET
+    from bodycheck.studies.contact.interface import carry_out
     from bodycheck.studies.output import Output
 
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
     compared = Compared()
-    with ran(selection, study.plan, out, quiet, compared.meet) as runs:
-        rows = study.evaluate(runs.results, runs.engines, compared)
-        header = runs.results.header
-        report = present(header, runs.results.cases, rows, study.reasons(runs.results, runs.engines))
-        Output(out).write(report, ((SHEET, rows),), [origin.stored(header)])
+    results = carry_out(ran(selection, study.plan, out, quiet, compared.meet), compared, Output(out))
     if json:
-        terminal.print_json([asdict(row) for row in rows])
+        terminal.print_json([asdict(row) for row in results.rows])
     elif not quiet:
-        printing.print_sheet(rows, view)
+        printing.print_sheet(results.rows, view)
     say_where(out, quiet)
-    return FAILED if runs.engine_failed else OK
+    return FAILED if results.engine_failed else OK
 
 
 #: The commands of the study.

@@ -4,21 +4,17 @@ Its imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, View, Viewed
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
 from bodycheck.console.output import say_where, tell
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case
-    from bodycheck.console.arguments import Engines as Loaded
-    from bodycheck.reports.plot_files import Format
     from bodycheck.running.members.executors import Executor
     from bodycheck.studies.ensemble.drawing.members import Source
 
@@ -91,6 +87,8 @@ def ensemble(
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.studies.ensemble import printing
     from bodycheck.studies.ensemble.drawing import members as drawing
+    from bodycheck.studies.ensemble.interface import carry_out
+    from bodycheck.studies.output import Output
 
     check_has_folder(figures, out)
     _check(member, write, out, dask, shard)
@@ -101,20 +99,14 @@ def ensemble(
         return _write_member(loaded, source, member, write)
     drawing.check(loaded, source)
     engines = load_engines(engine)
-    shown = _Shown(out, figures, json, view, quiet)
-    broken = _carry_out(loaded, source, engines, (integrator, timestep), _executor(dask, shard, processes(jobs)), shown)
-    return FAILED if broken or engines.failed([loaded]) else OK
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """The options of the command for output, under their names."""
-
-    out: Path | None
-    figures: "tuple[Format, ...]"
-    json: bool
-    view: View
-    quiet: bool
+    output, executor = Output(out, figures, quiet), _executor(dask, shard, processes(jobs))
+    results = carry_out(loaded, source, engines, (integrator, timestep), executor, sys.argv, output)
+    if results is not None:
+        printing.print_made(results.analysed, json, view, quiet)
+        say_where(out, quiet)
+    elif not quiet:
+        tell(f"This share is done. When all are, join them: bodycheck gather {out} --out FOLDER")
+    return FAILED if (results is not None and not results.passed) or engines.failed([loaded]) else OK
 
 
 def _check(member: int | None, write: Path | None, out: Path | None, dask: str | None, shard: str | None) -> None:
@@ -148,44 +140,6 @@ def _executor(dask: str | None, shard: str | None, jobs: int) -> "Executor":
     if dask is not None:
         return Cluster(dask, jobs)
     return Own(jobs) if shard is None else Shard.parse(shard, jobs)
-
-
-def _carry_out(
-    case: "Case",
-    source: "Source",
-    engines: "Loaded",
-    methods: tuple[tuple[str, ...], tuple[float, ...]],
-    executor: "Executor",
-    shown: _Shown,
-) -> bool:
-    """Run an ensemble, write its report, and print its tables. Return whether a member breaks an expectation of the case."""
-    from functools import partial
-
-    from bodycheck.console import terminal
-    from bodycheck.files.temporary import temporary_folder
-    from bodycheck.studies.ensemble import header, printing, study
-    from bodycheck.studies.ensemble.drawing import members
-    from bodycheck.studies.ensemble.report import publishing, reporting
-
-    planned = study.size(case, source, engines.records, *methods)
-    with ExitStack() as stack:
-        folder = shown.out or stack.enter_context(temporary_folder())
-        with terminal.progress("running", planned, shown.quiet) as progress:
-            run = partial(study.run, command=sys.argv, missing=engines.missing)
-            folder = run(case, source, engines.records, *methods, folder, executor, progress)
-        if not executor.whole:
-            if not shown.quiet:
-                tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
-            return False
-        head = header.read(folder)
-        results = reporting.read(folder, case, head)
-        if shown.out is not None:
-            text_of = partial(members.text, case, source)
-            with terminal.progress("worst members", results.worst, shown.quiet) as progress:
-                publishing.write(results, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
-    printing.print_made(results, shown.json, shown.view, shown.quiet)
-    say_where(shown.out, shown.quiet)
-    return bool(results.broken)
 
 
 #: The commands of the study.

@@ -66,7 +66,7 @@ def parity(
     if not models:
         raise BadInput("parity: give at least one file of a robot")
     asks = study.Asking(states, seed, tolerance, package_path, motion)
-    _check(asks)
+    check(asks)
     tables.check(view, printing.ROWS)
     check_writable("--junit", junit)
     make_folder("--out", out)
@@ -89,7 +89,7 @@ def parity(
     return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK
 
 
-def _check(asks: "Asking") -> None:
+def check(asks: "Asking") -> None:
     """Raise `BadInput` for an option that has no meaning."""
     from bodycheck.studies.parity.study import LONGEST_MOTION
 
