@@ -47,7 +47,7 @@ class EnsembleResults(StudyResults):
 
     @property
     def passed(self) -> bool:
-        """Whether no member breaks an expectation of the case."""
+        """True if no member breaks an expectation of the case."""
         return not self.analysed.broken
 
     @property

@@ -38,7 +38,7 @@ class ParityResults(StudyResults):
 
     @property
     def agrees(self) -> bool:
-        """Whether every engine reads every file as it is meant."""
+        """True if every engine reads every file as it is meant."""
         return not any(map(failed, self.rows))
 
     @property
