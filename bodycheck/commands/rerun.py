@@ -111,7 +111,7 @@ def _plan(
     engines: "Mapping[str, Engine]",
     integrators: Sequence[str],
     timesteps: Sequence[float],
-) -> "list[Task]":
+) -> "tuple[Task, ...]":
     """Return the tasks of stored runs. The last two parameters, which other commands take from their user, are empty.
 
     Raises `BadInput` if an engine cannot be used, is installed in another version or lacks a method, and for an impossible time
@@ -122,7 +122,7 @@ def _plan(
     from bodycheck.running.plan import Task
 
     by_name = {case.name: case for case in cases}
-    tasks = [Task(by_name[run.case], run.engine, run.method) for run in stored.runs()]
+    tasks = tuple(Task(by_name[run.case], run.engine, run.method) for run in stored.runs())
     for name in {task.engine: None for task in tasks}:
         version = stored.header["engines"].get(name, "")
         if name not in engines:

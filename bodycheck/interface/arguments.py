@@ -97,7 +97,7 @@ def command(function: str, cases: Sequence[OneCase], **options: object) -> list[
     shown = [repr(one.name if isinstance(one, Case) else str(one)) for one in cases]
     if len(shown) != 1:
         shown = [f"[{', '.join(shown)}]"] if shown else []
-    options_given = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), "", False)]
+    options_given = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), [], "", False)]
     return [f"bodycheck.{function}({', '.join([*shown, *options_given])})"]
 
 

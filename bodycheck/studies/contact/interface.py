@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
+from bodycheck.casefile.content import Case
 from bodycheck.console.ran import Ran, Selection, ran_of
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
@@ -97,7 +98,8 @@ def contact(
         timesteps=(timesteps := arguments.numbers("--timestep", timestep)),
         jobs=arguments.jobs_of(jobs),
     )
-    command = arguments.command("contact", named, case=list(map(str, each)), integrator=spellings, timestep=timesteps)
+    names = [one.name if isinstance(one, Case) else str(one) for one in each]
+    command = arguments.command("contact", named, case=names, integrator=spellings, timestep=timesteps)
     folder, compared = arguments.path("--out", out), Compared()
     given = arguments.given_cases(each or sheet.scenes())
     return carry_out(

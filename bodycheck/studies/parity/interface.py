@@ -21,7 +21,7 @@ from bodycheck.studies.parity.rows import READINGS, ParityRow, failed
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ParityResults(StudyResults):
-    """What engines make of the files of robots.
+    """The robots that engines build from files, compared with the files.
 
     Attributes
     ----------
@@ -100,7 +100,15 @@ def parity(
     loaded = load_engines(named)
     with output.work("comparing", len(paths)) as (_, progress):
         results = tuple(study.study(loaded.records, paths, asks, processes, progress, only_readers=not named))
-    command = arguments.command("parity", tuple(map(str, paths)), engine=named, states=asks.states, seed=asks.seed)
+    command = arguments.command(
+        *("parity", tuple(map(str, paths))),
+        engine=named,
+        states=asks.states,
+        seed=asks.seed,
+        tolerance=asks.tolerance,
+        motion=asks.motion,
+        package_path=list(map(str, packages)),
+    )
     head = campaign.header(command, loaded.records, loaded.missing)
     report = present(head, results)
     output.write(report, ((READINGS, [row for model in results for row in model.rows]),), [origin.origin(head, {})])

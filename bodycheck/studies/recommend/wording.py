@@ -102,8 +102,8 @@ def never(recommendation: Recommendation) -> tuple[str, ...]:
             at_best = "; it is ".join(f"{least} with {listing(names)}" for least, names in by_error.items())
             sentences.append(f"{len(tried)} methods never keep {limit_with}. At best, the {figure} is {at_best}.")
     if single:
-        names, keeps = listing(list(map(method, single))), verb(len(single), "keeps", "keep")
-        sentences.append(f"{names} {keeps} the limit only with single steps, whose neighbours break it or were not measured.")
+        methods, keeps = listing(list(map(method, single))), verb(len(single), "keeps", "keep")
+        sentences.append(f"{methods} {keeps} the limit only with single steps, whose neighbours break it or were not measured.")
     reasons: dict[str, list[str]] = {}
     for answer in failed:
         reasons.setdefault(answer.reason, []).append(method(answer))

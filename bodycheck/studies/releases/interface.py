@@ -1,6 +1,6 @@
 """`bodycheck.releases`: what changed from release to release of an engine."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -37,7 +37,7 @@ class ReleasesResults(StudyResults):
     notices: Sequence[str]
 
     @property
-    def rows(self) -> Sequence[dict[str, Any]]:
+    def rows(self) -> Sequence[Mapping[str, Any]]:
         """The rows of all versions, methods and cases."""
         return self.measured.rows
 
