@@ -88,7 +88,6 @@ def _read(folder: Path) -> "tuple[Results, Mapping[RunKey, Row]]":
     Raises `BadInput` if the folder contains a study or interrupted runs, or is not as bodycheck wrote it.
     """
     from bodycheck.commands import saved
-    from bodycheck.reports.runs import results_json
     from bodycheck.reports.study import StudyReport
 
     stored = saved.read(folder)
@@ -99,10 +98,33 @@ def _read(folder: Path) -> "tuple[Results, Mapping[RunKey, Row]]":
     if not stored.runs():
         raise BadInput(f"{folder}: has no runs that could be made again")
     with saved.undamaged(folder):
-        rows = results_json.read(folder / FILE)
+        rows = _published(folder / FILE)
         if rows.keys() != {run.key for run in stored.runs()}:
             raise BadFolder(f"{folder}: damaged: {FILE} does not list the same runs as the records")
         return stored, rows
+
+
+def _published(path: Path) -> "dict[RunKey, Row]":
+    """Return the entry `runs` of a results.json by the keys of the runs.
+
+    Raises `BadInput` if it is of another format, incomplete or of several sets of results. For a file that bodycheck did not
+    write, it also raises `OSError`, `LookupError`, `TypeError`, `ValueError`, `AttributeError` or `RecursionError`.
+    """
+    import json
+
+    from bodycheck.files import reading
+    from bodycheck.judging.baselines.baseline import MAX_BYTES, by_key
+    from bodycheck.reports.runs.results_json import FORMAT
+
+    stored = json.loads(reading.content(path, MAX_BYTES, follow=True))
+    if stored["format"] != FORMAT:
+        raise BadInput(f"{path}: read {stored['format']!r:.60} as the format; allowed: {FORMAT}")
+    if len(stored["sets"]) != 1 or stored["complete"] is not True:
+        raise BadInput(f"{path}: allowed: the results of one command that came to its end")
+    runs_by_key = by_key(stored["runs"])
+    if len(runs_by_key) != len(stored["runs"]):
+        raise BadInput(f"{path}: lists a run more than once")
+    return runs_by_key
 
 
 def _plan(

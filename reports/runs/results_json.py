@@ -7,20 +7,15 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any, get_args
 
-from bodycheck.errors import BadInput
 from bodycheck.figures.column import Column
 from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS
-from bodycheck.files import reading
 from bodycheck.judging import judgement
-from bodycheck.judging.baselines.baseline import MAX_BYTES, Row, by_key
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
 from bodycheck.results.header import DESCRIPTIONS
-from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Outcome
 
 #: The version of the format.
@@ -55,26 +50,9 @@ def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
     }
 
 
-def rows(verdicts: Sequence[Verdict]) -> list[Row]:
+def rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
     """Return the entry `runs` of results.json: a row for each verdict, without numbers that are not finite."""
     return [{name: _json_value(value) for name, value in row.items()} for row in judgement.records(verdicts)]
-
-
-def read(path: Path) -> dict[RunKey, Row]:
-    """Return the entry `runs` of a results.json by the keys of the runs.
-
-    Raises `BadInput` if it is of another format, incomplete or of several sets of results. For a file that bodycheck did not
-    write, it also raises `OSError`, `LookupError`, `TypeError`, `ValueError`, `AttributeError` or `RecursionError`.
-    """
-    stored = json.loads(reading.content(path, MAX_BYTES, follow=True))
-    if stored["format"] != FORMAT:
-        raise BadInput(f"{path}: read {stored['format']!r:.60} as the format; allowed: {FORMAT}")
-    if len(stored["sets"]) != 1 or stored["complete"] is not True:
-        raise BadInput(f"{path}: allowed: the results of one command that came to its end")
-    runs_by_key = by_key(stored["runs"])
-    if len(runs_by_key) != len(stored["runs"]):
-        raise BadInput(f"{path}: lists a run more than once")
-    return runs_by_key
 
 
 def _set(one: ResultSet) -> dict[str, Any]:
