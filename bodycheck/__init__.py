@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case, CaseFaults, load
     from bodycheck.errors import BadInput, Failed
+    from bodycheck.interface.exporting import export
     from bodycheck.interface.plots import Plot
     from bodycheck.interface.runs import RunResults, run
     from bodycheck.judging.comparison import compare
@@ -23,30 +24,46 @@ if TYPE_CHECKING:
     from bodycheck.results.outcome import Run
     from bodycheck.running.simulation import simulate
     from bodycheck.running.truths import truth
+    from bodycheck.studies.audit.interface import AuditResults, audit
+    from bodycheck.studies.contact.interface import ContactResults, contact
+    from bodycheck.studies.ensemble.interface import EnsembleResults, ensemble
     from bodycheck.studies.extremes.interface import ExtremesResults, extremes
+    from bodycheck.studies.parity.interface import ParityResults, parity
     from bodycheck.studies.recommend.interface import RecommendResults, recommend
+    from bodycheck.studies.releases.interface import ReleasesResults, releases
     from bodycheck.studies.tradeoff.interface import TradeoffResults, tradeoff
 
     __version__: str
 
 __all__ = [
+    "AuditResults",
     "BadInput",
     "Case",
     "CaseFaults",
+    "ContactResults",
     "Discrepancy",
+    "EnsembleResults",
     "ExtremesResults",
     "Failed",
+    "ParityResults",
     "Plot",
     "RecommendResults",
+    "ReleasesResults",
     "Run",
     "RunResults",
     "TradeoffResults",
     "Truth",
     "__version__",
+    "audit",
     "compare",
+    "contact",
+    "ensemble",
+    "export",
     "extremes",
     "load",
+    "parity",
     "recommend",
+    "releases",
     "run",
     "simulate",
     "tradeoff",
@@ -74,6 +91,17 @@ HOMES = {
     "RecommendResults": "studies.recommend.interface",
     "extremes": "studies.extremes.interface",
     "ExtremesResults": "studies.extremes.interface",
+    "audit": "studies.audit.interface",
+    "AuditResults": "studies.audit.interface",
+    "contact": "studies.contact.interface",
+    "ContactResults": "studies.contact.interface",
+    "ensemble": "studies.ensemble.interface",
+    "EnsembleResults": "studies.ensemble.interface",
+    "parity": "studies.parity.interface",
+    "ParityResults": "studies.parity.interface",
+    "releases": "studies.releases.interface",
+    "ReleasesResults": "studies.releases.interface",
+    "export": "interface.exporting",
     "Plot": "interface.plots",
 }
 
@@ -114,4 +142,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__} - {"Any", "HOMES", "TYPE_CHECKING", "importlib"})
+    return sorted(__all__)

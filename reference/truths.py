@@ -71,6 +71,10 @@ class Truth:
     friction: float = 0.0
     interfaces: tuple[Interface, ...] = ()
 
+    def __repr__(self) -> str:
+        instants, error = self.trajectory.t, np.nanmax(self.bounds.error, initial=0.0)
+        return f"<Truth: {self.model}, {len(instants)} instants to {instants[-1]:g} s, error at most {error:.2g} rad>"
+
     def at(self, times: Array) -> "Truth":
         """The part of this truth at ascending times (n,), s. Raises `ValueError` if it does not have all of them."""
         instants = self.trajectory.t

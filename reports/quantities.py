@@ -87,6 +87,12 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{float(f'{mantissa}e{exponent}'):.0f}" if 0 < int(exponent) < 4 else f"{mantissa}e{int(exponent)}"
 
 
+def exactly(value: float) -> str:
+    """Return a number as text with as many digits as are needed to read the same number from it."""
+    mantissa, e, exponent = repr(value).partition("e")
+    return mantissa.removesuffix(".0") + (f"e{int(exponent)}" if e else "")
+
+
 def vector(components: Sequence[float]) -> str:
     """Return components as numbers in parentheses."""
     return f"({', '.join(map(number, components))})"

@@ -12,6 +12,7 @@ from bodycheck.commands.compare import compare
 from bodycheck.commands.engines import engines
 from bodycheck.commands.ensembles import gather, query
 from bodycheck.commands.report import diff, report
+from bodycheck.commands.rerun import rerun
 from bodycheck.commands.run import export, run
 from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_READER, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
@@ -35,7 +36,7 @@ COMMANDS: tuple[Callable[..., int] | App, ...] = (
     *plain_command.of_studies(),
     gather,
     query,
-    *(compare, report, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
+    *(compare, report, rerun, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
 )
 
 for command in COMMANDS:

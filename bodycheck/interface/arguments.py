@@ -81,6 +81,12 @@ def path(option: str, given: object) -> Path | None:
     raise BadInput(f'Invalid value for {option}: unable to convert "{given}" into Path.')
 
 
+def paths(option: str, given: object) -> tuple[Path, ...]:
+    """Return one or several paths as a tuple. For anything else, raise `BadInput` that names the option."""
+    each = (given,) if isinstance(given, str | Path) else _several(option, given, "a path, or several")
+    return tuple(one for one in (path(option, value) for value in each) if one is not None)
+
+
 def jobs_of(given: object) -> int:
     """Return the number of processes; for None, the number of processors. Raises `BadInput` unless it is at least 1."""
     return processes(None if given is None else conversion.whole_number("--jobs", given))
@@ -91,7 +97,7 @@ def command(function: str, cases: Sequence[OneCase], **options: object) -> list[
     shown = [repr(one.name if isinstance(one, Case) else str(one)) for one in cases]
     if len(shown) != 1:
         shown = [f"[{', '.join(shown)}]"] if shown else []
-    options_given = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), "", False)]
+    options_given = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), [], "", False)]
     return [f"bodycheck.{function}({', '.join([*shown, *options_given])})"]
 
 

@@ -116,7 +116,8 @@ class Table:
         except ModuleNotFoundError as error:
             raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
         frame = pd.DataFrame.from_records([dict(row) for row in self.rows], columns=list(self.columns))
-        frame = frame.astype({name: "Float64" for name in self.columns if name in self.numbers})
+        # With a nullable type, pandas prints small numbers as 0.0.
+        frame = frame.astype({name: "float64" for name in self.columns if name in self.numbers})
         frame.attrs["units"] = dict(self.units)
         return frame
 

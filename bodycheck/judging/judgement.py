@@ -292,7 +292,8 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
         import pandas as pd  # it is large, and nothing else needs it
     except ModuleNotFoundError as error:
         raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
-    nullable = {pa.float64(): pd.Float64Dtype(), pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+    # Numbers with decimals have no nullable type, with which pandas prints small ones as 0.0.
+    nullable = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
     frame: pd.DataFrame = arrow(verdicts).to_pandas(types_mapper=nullable.get)
     return frame
 

@@ -12,6 +12,7 @@ from typing import Any, get_args
 from bodycheck.figures.column import Column
 from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS
 from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
 from bodycheck.results.header import DESCRIPTIONS
@@ -36,7 +37,6 @@ def render(contents: Contents, sets: Sequence[ResultSet]) -> str:
 
 def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
     """Return the document of results.json. contents: the contents of the report of these sets."""
-    rows = judgement.records(verdict for one in sets for verdict in one.verdicts)
     return {
         "format": FORMAT,
         "complete": contents.complete,
@@ -46,8 +46,13 @@ def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
             {"subject": finding.subject, "text": finding.text, "case": finding.where or None} for finding in contents.findings
         ],
         "sets": [_set(one) for one in sets],
-        "runs": [{name: _json_value(value) for name, value in row.items()} for row in rows],
+        "runs": rows([verdict for one in sets for verdict in one.verdicts]),
     }
+
+
+def rows(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
+    """Return the entry `runs` of results.json: a row for each verdict, without numbers that are not finite."""
+    return [{name: _json_value(value) for name, value in row.items()} for row in judgement.records(verdicts)]
 
 
 def _set(one: ResultSet) -> dict[str, Any]:

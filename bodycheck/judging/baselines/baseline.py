@@ -6,7 +6,7 @@ file may come from anyone.
 
 import json
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -179,7 +179,7 @@ def read(path: Path) -> Baseline:
         if stored["format"] != FORMAT:
             raise ValueError(f"its format is {stored['format']}, not {FORMAT}")
         metadata = records.typed(Metadata, stored)
-        rows = {RunKey.of_row(row): _present(row) for row in (_checked(row, figures) for row in table.to_pylist())}
+        rows = by_key(table.to_pylist(), figures)
         return Baseline(asdict(metadata.header), metadata.cases, rows, metadata.revisions, metadata.keys)
     except (
         OSError,
@@ -201,8 +201,17 @@ def rows(
 
     Every completed run is repeated `rounding.NUDGES` times. For the parameters see `save`.
     """
-    measured = _allowances(results, verdicts, jobs, progress)
+    measured = allowances(results, verdicts, jobs, progress)
     return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]
+
+
+def by_key(rows: Iterable[Row], figures: Collection[str] = FIGURES) -> dict[RunKey, Row]:
+    """Return rows of runs by the keys of the runs, with the present spellings of methods.
+
+    figures: the columns that must be numbers where they are not empty. Raises `ValueError`, `TypeError`, `LookupError` or
+    `BadInput` for a row with invalid values.
+    """
+    return {RunKey.of_row(row): _present(row) for row in (_checked(row, figures) for row in rows)}
 
 
 def _present(row: Row) -> Row:
@@ -234,7 +243,7 @@ def _checked(row: dict[str, Any], figures: Iterable[str]) -> dict[str, Any]:
     return row
 
 
-def _allowances(
+def allowances(
     results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]
 ) -> dict[RunKey, dict[str, float]]:
     """Repeat the completed runs with nudged initial states, and return the allowances of figures by the key of the run."""

@@ -42,32 +42,19 @@ def audit(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import load_engines, processes
     from bodycheck.console.output import end, tell
-    from bodycheck.results import origin
-    from bodycheck.running import campaign
-    from bodycheck.running.named import check_planned
     from bodycheck.studies.audit import printing, study
-    from bodycheck.studies.audit.page import present
-    from bodycheck.studies.audit.rows import ANSWERED, CLASSES, ROWS
+    from bodycheck.studies.audit.interface import carry_out
+    from bodycheck.studies.audit.rows import ANSWERED
     from bodycheck.studies.output import Output
 
     tables.check(view, printing.ROWS)
     loaded = load_engines(engines, integrators=integrator)
     planned = study.prepare(loaded.records, integrator, timestep)
-    check_planned(loaded.named, loaded.records, planned.methods)
-    head = campaign.header(sys.argv, loaded.records, loaded.missing)
-    facts = study.facts(loaded.records)
-    output = Output(out, quiet=quiet)
-    with (
-        output.work("auditing", planned.size) as (folder, progress),
-        study.results(planned, folder, head, processes(jobs), progress) as results,
-    ):
-        report = present(head, facts, results.rows, results.faults, results.classes)
-        origins = [origin.origin(head, {planned.flip.name: planned.flip.text})]
-        output.write(report, ((ROWS, results.rows), (CLASSES, results.classes.rows)), origins)
+    results = carry_out(planned, loaded, sys.argv, processes(jobs), Output(out, quiet=quiet))
     if json:
         terminal.print_json([asdict(row) for row in results.rows])
     elif not quiet:
-        printing.print_findings(results.rows, facts)
+        printing.print_findings(results.rows, results.facts)
         if table or view != AS_USUAL:
             printing.print_rows(results.rows, view)
         printing.print_classes(results.classes)

@@ -36,27 +36,20 @@ def contact(
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
-    from bodycheck.judging import judgement
-    from bodycheck.results import origin
+    from bodycheck.judging.judgement import Compared
     from bodycheck.studies.contact import printing, sheet, study
-    from bodycheck.studies.contact.page import present
-    from bodycheck.studies.contact.rows import SHEET
+    from bodycheck.studies.contact.interface import carry_out
     from bodycheck.studies.output import Output
 
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
-    compared = judgement.Compared()
-    with ran(selection, study.plan, out, quiet, compared.meet) as runs:
-        verdicts = judgement.judge(runs.results, compared=compared)
-        rows = study.evaluate(runs.results, runs.engines, verdicts)
-        header = runs.results.header
-        report = present(header, runs.results.cases, rows, study.reasons(runs.results, runs.engines))
-        Output(out).write(report, ((SHEET, rows),), [origin.stored(header)])
+    compared = Compared()
+    results = carry_out(ran(selection, study.plan, out, quiet, compared.meet), compared, Output(out))
     if json:
-        terminal.print_json([asdict(row) for row in rows])
+        terminal.print_json([asdict(row) for row in results.rows])
     elif not quiet:
-        printing.print_sheet(rows, view)
-    return end(runs.decided(study.measurements(verdicts)), out, json=json, quiet=quiet)
+        printing.print_sheet(results.rows, view)
+    return end(results.decision, out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

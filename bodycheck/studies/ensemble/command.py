@@ -4,24 +4,19 @@ Its imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, View, Viewed
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
 from bodycheck.console.output import end, tell
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case
-    from bodycheck.console.arguments import Engines as Loaded
-    from bodycheck.reports.plot_files import Format
     from bodycheck.running.members.executors import Executor
     from bodycheck.studies.ensemble.drawing.members import Source
-    from bodycheck.studies.ensemble.report.reporting import Made
 
 OneCase = Annotated[str, Parameter(help="The case: the name of a shipped case, or a case file. It has a table [ensemble].")]
 
@@ -92,6 +87,8 @@ def ensemble(
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.studies.ensemble import printing
     from bodycheck.studies.ensemble.drawing import members as drawing
+    from bodycheck.studies.ensemble.interface import carry_out
+    from bodycheck.studies.output import Output
 
     check_has_folder(figures, out)
     _check(member, write, out, dask, shard)
@@ -102,23 +99,15 @@ def ensemble(
         return _write_member(loaded, source, member, write)
     drawing.check(loaded, source)
     engines = load_engines(engine, integrators=integrator)
-    shown = _Shown(out, figures, json, view, quiet)
-    executor = _executor(dask, shard, processes(jobs))
-    results = _carry_out(loaded, source, engines, (integrator, timestep), executor, shown)
+    output, executor = Output(out, figures, quiet), _executor(dask, shard, processes(jobs))
+    results = carry_out(loaded, source, engines, (integrator, timestep), executor, sys.argv, output)
     if results is None:
+        if not quiet:
+            tell(f"This share is done. When all are, join them: bodycheck gather {out} --out FOLDER")
         return FAILED if engines.failed([loaded]) else OK
-    return end(engines.decided(results.outcomes, [loaded], bool(results.broken)), out, json=json, quiet=quiet)
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """The options of the command for output, under their names."""
-
-    out: Path | None
-    figures: "tuple[Format, ...]"
-    json: bool
-    view: View
-    quiet: bool
+    printing.print_made(results.analysed, json, view, quiet)
+    decision = engines.decided(results.analysed.outcomes, [loaded], not results.passed)
+    return end(decision, out, json=json, quiet=quiet)
 
 
 def _check(member: int | None, write: Path | None, out: Path | None, dask: str | None, shard: str | None) -> None:
@@ -152,45 +141,6 @@ def _executor(dask: str | None, shard: str | None, jobs: int) -> "Executor":
     if dask is not None:
         return Cluster(dask, jobs)
     return Own(jobs) if shard is None else Shard.parse(shard, jobs)
-
-
-def _carry_out(
-    case: "Case",
-    source: "Source",
-    engines: "Loaded",
-    methods: tuple[tuple[str, ...], tuple[float, ...]],
-    executor: "Executor",
-    shown: _Shown,
-) -> "Made | None":
-    """Run an ensemble, write its report, and print its tables. Return its analysis; None if only a share of it was run."""
-    from functools import partial
-
-    from bodycheck.console import terminal
-    from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running.named import check_planned
-    from bodycheck.studies.ensemble import header, printing, study
-    from bodycheck.studies.ensemble.drawing import members
-    from bodycheck.studies.ensemble.report import publishing, reporting
-
-    shares = study.planned(case, engines.records, *methods)
-    check_planned(engines.named, engines.records, ((share.engine, method) for share in shares for method in share.methods))
-    with ExitStack() as stack:
-        folder = shown.out or stack.enter_context(temporary_folder())
-        with terminal.progress("running", study.size(source, shares), shown.quiet) as progress:
-            run = partial(study.run, command=sys.argv, missing=engines.missing)
-            folder = run(case, source, engines.records, *methods, folder, executor, progress)
-        if not executor.whole:
-            if not shown.quiet:
-                tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
-            return None
-        head = header.read(folder)
-        results = reporting.read(folder, case, head)
-        if shown.out is not None:
-            text_of = partial(members.text, case, source)
-            with terminal.progress("worst members", results.worst, shown.quiet) as progress:
-                publishing.write(results, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
-    printing.print_made(results, shown.json, shown.view, shown.quiet)
-    return results
 
 
 #: The commands of the study.

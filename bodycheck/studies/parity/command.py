@@ -4,7 +4,6 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,8 +13,7 @@ from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet,
 from bodycheck.errors import BadInput
 
 if TYPE_CHECKING:
-    from bodycheck.results.header import Header
-    from bodycheck.studies.parity.study import Asking, Parity
+    from bodycheck.studies.parity.study import Asking
 
 
 def parity(
@@ -64,49 +62,36 @@ def parity(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
     from bodycheck.console.output import end
-    from bodycheck.running import campaign
+    from bodycheck.files import writing
+    from bodycheck.studies.output import Output
     from bodycheck.studies.parity import files, printing, rows, study
+    from bodycheck.studies.parity.interface import carry_out
+    from bodycheck.studies.parity.page import as_junit
 
     if not models:
         raise BadInput("parity: give at least one file of a robot")
     asks = study.Asking(states, seed, tolerance, package_path, motion)
-    _check(asks)
+    check(asks)
     tables.check(view, printing.ROWS)
     check_writable("--junit", junit)
     make_folder("--out", out)
     loaded = load_engines(engine)
     given = files.named(models)
-    with terminal.progress("comparing", len(given.files), quiet) as progress:
-        results = list(study.study(loaded.records, given.files, asks, processes(jobs), progress, only_readers=not engine))
-    every = [row for one in results for row in one.rows]
-    _write(results, campaign.header(sys.argv, loaded.records, loaded.missing), out, junit)
+    results = carry_out(given.files, loaded, asks, sys.argv, processes(jobs), Output(out, quiet=quiet))
+    if junit is not None:
+        writing.write_named(junit, as_junit(results.models, results.header).encode("utf-8", "replace"))
     if json:
-        terminal.print_json([asdict(row) for row in every])
+        terminal.print_json([asdict(row) for row in results.rows])
     elif not quiet:
-        printing.print_models(results)
+        printing.print_models(results.models)
         if table or view != AS_USUAL:
-            printing.print_rows(every, view)
-    printing.tell_unread(results, () if quiet else given.skipped)
-    decision = loaded.decided(rows.comparisons(every), failed=any(map(rows.failed, every)))
+            printing.print_rows(results.rows, view)
+    printing.tell_unread(results.models, () if quiet else given.skipped)
+    decision = loaded.decided(rows.comparisons(results.rows), failed=not results.agrees)
     return end(decision, out, json=json, quiet=quiet)
 
 
-def _write(results: Sequence["Parity"], head: "Header", out: Path | None, junit: Path | None) -> None:
-    """Write the table and the report into a folder, and the results as JUnit XML into a file, unless these are None."""
-    from bodycheck.files import writing
-    from bodycheck.results import origin
-    from bodycheck.studies.output import Output
-    from bodycheck.studies.parity.page import as_junit, present
-    from bodycheck.studies.parity.rows import READINGS
-
-    if out is not None:
-        every = [row for one in results for row in one.rows]
-        Output(out).write(present(head, results), ((READINGS, every),), [origin.origin(head, {})])
-    if junit is not None:
-        writing.write_named(junit, as_junit(results, head).encode("utf-8", "replace"))
-
-
-def _check(asks: "Asking") -> None:
+def check(asks: "Asking") -> None:
     """Raise `BadInput` for an option that has no meaning."""
     from bodycheck.studies.parity.study import LONGEST_MOTION
 

@@ -1,7 +1,7 @@
 """Make the runs that a search needs, compare them with truths that are computed together, and measure the costs of answers."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from bodycheck.adapters.contract import Method
@@ -20,7 +20,7 @@ from bodycheck.running.tasks import Truths, TruthTask
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.recommend import search
-from bodycheck.studies.recommend.rows import Answer, Probe
+from bodycheck.studies.recommend.rows import Answer, Asked, Probe
 
 Answered = Run | Truths | Crashed | TimedOut
 
@@ -91,17 +91,7 @@ def figures_of(maxima: Mapping[str, float], figure: str) -> tuple[float | None, 
     return (None if error is None else math.inf if math.isnan(error) else abs(error)), truth_error
 
 
-def errors_of(probes: Iterable[Probe]) -> dict[float, float]:
-    """Return the errors of a method by time step (s).
-
-    The error of a run that has none, for example because it failed, is infinite. Runs that timed out are left out.
-    """
-    return {
-        probe.timestep: math.inf if probe.error is None else probe.error for probe in probes if probe.status != TimedOut.status
-    }
-
-
-def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe], limit: float) -> Answer:
+def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe], asked: Asked, within: search.Range) -> Answer:
     """Return the answer for one method, without its cost.
 
     Parameters
@@ -110,27 +100,32 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
         The engine with its version, and the method, whose time step is ignored.
     probes
         The measurements of the method.
-    limit
-        The largest allowed error.
+    asked, within
+        The question, and the range of the search.
     """
-    errors = errors_of(probes)
-    kept = search.answer(errors, limit)
-    finite = {step: error for step, error in errors.items() if math.isfinite(error)}
-    step = kept if kept is not None else min(finite, key=lambda step: finite[step], default=None)
-    error = None if step is None else finite[step]
+    errors = asked.errors(probes)
+    timesteps = {asked.steps(probe.timestep): probe.timestep for probe in probes}
+    reached = search.answer(errors, within)
+    finite = {steps: error for steps, error in errors.items() if math.isfinite(error)}
+    steps = reached if reached is not None else min(finite, key=lambda steps: finite[steps], default=None)
+    error = None if steps is None else finite[steps]
+    worst = None if reached is None else max(errors[near] for near in search.neighbours(reached))
+    least = error if worst is None else worst
     reasons = [probe.reason for probe in sorted(probes, key=lambda probe: probe.timestep) if probe.reason]
     why = reasons[0] if reasons else UNSEEN
     return Answer(
-        *(engine, version, method.name, step, error),
+        *(engine, version, method.name, None if steps is None else timesteps[steps], error),
         cost=None,
-        margin=limit / error if error else None,
-        reached=kept is not None,
+        margin=within.limit / least if least else None,
+        reached=reached is not None,
         cost_low=None,
         cost_high=None,
         steps=len(probes),
-        smallest=min(errors, default=None),
-        broken=min((step for step in errors if errors[step] > limit), default=None),
-        reason=why if step is None else "",
+        smallest=min((timesteps[steps] for steps in errors), default=None),
+        broken=min((timesteps[steps] for steps in errors if errors[steps] > within.limit), default=None),
+        reason=why if steps is None else "",
+        worst=worst,
+        monotone=None if len(finite) < 2 else search.reversal(errors, within.limit) is None,
     )
 
 

@@ -8,7 +8,7 @@ from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.quantities import QUANTITIES, count, number
+from bodycheck.reports.quantities import QUANTITIES, count, exactly, number
 from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -22,14 +22,16 @@ Lines = Mapping[RunKey, Line]
 
 #: Explanations for readers.
 READING = (
-    "The time step of a method is the largest measured one such that it and every smaller measured one keep the limit. The "
-    "search brackets it until the next larger step that breaks the limit is at most 10 % larger. It then measures steps below "
-    "it, down to half of it, as close to each other as the errors there require. Steps have two significant digits. An engine "
-    "is compared with the truth at the ends of its own steps, so that no step has to divide the duration.",
+    "A time step is the duration divided by an integer, so that all runs end at the same instant. The time step of a method is "
+    "the largest one such that it, its neighbours and every smaller measured one keep the limit. Its neighbours differ from it "
+    "by at most 3 %, and are at least the next time steps on both sides; all of them are measured, or a dozen if there are "
+    "more. The search first brackets the limit to 5 %, and measures steps down to half as large, as close to each other as the "
+    "errors there require.",
     "The cost is the computing time of a simulated second: the median of repeated timings, all methods in turn, with the "
-    "shortest and the longest. The margin is the limit divided by the error. In the chart, large points are the steps of the "
-    "methods that keep the limit, which is the broken line. Runs that failed have no point, and zeros cannot be shown on a log "
-    "scale.",
+    "shortest and the longest. The margin is the limit divided by the largest error of the neighbours. The error is monotone "
+    "if no measured step has an error more than 10 % above that of a larger step that keeps the limit; errors below a "
+    "hundredth of the limit do not count. In the chart, large points are the steps of the methods that keep the limit, which "
+    "is the broken line. Runs that failed have no point, and zeros cannot be shown on a log scale.",
 )
 
 
@@ -69,6 +71,7 @@ def present(header: Header, recommendation: Recommendation) -> StudyReport:
 def _findings(recommendation: Recommendation) -> tuple[Finding, ...]:
     sentences = (
         ("Margin", (wording.margin(recommendation),)),
+        ("Not monotone", wording.jumps(recommendation)),
         ("Second", (wording.second(recommendation),)),
         ("Never", wording.never(recommendation)),
     )
@@ -152,20 +155,22 @@ def _answers(recommendation: Recommendation) -> Table:
     """Return the table of the answers, in their order: those that keep the limit come first."""
     words = ("Engine", "Integrator", "Keeps the limit")
     label = QUANTITIES[recommendation.asked.figure].label
-    figures = ("Time step, s", label, "Margin", "Computing time, s", "Shortest, s", "Longest, s", "Breaks at, s", "Runs")
+    near = f"Worst neighbour, {QUANTITIES[recommendation.asked.figure].unit or 'relative'}"
+    figures = ("Time step, s", label, near, "Margin", "Computing time, s", "Shortest, s", "Longest, s", "Breaks at, s", "Runs")
     return Table(
-        columns=words + figures,
-        numeric=(False,) * len(words) + (True,) * len(figures),
+        columns=(*words, *figures, "Monotone"),
+        numeric=(*(False,) * len(words), *(True,) * len(figures), False),
         rows=tuple(
             (
                 Entry(in_words(answer.engine, answer.version).rstrip()),
                 Entry(answer.integrator),
                 Entry("yes" if answer.reached else "no"),
+                Entry("–" if answer.timestep is None else exactly(answer.timestep), answer.timestep),
                 *map(
                     _figure,
                     (
-                        answer.timestep,
                         answer.error,
+                        answer.worst,
                         answer.margin,
                         answer.cost,
                         answer.cost_low,
@@ -174,6 +179,7 @@ def _answers(recommendation: Recommendation) -> Table:
                     ),
                 ),
                 _figure(answer.steps),
+                Entry("–" if answer.monotone is None else "yes" if answer.monotone else "no"),
             )
             for answer in recommendation.answers
         ),
@@ -189,7 +195,7 @@ def _reason(answer: Answer) -> str:
 def _steps(recommendation: Recommendation) -> Table:
     """Return the table of all measured time steps."""
     words = ("Engine", "Integrator", "Status")
-    figures = ("Time step, s", QUANTITIES[recommendation.asked.figure].label)
+    figures = ("Steps", "Time step, s", QUANTITIES[recommendation.asked.figure].label)
     return Table(
         columns=words + figures,
         numeric=(False,) * len(words) + (True,) * len(figures),
@@ -198,6 +204,7 @@ def _steps(recommendation: Recommendation) -> Table:
                 Entry(in_words(probe.engine, probe.version).rstrip()),
                 Entry(probe.integrator),
                 Entry(probe.status, None, probe.reason),
+                Entry(str(steps := recommendation.asked.steps(probe.timestep)), steps),
                 *map(_figure, (probe.timestep, probe.error)),
             )
             for probe in recommendation.probes

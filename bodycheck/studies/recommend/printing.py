@@ -11,13 +11,15 @@ ANSWERS = (
     attribute("engine"),
     attribute("version", asked=True),
     attribute("integrator"),
-    attribute("timestep", "step s"),
+    attribute("timestep", "step s", ""),
     attribute("error"),
-    attribute("margin", goes=3),
+    attribute("margin", goes=1),
+    attribute("worst", asked=True),
+    attribute("monotone", "monotone", "", asked=True),
     attribute("cost", "cost s/s"),
     attribute("cost_low", "least s/s", asked=True),
     attribute("cost_high", "most s/s", asked=True),
-    attribute("broken", "breaks at s", goes=1),
+    attribute("broken", "breaks at s", goes=3),
     attribute("steps", "runs", "d", goes=2),
 )
 
@@ -27,6 +29,7 @@ def print_recommendation(recommendation: Recommendation, view: View) -> None:
     for sentence in (
         wording.headline(recommendation),
         wording.margin(recommendation),
+        *wording.jumps(recommendation),
         wording.second(recommendation),
         *wording.never(recommendation),
     ):

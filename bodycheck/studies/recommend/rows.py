@@ -1,9 +1,12 @@
 """The results of the study: a probe for each measured time step, an answer for each method, and both together."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
 from bodycheck.figures.columns import FIGURES
+from bodycheck.processes.failures import TimedOut
 from bodycheck.results.key import RunKey
 from bodycheck.results.tables import Meaning, table_of
 
@@ -34,9 +37,10 @@ class Probe:
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer for a method: the largest measured time step such that it and all smaller measured steps keep the limit.
+    """The answer for a method: the largest step such that it, its neighbours and all smaller measured steps keep the limit.
 
-    If there is no such time step, the answer has the measured time step with the smallest error.
+    Neighbours are the time steps that differ by at most 3 %, and at least the next ones on both sides. If there is no such time
+    step, the answer has the measured time step with the smallest error.
     """
 
     engine: str
@@ -53,7 +57,13 @@ class Answer:
         ),
     ]
     margin: Annotated[
-        float | None, Meaning("Margin", "limit divided by the error; empty if there is no error, or if it is 0", counts="times")
+        float | None,
+        Meaning(
+            "Margin",
+            "limit divided by the largest error of the neighbours or, if the limit is not kept, by the error; empty if there "
+            "is no error, or if it is 0",
+            counts="times",
+        ),
     ]
     reached: Annotated[bool, Meaning("Reached", "whether the limit is kept")]
     cost_low: Annotated[float | None, Meaning("Cost, low", "smallest of the repeated timings, as the cost", "s/s")]
@@ -65,6 +75,22 @@ class Answer:
         Meaning("Breaks at", "smallest measured time step that breaks the limit; empty if there is none", "s"),
     ]
     reason: Annotated[str, Meaning("Reason", "why no run completed, or why the cost could not be measured; empty otherwise")]
+    worst: Annotated[
+        float | None,
+        Meaning(
+            "Worst neighbour",
+            "largest error of the time steps that differ by at most 3 %, at least of the next ones on both sides, in the unit "
+            "of the figure; empty if the limit is not kept",
+        ),
+    ] = None
+    monotone: Annotated[
+        bool | None,
+        Meaning(
+            "Monotone",
+            "whether no measured time step has an error more than 10 % above that of a larger one that keeps the limit, or "
+            "that has the smallest error; empty if fewer than two time steps have an error",
+        ),
+    ] = None
 
     @property
     def method(self) -> RunKey:
@@ -78,7 +104,8 @@ ANSWERS = table_of(
     "recommend",
     "time steps that keep an error",
     key=("engine", "integrator"),
-    shown=("engine", "integrator", "timestep", "error", "margin", "cost", "broken", "reached", "reason"),
+    shown=("engine", "integrator", "timestep", "error", "margin", "cost", "broken", "monotone", "reached", "reason"),
+    later=("worst", "monotone"),
 )
 STEPS = table_of(
     Probe,
@@ -116,6 +143,29 @@ class Asked:
         """The unit of the error; empty if it is relative."""
         return FIGURES[self.figure].unit
 
+    def timestep(self, steps: int) -> float:
+        """Return the time step (s) of a run with a number of steps, which ends at the end of the case."""
+        return self.duration / steps
+
+    def steps(self, timestep: float) -> int:
+        """Return the number of steps of a run with a time step (s)."""
+        return round(self.duration / timestep)
+
+    def divides(self, timestep: float) -> bool:
+        """Return whether runs with a time step (s) end at the end of the case, up to the rounding of stored time steps."""
+        return math.isclose(timestep * self.steps(timestep), self.duration, rel_tol=1e-9)
+
+    def errors(self, probes: Iterable[Probe]) -> dict[int, float]:
+        """Return the errors of a method by the number of steps.
+
+        The error of a run that has none, for example because it failed, is infinite. Runs that timed out are left out.
+        """
+        return {
+            self.steps(probe.timestep): math.inf if probe.error is None else probe.error
+            for probe in probes
+            if probe.status != TimedOut.status
+        }
+
 
 @dataclass(frozen=True)
 class Recommendation:
@@ -140,6 +190,10 @@ class Recommendation:
     def best(self) -> Answer | None:
         """The answer for the cheapest method that keeps the limit; None if no method does."""
         return next(iter(self.reached), None)
+
+    def of(self, answer: Answer) -> list[Probe]:
+        """Return the measured time steps of the method of an answer."""
+        return [probe for probe in self.probes if probe.method == answer.method]
 
     @property
     def reached(self) -> tuple[Answer, ...]:

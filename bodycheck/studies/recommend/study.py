@@ -32,9 +32,9 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
-from bodycheck.studies.recommend.measuring import answer_of, errors_of, priced
+from bodycheck.studies.recommend.measuring import answer_of, priced
 from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation
-from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
+from bodycheck.studies.recommend.search import Range, following
 from bodycheck.studies.timesteps import fastest_spin
 from bodycheck.suggestion import did_you_mean
 
@@ -85,6 +85,11 @@ class Study:
     error: float
     searches: tuple[Search, ...]
 
+    @property
+    def asked(self) -> Asked:
+        """The question of the study."""
+        return Asked(self.case.name, self.case.duration, self.figure, self.error)
+
 
 def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str], quantity: str, error: float) -> Study:
     """Return a search for every method of some engines.
@@ -117,9 +122,8 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
         least = f"{FIGURES[figure].title.lower()} is at most {most:.4g} {FIGURES[figure].unit}".rstrip()
         raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")
     plan.check([case], records, integrators, ())
-    spin = fastest_spin(case.scene)
-    largest, smallest = rounded_down(case.duration / LEAST_STEPS), rounded_up(case.duration / MOST_STEPS)
-    first = max(smallest, min(largest, rounded_down(FIRST_TURN / spin))) if spin else largest
+    turns = fastest_spin(case.scene) * case.duration / FIRST_TURN
+    first = max(LEAST_STEPS, min(MOST_STEPS, math.ceil(turns)))
     methods = [
         (name, record, Method.parse(spelling, 0.0))
         for name, record in records.items()
@@ -129,7 +133,7 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     searches = []
     for name, record, method in methods:
         integrator = integrator_of(record, method)
-        within = Range(error, integrator.order if integrator is not None else None, first, smallest, largest)
+        within = Range(error, integrator.order if integrator is not None else None, first, LEAST_STEPS, MOST_STEPS)
         searches.append(Search(name, record.version, method, within))
     return Study(case, figure, error, tuple(searches))
 
@@ -153,7 +157,8 @@ def figure_of(case: Case, quantity: str) -> str:
 def reused(earlier: Results, study: Study) -> list[Probe]:
     """Return probes made of stored runs: those of the study's case and methods, with the same versions of the engines.
 
-    Raises `BadInput` if the stored runs are not of the present case file, or were made by another version of bodycheck.
+    Runs whose time step does not divide the duration of the case are left out, since they end at another instant. Raises
+    `BadInput` if the stored runs are not of the present case file, or were made by another version of bodycheck.
     """
     versions = {search.key: search.version for search in study.searches}
     same_case = earlier.cases.get(study.case.name)
@@ -165,7 +170,7 @@ def reused(earlier: Results, study: Study) -> list[Probe]:
     for verdict in judgement.judge(earlier):
         run = verdict.run
         method = RunKey("", run.engine, run.method.at(0.0))
-        if run.case != study.case.name or versions.get(method) != run.version:
+        if run.case != study.case.name or versions.get(method) != run.version or not study.asked.divides(run.method.timestep):
             continue
         figures = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
         if figures or isinstance(verdict.outcome, Diverged):
@@ -213,8 +218,7 @@ def results(
         If the case has no truth.
     """
     case = study.case
-    asked = Asked(case.name, case.duration, study.figure, study.error)
-    work = (study, tuple(known))
+    asked, work = study.asked, (study, tuple(known))
     with resumption.opened(folder / RECORDS, head, *work, lost=_is_lost, asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
         with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=True) as workers:
@@ -222,7 +226,7 @@ def results(
         answers = priced(
             case,
             [
-                answer_of(search.engine, search.version, search.method, by_method[search.key], study.error)
+                answer_of(search.engine, search.version, search.method, by_method[search.key], asked, search.within)
                 for search in study.searches
             ],
         )
@@ -237,41 +241,39 @@ def _is_lost(record: Record) -> bool:
 def _search(
     study: Study, known: Sequence[Probe], log: Journal, workers: measuring.Workers, progress: Advance
 ) -> dict[RunKey, list[Probe]]:
-    """Measure steps until every search is done, and return all measured steps of each method.
+    """Measure time steps until every search is done, and return all measured ones of each method.
 
-    In each round, every search that is not done has one run, and the truths of all these runs are computed together.
+    In each round, every search that is not done has one run or those of all neighbours of its answer, and the truths of all
+    these runs are computed together.
     """
+    case, asked = study.case, study.asked
     by_method: dict[RunKey, list[Probe]] = {search.key: [] for search in study.searches}
     for probe in known:
         by_method[probe.method].append(probe)
     left = list(study.searches)
-    while left := [search for search in left if not _is_done(search, by_method[search.key], progress)]:
-        tasks = [Task(study.case, search.engine, search.method.at(_next(search, by_method[search.key]))) for search in left]
-        measured = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, workers)
-        for probe in measured:
+    while left:
+        numbers = {search.key: _following(search, by_method[search.key], asked) for search in left}
+        for search in left:
+            if not numbers[search.key]:
+                progress(f"{search.engine} {search.method.name} · {len(by_method[search.key])} time steps")
+        left = [search for search in left if numbers[search.key]]
+        runs = [(search, asked.timestep(steps)) for search in left for steps in numbers[search.key]]
+        tasks = [Task(case, search.engine, search.method.at(timestep)) for search, timestep in runs]
+        for probe in measuring.probes(case, tasks, [search.version for search, _ in runs], study.figure, workers):
             _check_truth(probe, study)
             log.add({"record": "probe", "probe": asdict(probe)})
             by_method[probe.method].append(probe)
     return by_method
 
 
-def _is_done(search: Search, probes: Sequence[Probe], progress: Advance) -> bool:
-    """Return whether a search is done; if so, report its progress."""
+def _following(search: Search, probes: Sequence[Probe], asked: Asked) -> tuple[int, ...]:
+    """Return the numbers of steps to be measured next; none if the search is done."""
     # A method that is not supported at one step is not supported at any, and a run that takes too long takes longer with a
     # smaller step.
     ended = any(probe.status in (Unsupported.status, TimedOut.status) for probe in probes)
     completed = [probe for probe in probes if probe.status == Completed.status]
     unmeasured = len(completed) >= MOST_UNSEEN and all(probe.error is None for probe in completed)
-    if not (ended or unmeasured) and following(errors_of(probes), search.within) is not None:
-        return False
-    progress(f"{search.engine} {search.method.name} · {len(probes)} time steps")
-    return True
-
-
-def _next(search: Search, probes: Sequence[Probe]) -> float:
-    step = following(errors_of(probes), search.within)
-    assert step is not None  # the search is not done
-    return step
+    return () if ended or unmeasured else following(asked.errors(probes), search.within)
 
 
 def _check_truth(probe: Probe, study: Study) -> None:

@@ -1,6 +1,9 @@
 """The result of the study in sentences: on the cheapest method, the second cheapest, and methods that never keep the limit."""
 
-from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number, verb
+import math
+
+from bodycheck.reports.quantities import QUANTITIES, bound, count, exactly, listing, number, verb
+from bodycheck.studies.recommend import search
 from bodycheck.studies.recommend.rows import Answer, Recommendation
 
 
@@ -10,17 +13,23 @@ def headline(recommendation: Recommendation) -> str:
     if best is None:
         return f"No method keeps the {name_of(recommendation)} to {limit(recommendation)} over {duration}."
     cost = "; its cost could not be measured" if best.cost is None else f", {number(best.cost, 2)} s of computing per second"
-    return f"{method(best)} at {step(best)}: {error(recommendation, best.error)} over {duration}{cost}."
+    steps = "" if best.timestep is None else f" ({count(recommendation.asked.steps(best.timestep), 'step')})"
+    return f"{method(best)} at {step(best)}{steps}: {error(recommendation, best.error)} over {duration}{cost}."
 
 
 def margin(recommendation: Recommendation) -> str:
     """Return sentences about the limit and the best method's margin to it; empty if no method keeps the limit."""
     best = recommendation.best
-    if best is None:
+    if best is None or best.timestep is None:
         return ""
-    size = "" if best.margin is None else f"The margin is {number(best.margin, 3)}: "
-    asked = f"{'the' if size else 'The'} {name_of(recommendation)} asked for is {limit(recommendation)}"
-    return f"{size}{asked}. {larger(recommendation, best)}"
+    figure, asked = name_of(recommendation), limit(recommendation)
+    larger_step = larger(recommendation, best)
+    if best.margin is None or best.worst is None:
+        return f"The {figure} asked for is {asked}. {larger_step}"
+    fewest, *_, most = search.neighbours(recommendation.asked.steps(best.timestep))
+    worst = bounded_error(recommendation, best.worst, 3)
+    near = f"with {fewest} to {most} steps, the {figure} is at most {worst}"
+    return f"The margin is {number(best.margin, 3)}: {near}, and {asked} is asked for. {larger_step}"
 
 
 def larger(recommendation: Recommendation, answer: Answer) -> str:
@@ -30,11 +39,31 @@ def larger(recommendation: Recommendation, answer: Answer) -> str:
     """
     if answer.broken is None:
         return "Larger steps are not tried, since a run would have fewer than ten."
-    errors = {probe.timestep: probe for probe in recommendation.probes if probe.method == answer.method}
-    probe = errors[answer.broken]
+    steps = recommendation.asked.steps(answer.broken)
+    probe = {probe.timestep: probe for probe in recommendation.of(answer)}[answer.broken]
     if probe.error is None:
-        return f"At {number(answer.broken)} s, the run ends with the status {probe.status}."
-    return f"At {number(answer.broken)} s, the {name_of(recommendation)} is {error(recommendation, probe.error, 3)}."
+        return f"With {steps} steps, the run ends with the status {probe.status}."
+    return f"With {steps} steps, it is {error(recommendation, probe.error, 4)}."
+
+
+def jumps(recommendation: Recommendation) -> tuple[str, ...]:
+    """Return sentences about the methods whose error is not monotone: with two time steps of the first, and with the others."""
+    asked = recommendation.asked
+    errors = {answer: asked.errors(recommendation.of(answer)) for answer in recommendation.answers}
+    pairs = [(answer, pair) for answer in errors if (pair := search.reversal(errors[answer], asked.error)) is not None]
+    if not pairs:
+        return ()
+    (first, (more, fewer)), *others = pairs
+    least, largest = errors[first][fewer], errors[first][more]
+    shown = "the run fails" if math.isinf(largest) else f"it is {error(recommendation, largest)}"
+    sentence = (
+        f"The {name_of(recommendation)} of {method(first)} is not monotone in the time step: with {count(fewer, 'step')} it is "
+        f"{error(recommendation, least)}, and with {count(more, 'step')} {shown}."
+    )
+    if not others:
+        return (sentence,)
+    that_is = verb(len(others), "That", "Those"), verb(len(others), "is", "are")
+    return (sentence, f"{that_is[0]} of {listing([method(answer) for answer, _ in others])} {that_is[1]} not monotone either.")
 
 
 def second(recommendation: Recommendation) -> str:
@@ -53,7 +82,9 @@ def second(recommendation: Recommendation) -> str:
 
 def never(recommendation: Recommendation) -> tuple[str, ...]:
     """Return a sentence for each group of methods that do not keep the limit with any time step."""
-    tried = [answer for answer in recommendation.unreached if answer.error is not None]
+    asked = recommendation.asked
+    tried = [answer for answer in recommendation.unreached if answer.error is not None and answer.error > asked.error]
+    single = [answer for answer in recommendation.unreached if answer.error is not None and answer.error <= asked.error]
     failed = [answer for answer in recommendation.unreached if answer.error is None]
     sentences = []
     if tried:
@@ -70,6 +101,9 @@ def never(recommendation: Recommendation) -> tuple[str, ...]:
         else:
             at_best = "; it is ".join(f"{least} with {listing(names)}" for least, names in by_error.items())
             sentences.append(f"{len(tried)} methods never keep {limit_with}. At best, the {figure} is {at_best}.")
+    if single:
+        methods, keeps = listing(list(map(method, single))), verb(len(single), "keeps", "keep")
+        sentences.append(f"{methods} {keeps} the limit only with single steps, whose neighbours break it or were not measured.")
     reasons: dict[str, list[str]] = {}
     for answer in failed:
         reasons.setdefault(answer.reason, []).append(method(answer))
@@ -91,13 +125,18 @@ def method(answer: Answer) -> str:
 
 
 def step(answer: Answer) -> str:
-    """Return the time step of an answer with its unit."""
-    return f"{number(answer.timestep)} s"
+    """Return the time step of an answer with its unit, such that a run with the printed number is the same run."""
+    return "–" if answer.timestep is None else f"{exactly(answer.timestep)} s"
 
 
 def error(recommendation: Recommendation, value: float | None, digits: int = 2) -> str:
     """Return an error with its unit, as text with a number of significant digits."""
     return f"{number(value, digits)} {recommendation.asked.unit}".rstrip()
+
+
+def bounded_error(recommendation: Recommendation, value: float, digits: int) -> str:
+    """Return an error with its unit, rounded up to a number of significant digits."""
+    return f"{bound(value, digits)} {recommendation.asked.unit}".rstrip()
 
 
 def limit(recommendation: Recommendation) -> str:

@@ -23,7 +23,7 @@ from bodycheck.studies.recommend import study, wording
 from bodycheck.studies.recommend.measuring import UNSEEN
 from bodycheck.studies.recommend.page import present
 from bodycheck.studies.recommend.rows import ANSWERS, STEPS, Recommendation
-from bodycheck.studies.recommend.search import answer
+from bodycheck.studies.recommend.search import MOST_NEIGHBOURS, kept, neighbours
 from tests.support import campaigns, pages
 from tests.support.campaigns import header, records
 from tests.support.cases import a_case
@@ -77,9 +77,20 @@ def error_of(case: Case, engine: str, integrator: str, timestep: float) -> float
     return compare(truth(case), run).maxima()["attitude_error"] if isinstance(run.outcome, Completed) else math.inf
 
 
-def scanned(case: Case, engine: str, integrator: str, steps: np.ndarray) -> float | None:
-    """The largest of some steps (s) such that it and every smaller one keep the limit."""
-    return answer({float(step): error_of(case, engine, integrator, float(step)) for step in steps}, LIMIT)
+def scanned(case: Case, engine: str, integrator: str, numbers: set[int]) -> int | None:
+    """The fewest of some numbers of steps such that they and all larger numbers keep the limit."""
+    return kept({steps: error_of(case, engine, integrator, case.duration / steps) for steps in numbers}, LIMIT)
+
+
+def around(steps: int, factor: float, count: int) -> set[int]:
+    """So many numbers of steps from a number divided by a factor to the number times the factor, with the number itself."""
+    return {round(number) for number in steps * np.geomspace(1 / factor, factor, count)} | {steps}
+
+
+def is_near(steps: int, fewest: int) -> bool:
+    """Whether an answer is as near to the fewest steps that keep the limit as the search promises."""
+    # The bracket is at most 5 % wide, the neighbourhood is 3 %, and each rounding to an integer adds a step.
+    return fewest <= steps <= fewest * 1.05 * 1.03 + 3
 
 
 @pytest.mark.parametrize(("engine", "integrator"), METHODS)
@@ -87,11 +98,11 @@ def test_the_step_is_within_a_tenth_of_the_largest(tumbling: Case, found: Recomm
     (own,) = [one for one in found.reached if (one.engine, one.integrator) == (engine, integrator)]
     assert own.timestep is not None
     assert own.error == error_of(tumbling, engine, integrator, own.timestep), "the same run, bit by bit"
-    largest = scanned(tumbling, engine, integrator, np.append(np.geomspace(0.5, 2, 30), 1.0) * own.timestep)
-    assert largest is not None
-    assert own.timestep <= largest, "no smaller step breaks the limit"
-    assert own.timestep >= 0.9 * largest
-    assert own.steps <= 12
+    steps = found.asked.steps(own.timestep)
+    fewest = scanned(tumbling, engine, integrator, around(steps, 2, 30))
+    assert fewest is not None
+    assert is_near(steps, fewest)
+    assert own.steps <= 12 + MOST_NEIGHBOURS
 
 
 @pytest.mark.slow
@@ -102,9 +113,10 @@ def test_a_dense_scan_confirms_the_step(tumbling: Case, name: str, engine: str, 
     found = recommended(case, LIMIT, (engine,), integrators=(integrator,))
     assert found.best is not None
     assert found.best.timestep is not None
-    largest = scanned(case, engine, integrator, np.append(np.geomspace(0.1, 10, 400), 1.0) * found.best.timestep)
-    assert largest is not None
-    assert 0.9 * largest <= found.best.timestep <= largest
+    steps = found.asked.steps(found.best.timestep)
+    fewest = scanned(case, engine, integrator, around(steps, 10, 400))
+    assert fewest is not None
+    assert is_near(steps, fewest)
 
 
 def test_the_order_of_preference_is_cost(found: Recommendation) -> None:
@@ -114,7 +126,10 @@ def test_the_order_of_preference_is_cost(found: Recommendation) -> None:
     for own in found.reached:
         assert own.error is not None
         assert own.error <= LIMIT
-        assert own.margin == LIMIT / own.error
+        assert own.worst is not None
+        assert own.error <= own.worst <= LIMIT
+        assert own.margin == LIMIT / own.worst
+        assert own.monotone
         smaller = [probe for probe in found.probes if probe.method == own.method and probe.timestep <= (own.timestep or 0.0)]
         assert len(smaller) >= 2
         assert all(probe.error is not None and probe.error <= LIMIT for probe in smaller)
@@ -140,11 +155,55 @@ def test_what_never_gets_there_is_said(found: Recommendation) -> None:
 def test_the_answer_comes_first_in_one_sentence(found: Recommendation) -> None:
     best, second = found.reached
     told = wording.headline(found)
-    assert told.startswith(f"{best.engine} {best.integrator} at {best.timestep:g} s: ")
+    assert best.timestep is not None
+    steps = found.asked.steps(best.timestep)
+    assert told.startswith(f"{best.engine} {best.integrator} at {best.timestep} s ({steps} steps): ")
     assert " rad over 60 s, " in told
     assert told.endswith(" s of computing per second.")
-    assert wording.second(found).startswith(f"The next best is {second.engine} {second.integrator} at {second.timestep:g} s: ")
+    assert wording.second(found).startswith(f"The next best is {second.engine} {second.integrator} at {second.timestep} s: ")
     assert wording.margin(found).startswith("The margin is 1.")
+    assert wording.jumps(found) == ()
+
+
+def test_all_runs_end_at_the_same_instant_and_the_printed_step_repeats_them(found: Recommendation, tumbling: Case) -> None:
+    for probe in found.probes:
+        steps = 60.0 / probe.timestep
+        # The quotient of two doubles is rounded twice.
+        assert steps == pytest.approx(round(steps), rel=4e-16)
+    best = found.best
+    assert best is not None
+    printed = float(wording.step(best).removesuffix(" s"))
+    assert error_of(tumbling, best.engine, best.integrator, printed) == best.error, "the same run, bit by bit"
+    run = simulate(tumbling, best.engine, best.integrator, printed)
+    assert isinstance(run.outcome, Completed)
+    assert run.outcome.trajectory.t[-1] == pytest.approx(60.0, rel=4e-16)
+
+
+def test_the_margin_is_that_of_the_worst_neighbour(found: Recommendation) -> None:
+    for own in found.reached:
+        assert own.timestep is not None
+        errors = found.asked.errors(found.of(own))
+        assert own.worst == max(errors[steps] for steps in neighbours(found.asked.steps(own.timestep)))
+
+
+def test_a_lucky_step_is_told_and_not_recommended(miniatures: Path) -> None:
+    """With 14 steps the engine makes no error, with 15 to 17 it breaks the limit, and with 18 and more it keeps it."""
+    text = TUMBLING.replace("[0.1, 1.0, 0.1]", "[0.0, 0.0, 14.0]").replace("60.0", "1.0")
+    case, limit = parse(text, "tumbling.case.toml"), (1 / 18) ** 2 * (1 + 1e-9)
+    found = recommended(case, limit, ("lucky",), quantity="position")
+    (own,) = found.answers
+    assert found.probes[0].error is not None
+    assert {14, 18, 19, 20} <= found.asked.errors(found.probes).keys()
+    assert (own.reached, own.monotone) == (True, False)
+    assert own.timestep == 1 / 19
+    # The position is a sum of some ten terms of size 1.
+    assert own.worst == pytest.approx(1 / 18**2, rel=1e-12)
+    assert own.margin == pytest.approx(1, rel=1e-8)
+    (told,) = wording.jumps(found)
+    assert facts(told, "not monotone", "14 steps", "lucky")
+    report = present(header("lucky"), found)
+    assert [finding.text for finding in report.findings if finding.subject == "Not monotone"] == [told]
+    assert "18 to 20 steps" in wording.margin(found)
 
 
 def test_the_page_has_what_was_measured(found: Recommendation) -> None:
@@ -165,17 +224,17 @@ def test_the_page_has_what_was_measured(found: Recommendation) -> None:
 def test_what_tradeoff_or_run_measured_is_not_measured_again(tumbling: Case, found: Recommendation, tmp_path: Path) -> None:
     best = found.best
     assert best is not None
-    steps = (0.5, best.timestep or 0.0, best.broken or 0.0)
-    made = campaigns.results(plan([tumbling], records("mujoco"), ("RK4",), steps), tmp_path)
+    steps = [probe.timestep for probe in found.of(best)]
+    made = campaigns.results(plan([tumbling], records("mujoco"), ("RK4",), (*steps, 0.7)), tmp_path)
     prepared = study.prepare(tumbling, records("mujoco"), ("RK4",), "attitude", LIMIT)
     known = study.reused(made, prepared)
-    assert [probe.timestep for probe in known] == list(steps)
+    assert sorted(probe.timestep for probe in known) == sorted(steps), "0.7 s does not divide the duration"
     head = header("mujoco")
     with calls_here(), study.results(prepared, tmp_path / "again", head, 1, known=known) as again:
         assert again.best is not None
         assert (again.best.timestep, again.best.error) == (best.timestep, best.error)
     measured = journal.read(tmp_path / "again" / study.RECORDS).records
-    assert not {record["probe"]["timestep"] for record in measured} & set(steps)
+    assert not measured
     with pytest.raises(BadInput, match="has no runs of the case tumbling as its file is now"):
         study.reused(made, replace(prepared, case=parse(TUMBLING.replace("0.45", "0.46"), "")))
 

@@ -16,6 +16,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+import bodycheck
 from bodycheck import load
 from bodycheck.environments import environments, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
@@ -247,6 +248,12 @@ def test_a_miniature_engine_through_its_releases(
         "changes.csv-metadata.json",
     }
     assert "3.0 was not measured" in (tmp_path / "out" / "report.md").read_text()
+
+    results = bodycheck.releases("toy", ["1.0", "2.0"], case=spin, integrator="closed-form", timestep=0.002, jobs=1)
+    assert repr(results) == f"<ReleasesResults: {results.headline}>"
+    assert (results.versions, list(results.tables)) == (("1.0", "2.0"), ["releases", "changes"])
+    assert list(results.to_frame()["version"]) == ["1.0", "2.0"]
+    assert {change.to_version for change in results.changes} == {"2.0"}
 
     assert call("releases", "toy", "--remove") == 0
     assert "removed 1.0, 2.0" in capsys.readouterr().out

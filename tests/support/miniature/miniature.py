@@ -191,6 +191,14 @@ class Frozen(Miniature):
         return Flight(scenes[0], 0.0, self.spoil)
 
 
+class Lucky(Miniature):
+    """Drifts aside at a speed (m/s) of the square of its time step, unless a second has fourteen steps."""
+
+    def prepare(self, scenes: Sequence[Scene], method: Method) -> Flight:
+        speed = 0.0 if round(1 / method.timestep) == 14 else method.timestep**2
+        return Flight(scenes[0], method.timestep, lambda t, row: row + speed * t * (np.arange(len(row)) == 0))
+
+
 EXACT, WRONG, DRIFTING = Miniature("exact", exact), Miniature("wrong", wrong), Miniature("drifting", drifting)
 EXPLODING, NOT_A_NUMBER = Miniature("exploding", exploding), Miniature("not-a-number", not_a_number)
 RAISING, DYING, HANGING = Miniature("raising", raising), Miniature("dying", dying), Miniature("hanging", hanging)
@@ -200,3 +208,4 @@ SCRIBBLING, FORKING = Miniature("scribbling", scribbling), Miniature("forking", 
 UNNORMALISED, MEDDLING = Miniature("unnormalised", unnormalised), Miniature("meddling", meddling)
 ROUNDING = Miniature("rounding", rounding)
 SHAPELESS, DAWDLING, FROZEN = Miniature("shapeless", shapeless), Miniature("dawdling", dawdling), Frozen("frozen", exact)
+LUCKY = Lucky("lucky", exact)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from bodycheck import reports
 from bodycheck.casefile.content import Case
 from bodycheck.files.temporary import temporary_folder
-from bodycheck.reports.study import Animation
+from bodycheck.reports.study import Animation, StudyReport
 from bodycheck.results import csv_tables, origin
 from bodycheck.running.campaign import Advance
 from bodycheck.running.members import compaction
@@ -31,8 +31,8 @@ def write(
     jobs: int,
     progress: Advance,
     formats: "Sequence[Format]" = (),
-) -> None:
-    """Write ensemble.csv and sensitivity.csv, the worst members as case files, and the report.
+) -> StudyReport:
+    """Write ensemble.csv and sensitivity.csv, the worst members as case files, and the report, and return the report.
 
     Parameters
     ----------
@@ -62,7 +62,9 @@ def write(
     csv_tables.write(folder, DEPENDENCES, analysis.dependence_rows(), origins)
     files, animations = ((), ()) if text_of is None else _run_worst(results, folder, case, header, text_of, jobs, progress)
     keep_shown(folder, files, animations)
-    reports.write_study(page.present(material(case, header, analysis, files, animations)), folder, formats)
+    report = page.present(material(case, header, analysis, files, animations))
+    reports.write_study(report, folder, formats)
+    return report
 
 
 def _run_worst(
