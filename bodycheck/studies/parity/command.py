@@ -13,7 +13,7 @@ from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet,
 from bodycheck.errors import BadInput
 
 if TYPE_CHECKING:
-    from bodycheck.studies.parity.study import Asking
+    pass
 
 
 def parity(
@@ -65,7 +65,7 @@ def parity(
     from bodycheck.files import writing
     from bodycheck.studies.output import Output
     from bodycheck.studies.parity import files, printing, rows, study
-    from bodycheck.studies.parity.interface import carry_out
+    from bodycheck.studies.parity.interface import carry_out, check
     from bodycheck.studies.parity.page import as_junit
 
     if not models:
@@ -89,18 +89,6 @@ def parity(
     printing.tell_unread(results.models, () if quiet else given.skipped)
     decision = loaded.decided(rows.comparisons(results.rows), failed=not results.agrees)
     return end(decision, out, json=json, quiet=quiet)
-
-
-def check(asks: "Asking") -> None:
-    """Raise `BadInput` for an option that has no meaning."""
-    from bodycheck.studies.parity.study import LONGEST_MOTION
-
-    if asks.states < 1:
-        raise BadInput(f"--states {asks.states}: must be at least 1")
-    if not 0 < asks.tolerance < 1:
-        raise BadInput(f"--tolerance {asks.tolerance}: must be greater than 0 and less than 1; it is relative")
-    if not 0 <= asks.motion <= LONGEST_MOTION:
-        raise BadInput(f"--motion {asks.motion}: must be from 0 to {LONGEST_MOTION:g} s")
 
 
 #: The commands of the study.

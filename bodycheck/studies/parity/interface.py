@@ -15,7 +15,6 @@ from bodycheck.results.header import Header
 from bodycheck.running import campaign
 from bodycheck.studies.output import Output
 from bodycheck.studies.parity import files, study
-from bodycheck.studies.parity.command import check
 from bodycheck.studies.parity.files import NamedFile
 from bodycheck.studies.parity.page import present
 from bodycheck.studies.parity.rows import READINGS, ParityRow, failed
@@ -50,6 +49,16 @@ class ParityResults(StudyResults):
     def tables(self) -> dict[str, Table]:
         """The table `parity`. A difference has the unit of its quantity."""
         return {READINGS.name: Table.of(READINGS, self.rows)}
+
+
+def check(asks: study.Asking) -> None:
+    """Raise `BadInput` for an option that has no meaning."""
+    if asks.states < 1:
+        raise BadInput(f"--states {asks.states}: must be at least 1")
+    if not 0 < asks.tolerance < 1:
+        raise BadInput(f"--tolerance {asks.tolerance}: must be greater than 0 and less than 1; it is relative")
+    if not 0 <= asks.motion <= study.LONGEST_MOTION:
+        raise BadInput(f"--motion {asks.motion}: must be from 0 to {study.LONGEST_MOTION:g} s")
 
 
 def carry_out(
