@@ -9,7 +9,6 @@ from pathlib import Path
 
 from bodycheck.console import arguments
 from bodycheck.console.options import AS_USUAL, Figures, Json, JUnit, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK
 
 
 def compare(
@@ -63,6 +62,7 @@ def compare(
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
     from bodycheck.running import logs
+    from bodycheck.running.named import Named, decide
 
     for option, path in (("--save", save), ("--junit", junit)):
         arguments.check_writable(option, path)
@@ -87,5 +87,5 @@ def compare(
         else:
             results.print_runs(result.verdicts, view)
             print_summary_of(result, out)
-    output.say_where(out, quiet)
-    return FAILED if result.failed else OK
+    decision = decide(Named(), (verdict.row() for verdict in result.verdicts), result.failed)
+    return output.end(decision, out, json=json, quiet=quiet)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from bodycheck.console import arguments
 from bodycheck.console.options import AS_USUAL, Jobs, Json, Out, Quiet, Viewed
-from bodycheck.errors import FAILED, OK, BadFolder, BadInput
+from bodycheck.errors import BadFolder, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
@@ -55,6 +55,7 @@ def rerun(
     from bodycheck.console import output, tables, terminal
     from bodycheck.console.ran import Given, Selection, ran_of
     from bodycheck.judging import judgement, result_set
+    from bodycheck.running.named import Decision
 
     tables.check(view, terminal.DIFFERENCES)
     folder = results if results.is_dir() else results.parent
@@ -78,8 +79,8 @@ def rerun(
         terminal.print_json(as_json(difference))
     elif not quiet or difference.changes:
         terminal.print_difference(difference, [difference.text], view)
-    output.say_where(out, quiet)
-    return FAILED if difference.changes or runs.loaded.failed(runs.cases) else OK
+    decision = Decision(failed=bool(difference.changes) or runs.loaded.failed(runs.cases))
+    return output.end(decision, out, json=json, quiet=quiet)
 
 
 def _read(folder: Path) -> "tuple[Results, Mapping[RunKey, Row]]":

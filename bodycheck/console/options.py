@@ -51,7 +51,9 @@ Again = Annotated[bool, Parameter(negative="", help="Take nothing from the cache
 
 Json = Annotated[bool, Parameter(help="Print JSON instead of tables.")]
 
-Quiet = Annotated[bool, Parameter(help="Print only what failed, and errors: no progress, no tables, no summary.")]
+Quiet = Annotated[
+    bool, Parameter(help="Print only what failed, errors, and the path of the report: no progress, no tables, no summary.")
+]
 
 
 @dataclass(frozen=True)

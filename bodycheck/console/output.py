@@ -62,15 +62,9 @@ def end(decision: "Decision", out: Path | None, *, json: bool = False, quiet: bo
     """
     if decision.unsupported and not quiet:
         print(f"{decision.unsupported}.", file=sys.stderr) if json else tell(f"{decision.unsupported}.")
-    say_where(out, quiet)
     sys.stdout.flush()
+    if out is not None:
+        print(f"report: {out / 'report.html'}", file=sys.stderr)
     for sentence in decision.lost:
         print(f"bodycheck: {sentence}", file=sys.stderr)
     return decision.code
-
-
-def say_where(folder: Path | None, quiet: bool = False) -> None:
-    """Print the path of a report to stderr, after all output to stdout; print nothing if there is no report."""
-    if folder is not None and not quiet:
-        sys.stdout.flush()
-        print(f"report: {folder / 'report.html'}", file=sys.stderr)
