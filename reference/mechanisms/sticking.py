@@ -186,8 +186,8 @@ def _under_force(decision: Decision, index: int, force: Real) -> Iterator[Doubt]
     tree, state, modes = decision.tree, decision.state, decision.modes
     forwards, backwards = (with_modes(tree, state, {**modes, index: mode}, real, MP) for mode in (1, -1))
     part = force / (2 * tree.links[index].friction)
-    for place, turns in _accelerations(tree):
-        if error := float(part * abs(forwards.state[place] - backwards.state[place])):
+    for component, turns in _accelerations(tree):
+        if error := float(part * abs(forwards.state[component] - backwards.state[component])):
             yield Doubt(decision.time, turns, error)
 
 
@@ -213,12 +213,12 @@ def cancellations(decision: Decision, eps: float, roundings: float) -> Iterator[
 
     rates = with_modes(tree, state, modes, float, math).state
     others = [_in_modes(in_arithmetic(tree, varied), tree, state, modes, varied, math).state for _ in range(VARIATIONS)]
-    places = list(_accelerations(tree))
+    components = list(_accelerations(tree))
     for kind in (True, False):
-        chosen = [place for place, turns in places if turns == kind]
-        largest = max((abs(rates[place]) for place in chosen), default=0.0)
-        for place in chosen:
-            terms = max(abs(other[place] - rates[place]) for other in others) / VARIATION
+        chosen = [component for component, turns in components if turns == kind]
+        largest = max((abs(rates[component]) for component in chosen), default=0.0)
+        for component in chosen:
+            terms = max(abs(other[component] - rates[component]) for other in others) / VARIATION
             if (error := ROUNDINGS * terms - roundings * largest) > 0:
                 yield Doubt(decision.time, kind, eps * error)
 
@@ -227,11 +227,11 @@ def _accelerations(tree: Tree) -> Iterator[tuple[int, bool]]:
     """Yield the index of each acceleration in the derivative of a state, and whether it is that of a turn."""
     kinds = [(link.kind, link.parent) for link in tree.links]
     for (kind, _), first in zip(kinds, places_of_rates(kinds), strict=True):
-        for place in range(first, first + SIZES[kind][1]):
-            yield place, kind != "prismatic"
+        for component in range(first, first + SIZES[kind][1]):
+            yield component, kind != "prismatic"
     if tree.floats:
         count = sum(sum(SIZES[kind]) for kind, _ in kinds)
-        yield from ((place, False) for place in range(count + 3, count + 6))
+        yield from ((component, False) for component in range(count + 3, count + 6))
 
 
 def _margins(decision: Decision, rates: Rates) -> Iterator[tuple[Any, Any]]:
