@@ -38,13 +38,11 @@ ZERO: Vec = [0, 0, 0]
 class Accelerations:
     """The derivatives of the rates of each link; of a free link the acceleration (6,), without gravity, along its own axes.
 
-    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating. inertias: the
-    quotients of the strains and the accelerations without these forces.
+    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating.
     """
 
     rates: list[Vec]
     strains: list[Number]
-    inertias: list[Number]
 
 
 @dataclass(frozen=True, eq=False)
@@ -341,7 +339,7 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
     """The accelerations of the joints, from the root to the tips."""
     extra: list[Vec] = []
     rates: list[Vec] = []
-    strains, inertias = list[Number](), list[Number]()
+    strains: list[Number] = []
     for link, motion, steps in zip(links, motions, eliminated, strict=True):
         if link.parent >= 0:
             angular, linear = extra[link.parent][:3], extra[link.parent][3:]
@@ -362,8 +360,8 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
             whole[k] = whole[k] + along[k]
         extra.append(whole)
         rates.append([along[k] for k in sorted(along)])
-        strains, inertias = [*strains, step.weight * released], [*inertias, step.weight]
-    return Accelerations(rates, strains, inertias)
+        strains.append(step.weight * released)
+    return Accelerations(rates, strains)
 
 
 def _absent(value: Number) -> bool:

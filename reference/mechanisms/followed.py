@@ -29,7 +29,7 @@ from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
-from bodycheck.reference.mechanisms.sticking import Doubt, doubts
+from bodycheck.reference.mechanisms.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
@@ -165,7 +165,7 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
     """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, at all its instants.
 
     If these errors leave undecided whether a joint with dry friction sticks, the bounds grow from then on by what the other
-    decision would change.
+    decision would change; and likewise by the rounding of forces that cancel where a joint begins to slip.
     """
     times, here = states.bodies.t, grown.until(states.bodies.t)
     errors = rounding_errors(mechanism, _motion_in_joints(states), here, count, eps)
@@ -174,7 +174,8 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
         row = min(int(np.searchsorted(times, decision.time)), len(times) - 1)
         relative = eps * CAUTION * count * float(here.of_any[row])
         doubtful += doubts(decision, relative, _of_links(decision, {name: float(errors[name][row]) for name in STATES}))
-    _add(mechanism, times, doubtful, errors)
+        doubtful += cancellations(decision, eps, CAUTION * count)
+    _add(mechanism, here, doubtful, errors)
     return errors
 
 
@@ -191,12 +192,13 @@ def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
     return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
 
 
-def _add(mechanism: Mechanism, times: Array, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
-    """Add to errors (n,) at times (n,), s, what uncertain accelerations of joints cause."""
+def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
+    """Add to errors (n,) what uncertain accelerations of joints cause, and its growth, at the instants of the growth."""
     length = sum(np.linalg.norm(joint.position) for joint in mechanism.joints) + reach(mechanism)
     for doubt in doubtful:
-        later = np.maximum(times - doubt.since, 0.0)
-        slipped, moved = doubt.acceleration * later, doubt.acceleration * later**2 / 2
+        later = np.maximum(grown.t - doubt.since, 0.0)
+        slipped = doubt.acceleration * later * grown.of_start
+        moved = slipped * later / 2
         errors["velocity_error"] += slipped * (length if doubt.turns else 1.0)
         errors["position_error"] += moved * (length if doubt.turns else 1.0)
         if doubt.turns:

@@ -55,7 +55,7 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """A decision which of the joints at rest stick, from a state that is known up to the errors of the motion.
+    """A decision which of the joints at rest stick, from a state that is exact at t = 0, and later has errors.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Decision:
 class Course:
     """The motion of a tree: the states of its links, and in order of time the changes of its joints with dry friction.
 
-    decisions: which joints stick, except for those from the exact state at t = 0.
+    decisions: which joints stick.
     """
 
     links: list[LinkStates]
@@ -109,11 +109,10 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """The derivative of a state, and the strain and the inertia of each link's joint (see `articulated.Accelerations`)."""
+    """The derivative of a state, and the strain of each link's joint (see `articulated.Accelerations`)."""
 
     state: list[Number]
     strains: list[Number]
-    inertias: list[Number]
 
 
 def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
@@ -130,7 +129,7 @@ def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
     if form.floats:
         linear, rows = solution.rates[0][3:], quaternion_rows(links[0].coordinates)
         rates += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
-    return Rates(rates, solution.strains, solution.inertias)
+    return Rates(rates, solution.strains)
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:

@@ -38,7 +38,7 @@ class JointStates:
     changes
         The changes in which joints with dry friction began and ceased to slip, up to the last instant.
     decisions
-        The decisions which joints stick, from states that have errors.
+        The decisions which joints stick.
     """
 
     position: WideArray

@@ -98,11 +98,12 @@ def _noting(crossings: list[tuple[int, Any]], index: int) -> Callable[[Any, Any,
 def _rows(
     tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver
 ) -> tuple[WideArray, tuple[Change, ...], tuple[Decision, ...]]:
-    """The states (n, k) at ascending times (n,), s, the first of which is 0, the changes, and the decisions after t = 0."""
-    begin, changes, decisions = start(tree), list[Change](), list[Decision]()
+    """The states (n, k) at ascending times (n,), s, the first of which is 0, the changes, and the decisions."""
+    begin, changes = start(tree), list[Change]()
     moving = {index: sign(begin[at]) for index, at in _velocities(tree).items()}
     modes = settled(tree, begin, moving, EXACT)
     phase = _Phase(instants[0], kind.array(begin), modes, _slipping(modes, moving))
+    decisions = [Decision(tree, 0.0, begin, frozenset(range(len(begin))), modes, _at_rest(moving))]
     rows, left, at_once = [phase.state], most_steps(solver.solver), 0
     still = {index for index, mode in modes.items() if not mode}
     while len(rows) < len(instants):
@@ -119,8 +120,7 @@ def _rows(
             exact = frozenset(at - step for each, at in _velocities(tree).items() if each in still for step in (0, 1))
             numbers = [begin[at] if at in exact else exactly(value) for at, value in enumerate(state)]
             modes = settled(tree, numbers, moving, real(EQUAL * solver.eps))
-            rest = tuple(each for each, mode in moving.items() if not mode)
-            decisions.append(Decision(tree, float(time), numbers, exact, modes, rest))
+            decisions.append(Decision(tree, float(time), numbers, exact, modes, _at_rest(moving)))
         else:
             # Its acceleration begins at zero, so that the modes of the other links do not change at this instant.
             modes = {**before, index: sign(_strains(tree, state, before)[index])}
@@ -133,6 +133,10 @@ def _rows(
 def _slipping(modes: Modes, before: Modes) -> frozenset[int]:
     """The links that have begun to slip."""
     return frozenset(index for index, mode in modes.items() if mode and mode != before[index])
+
+
+def _at_rest(moving: Modes) -> tuple[int, ...]:
+    return tuple(index for index, mode in moving.items() if not mode)
 
 
 def _velocities(tree: Tree) -> dict[int, int]:

@@ -7,11 +7,15 @@ whose mode contradicts the accelerations gets the mode that they demand, until t
 guess; arithmetic of a hundred digits decides.
 
 At t = 0 the state is exact, and so is the decision: a joint whose strain is equal to its friction sticks. A later state has
-errors. If the decision could be another one within them, the joint's acceleration is uncertain: see `doubts`.
+errors. If the decision could be another one within them, the accelerations of the joints are uncertain: see `doubts`.
+
+A joint may begin to slip under a load that is hardly larger than its friction. Then the forces cancel, and the rounding of each
+is large beside the acceleration, from which the sizes of rounding errors are estimated otherwise: see `cancellations`.
 """
 
 import functools
 import math
+import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,7 +23,7 @@ from typing import Any
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, real
-from bodycheck.reference.mechanisms.link_states import Decision, Form, Rates, derivatives, in_arithmetic
+from bodycheck.reference.mechanisms.link_states import SIZES, Decision, Form, Rates, derivatives, in_arithmetic, places_of_rates
 from bodycheck.reference.mechanisms.tree import Tree
 
 #: The mode of each link with dry friction, by its index: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
@@ -40,10 +44,14 @@ MOST_PIVOTS = 2000
 #: The part of the forces, in units of the relative error of a state, above which a margin certainly exceeds its error.
 CLEAR = 1e6
 
+#: The number of roundings of the terms of an acceleration, and the number and the size of random variations of all numbers from
+#: which the sizes of these terms are measured: large beside a rounding of doubles, and small beside 1.
+ROUNDINGS, VARIATIONS, VARIATION = 8.0, 4, 2.0**-26
+
 
 @dataclass(frozen=True, eq=False)
 class Doubt:
-    """A link that may stick or slip from a time on (s): the uncertainty of its acceleration, in rad/s^2 or m/s^2."""
+    """An uncertain acceleration from a time on (s): whether it is that of a turn, and its error, in rad/s^2 or m/s^2."""
 
     since: float
     turns: bool
@@ -120,10 +128,16 @@ def with_modes(
 
     number: the function that converts numbers to an arithmetic. functions: the `sin` and `cos` of this arithmetic.
     """
-    form = _form(tree, number)
+    return _in_modes(_form(tree, number), tree, state, modes, number, functions)
+
+
+def _in_modes(
+    form: Form, tree: Tree, state: Sequence[Any], modes: Mapping[int, int], number: Callable[[Any], Any], functions: Any
+) -> Rates:
     constants = list(form.constants)
     for index, mode in modes.items():
-        force = constants[index].force - mode * number(tree.links[index].friction)
+        link = tree.links[index]
+        force = number(link.constants.force - mode * link.friction)
         constants[index] = replace(constants[index], force=force, moves=abs(mode))
     return derivatives(Form(form.links, constants, form.gravity), [number(value) for value in state], functions)
 
@@ -134,10 +148,10 @@ def _form(tree: Tree, number: Callable[[Any], Any]) -> Form:
 
 
 def doubts(decision: Decision, relative: float, errors: Sequence[float]) -> Iterator[Doubt]:
-    """Yield the links whose mode may be another one within the errors of the state from which it was decided.
+    """Yield the uncertain accelerations where the mode of a link may be another one within the errors of the state.
 
-    The uncertainty of such a link's acceleration is its margin, which is the distance of its strain from the value at which its
-    mode changes, and the error of its strain, divided by its inertia.
+    The force on such a link is uncertain by its margin, which is the distance of its strain from the value at which its mode
+    changes, and the error of its strain. This force accelerates all links.
 
     Parameters
     ----------
@@ -148,6 +162,8 @@ def doubts(decision: Decision, relative: float, errors: Sequence[float]) -> Iter
     errors
         The errors of the components of the state.
     """
+    if not any(errors):
+        return
     tree, state, modes = decision.tree, decision.state, decision.modes
     near = with_modes(tree, state, modes, float, math)
     if not any(margin <= (CLEAR * relative + IN_DOUBLES) * size for margin, size in _margins(decision, near)):
@@ -161,8 +177,61 @@ def doubts(decision: Decision, relative: float, errors: Sequence[float]) -> Iter
         moved.append(with_modes(tree, beside, modes, real, MP).strains)
     for index, (margin, _) in zip(decision.rest, _margins(decision, exactly), strict=True):
         error = sum(abs(strains[index] - exactly.strains[index]) for strains in moved)
-        if margin <= error and (slack := float((abs(margin) + error) / exactly.inertias[index])):
-            yield Doubt(decision.time, tree.links[index].kind == "revolute", slack)
+        if margin <= error and (slack := abs(margin) + error):
+            yield from _under_force(decision, index, slack)
+
+
+def _under_force(decision: Decision, index: int, force: Real) -> Iterator[Doubt]:
+    """Yield the accelerations that a force on a link causes, by the difference of its slips forwards and backwards."""
+    tree, state, modes = decision.tree, decision.state, decision.modes
+    forwards, backwards = (with_modes(tree, state, {**modes, index: mode}, real, MP) for mode in (1, -1))
+    part = force / (2 * tree.links[index].friction)
+    for component, turns in _accelerations(tree):
+        if error := float(part * abs(forwards.state[component] - backwards.state[component])):
+            yield Doubt(decision.time, turns, error)
+
+
+def cancellations(decision: Decision, eps: float, roundings: float) -> Iterator[Doubt]:
+    """Yield the accelerations that are uncertain by the rounding of forces that cancel where a link begins to slip.
+
+    Parameters
+    ----------
+    decision
+        The decision.
+    eps
+        The size of a rounding.
+    roundings
+        The number of roundings, relative to the largest acceleration, that the errors of the motion include otherwise.
+    """
+    modes = decision.modes
+    if not any(modes[index] for index in decision.rest):
+        return
+    tree, state, chance = decision.tree, decision.state, random.Random(0)
+
+    def varied(value: Real) -> float:
+        return float(value) * (1 + VARIATION * chance.uniform(-1, 1))
+
+    rates = with_modes(tree, state, modes, float, math).state
+    others = [_in_modes(in_arithmetic(tree, varied), tree, state, modes, varied, math).state for _ in range(VARIATIONS)]
+    components = list(_accelerations(tree))
+    for kind in (True, False):
+        chosen = [component for component, turns in components if turns == kind]
+        largest = max((abs(rates[component]) for component in chosen), default=0.0)
+        for component in chosen:
+            terms = max(abs(other[component] - rates[component]) for other in others) / VARIATION
+            if (error := ROUNDINGS * terms - roundings * largest) > 0:
+                yield Doubt(decision.time, kind, eps * error)
+
+
+def _accelerations(tree: Tree) -> Iterator[tuple[int, bool]]:
+    """Yield the index of each acceleration in the derivative of a state, and whether it is that of a turn."""
+    kinds = [(link.kind, link.parent) for link in tree.links]
+    for (kind, _), first in zip(kinds, places_of_rates(kinds), strict=True):
+        for component in range(first, first + SIZES[kind][1]):
+            yield component, kind != "prismatic"
+    if tree.floats:
+        count = sum(sum(SIZES[kind]) for kind, _ in kinds)
+        yield from ((component, False) for component in range(count + 3, count + 6))
 
 
 def _margins(decision: Decision, rates: Rates) -> Iterator[tuple[Any, Any]]:

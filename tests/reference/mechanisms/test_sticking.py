@@ -8,8 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bodycheck.reference.bounds import STATES
 from bodycheck.reference.certificate import certify
-from bodycheck.reference.mechanisms import stick_slip
+from bodycheck.reference.exact.numbers import MP
+from bodycheck.reference.mechanisms import recursion, stick_slip
+from bodycheck.reference.mechanisms.followed import with_doubts
+from bodycheck.reference.mechanisms.growth import Growth
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.truths import Truth
@@ -153,3 +157,50 @@ def test_a_joint_that_has_not_moved_is_decided_exactly_where_another_one_stops()
         assert (found.joints.position[:, 0] == 0.5).all()
         # The wheel's 12.5 rad have some roundings, and nothing grows with the 97.5 s of the hinge.
         assert found.bounds.error[-1] < 1e-13
+
+
+@pytest.mark.parametrize("arm", [0.25, 0.5])
+def test_the_rounding_of_forces_that_cancel_where_a_joint_begins_to_slip_is_in_the_bounds(arm: float) -> None:
+    # A frame sticks, tilted about x; on it a level arm of 1 kg, about y, pulls a little more than the friction of its hinge.
+    pull = MP.mpf(9.81) * MP.cos(0.25) * arm
+    friction = float(pull) if float(pull) < pull else float(np.nextafter(float(pull), 0.0))
+    base = Joint("base", "revolute", WORLD, 0, axis=(1.0, 0.0, 0.0), friction=3.0, start=(-0.25,), start_velocity=(0.0,))
+    hinge = Joint("hinge", "revolute", 0, 1, axis=(0.0, 1.0, 0.0), start=(0.0,), start_velocity=(0.0,))
+    bodies = body("frame", 1.0, (0.3, 0.3, 0.3)), body("arm", 1.0, (0.1, 0.2, 0.25), (arm, 0.0, 0.0))
+    times = np.linspace(0.0, 2.0, 9)
+    for _ in range(3):
+        found = mechanism_truth(Mechanism(bodies, (base, replace(hinge, friction=friction)), gravity=9.81), times)
+        assert found.joints is not None
+        # The pull is stationary where the arm is level, so that the acceleration is constant but for a part of 1e-28.
+        acceleration = (pull - friction) / (MP.mpf(0.2) + MP.mpf(arm) ** 2)
+        for time, velocity, bound in zip(
+            times.tolist(), found.joints.velocity[:, 1].tolist(), found.bounds.angular_velocity_error.tolist(), strict=True
+        ):
+            assert abs(velocity - acceleration * time) <= bound
+            # Some roundings of 80 bits of the pull.
+            assert bound <= 2e-17 * (1 + time)
+        friction = float(np.nextafter(friction, 0.0))
+
+
+def test_a_doubt_moves_all_joints_and_grows() -> None:
+    # A cart of 2 kg is held by just its friction, and a pendulum with a bob of 1 kg at 0.5 m hangs from it.
+    rail = Joint("rail", "prismatic", WORLD, 0, axis=(1.0, 0.0, 0.0), friction=1.0, effort=1.0, start=(0.0,))
+    pin = Joint("pin", "revolute", 0, 1, axis=(0.0, 1.0, 0.0), start=(0.0,), start_velocity=(0.0,))
+    bodies = body("cart", 2.0, (0.1, 0.1, 0.1)), body("bob", 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, -0.5))
+    times = np.array([0.0, 2.0])
+    mechanism = Mechanism(bodies, (replace(rail, start_velocity=(0.0,)), pin), gravity=9.75)
+    states = recursion.follow(mechanism, times)
+    uncertain = replace(states, decisions=tuple(replace(each, exact=frozenset()) for each in states.decisions))
+
+    def added(growth: float) -> tuple[float, float]:
+        grown = Growth(times, {name: np.ones(2) for name in STATES}, np.ones(2), np.array([1.0, growth]))
+        with_doubt, without = (with_doubts(mechanism, each, grown, 8.0, 2.0**-63) for each in (uncertain, states))
+        turned, moved = (float(with_doubt[name][-1] - without[name][-1]) for name in ("error", "position_error"))
+        return turned, moved
+
+    turned, moved = added(1.0)
+    # A force on the cart accelerates it by 1 / (2 kg), and the pendulum, whose bob stays at rest, by 1 / (2 kg 0.5 m).
+    # Positions change by the motion of the cart and, at the length of 0.5 m and as much again, by the turn.
+    assert turned > 0
+    assert moved == pytest.approx(turned * 0.5 + turned * 0.5, rel=1e-12)
+    assert added(3.0) == pytest.approx((3 * turned, 3 * moved), rel=1e-12)
