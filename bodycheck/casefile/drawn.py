@@ -134,11 +134,11 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], row
 
 
 def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the expectations of a document without limits that cannot fail and without unknown engines."""
+    """Return the expectations of a document without limits that cannot fail, unknown engines, and steps above the duration."""
     expectations, unknown = document["expect"], set()
     for path, _ in list(uncheckable(document)):
         match path:
-            case (_, int(index), "engine"):
+            case (_, int(index), "engine" | "timestep"):
                 unknown.add(index)
             case (_, int(index), str(name), str(end)) if len(expectations[index][name]) > 1:
                 del expectations[index][name][end]

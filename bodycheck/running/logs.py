@@ -138,9 +138,9 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
     head = campaign.header(command, {}, {}) | {"engines": {run.engine: run.version}, "precisions": {run.engine: "float64"}}
     t = run.outcome.trajectory.t
     with ExitStack() as stack:
-        place = folder or stack.enter_context(temporary_folder())
+        results_folder = folder or stack.enter_context(temporary_folder())
         identity = resumption.identity(case.text, run.key, run.version, t.tobytes(), datetime.now(UTC))
-        with Writer(place, head, identity, (case,), files=files) as writer:
+        with Writer(results_folder, head, identity, (case,), files=files) as writer:
             home = pool.Home(prepare=tasks.leave_out_sympy)
             with pool.Workers(tasks.answer, 1, campaign.TIME_LIMIT_S, home=lambda group: home) as workers:
                 truth = workers.call(tasks.Question(case, tuple(t.tolist()), certified=False))
@@ -151,7 +151,7 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
             else:
                 writer.add_missing_truth(case, timestep, campaign.no_truth(truth))
             writer.add_run(run, 0)
-        yield replace(store.read(place), complete=True, known={case.name: case})
+        yield replace(store.read(results_folder), complete=True, known={case.name: case})
 
 
 def _columns(path: Path) -> dict[str, Array]:

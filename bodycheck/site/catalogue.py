@@ -174,13 +174,13 @@ class Catalogue:
 
         If several submissions have measured the same effect, the smallest counts, so that no submission hides a change.
         """
-        found: dict[tuple[str, str, str, str, float | None], dict[str, Any]] = defaultdict(dict)
+        smallest: dict[tuple[str, str, str, str, float | None], dict[str, Any]] = defaultdict(dict)
         for entry in self.entries("releases.csv"):
-            own = found[entry.engine, entry.version, entry.row["case"], *entry.method]
+            allowances = smallest[entry.engine, entry.version, entry.row["case"], *entry.method]
             for column, value in entry.row.items():
                 if column.endswith(ALLOWANCE_SUFFIX) and value is not None:
-                    own[column] = min(value, own.get(column, value))
-        return found
+                    allowances[column] = min(value, allowances.get(column, value))
+        return smallest
 
     @cached_property
     def without_method(self) -> Mapping[tuple[str, str], str]:
@@ -194,8 +194,8 @@ class Catalogue:
                 for case, why in by_case.items():
                     reasons[adapter_of(engine), case][why] = source
         return {
-            key: "; ".join(f"{why} ({source.named})" if len(found) > 1 else why for why, source in found.items())
-            for key, found in reasons.items()
+            key: "; ".join(f"{why} ({source.named})" if len(given) > 1 else why for why, source in given.items())
+            for key, given in reasons.items()
         }
 
     @cached_property

@@ -23,7 +23,7 @@ from bodycheck.site.submissions import cases as case_texts
 from bodycheck.site.submissions.contents import CASE_END, CASES, TABLES, TRACKS, Contents
 from bodycheck.site.submissions.personal import Cleaning
 from bodycheck.site.submissions.submission import Submission
-from bodycheck.site.submissions.texts import escaped, shown
+from bodycheck.site.submissions.texts import escaped, published
 
 #: The most bytes of a table, and of the file beside it.
 MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
@@ -112,7 +112,7 @@ def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
     words = header.pop("command", None)
     if not isinstance(words, list):
         raise BadInput(f"{folder / names[0]}{BESIDE}: has no command")
-    header = {**_cleaned(header, clean), "command": [shown(word) for word in clean.command([str(word) for word in words])]}
+    header = {**_cleaned(header, clean), "command": [published(word) for word in clean.command([str(word) for word in words])]}
     files = {f"{TABLES}{name}": _table(folder / name, clean) for name in names}
     files |= {f"{CASES}{name}{CASE_END}": text.encode() for name, text in _cases(folder, note, clean).items()}
     if "results.csv" in names and (folder / store.RECORDS).is_file():
@@ -166,7 +166,7 @@ def _table(path: Path, clean: Cleaning) -> bytes:
 
 def _text(text: str, clean: Cleaning) -> str:
     """Return a text without personal data and without what a submission must not have."""
-    return shown(clean.text(text))
+    return published(clean.text(text))
 
 
 def _name(name: str, clean: Cleaning) -> str:
@@ -186,10 +186,10 @@ def _written(rows: Iterable[list[str]]) -> bytes:
 def _cleaned(value: Any, clean: Cleaning) -> Any:
     """Return a JSON value with all personal data removed from its texts."""
     if isinstance(value, dict):
-        return {shown(clean.text(key)): _cleaned(one, clean) for key, one in value.items()}
+        return {published(clean.text(key)): _cleaned(one, clean) for key, one in value.items()}
     if isinstance(value, list):
         return [_cleaned(one, clean) for one in value]
-    return shown(clean.text(value)) if isinstance(value, str) else value
+    return published(clean.text(value)) if isinstance(value, str) else value
 
 
 def _note(paths: list[Path]) -> Mapping[str, Any]:

@@ -45,12 +45,16 @@ def text(value: str, longest: int = LONGEST) -> str:
 
 
 def shown(value: str, longest: int = LONGEST) -> str:
+    """Return a text from this machine for readers: with "?" for characters that are not allowed, and cut to length."""
+    return _cut("".join(letter if _allowed(letter) else " " if letter.isspace() else "?" for letter in value), longest)
+
+
+def published(value: str) -> str:
     """Return a text from this machine as `text` allows it, apart from personal data.
 
     Characters that are not allowed, and those of markup that a browser would load, become "?". The text is cut to length.
     """
-    allowed = "".join(letter if _allowed(letter) else " " if letter.isspace() else "?" for letter in value)
-    return _cut(_harmless(allowed, "??"), longest)
+    return _cut(_harmless(shown(value, len(value)), "??"), LONGEST)
 
 
 def escaped(value: str, longest: int = LONGEST) -> str:
