@@ -128,7 +128,7 @@ def main(arguments: list[str]) -> int:
             if not arguments or {name, name.partition("-")[0]} & set(arguments)
         }
         if not asked:
-            raise SystemExit(f"read {' '.join(arguments)}; allowed: --newest, --releases, --table, {', '.join(COMMANDS)}")
+            raise SystemExit(f"read {' '.join(arguments)}; allowed: --newest, --table, {', '.join(COMMANDS)}, --releases")
     failed = [name for name, command in asked.items() if not made(name, command)]
     readme = HERE / "README.md"
     before, _, rest = readme.read_text().partition(BEGIN)
