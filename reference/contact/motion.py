@@ -47,7 +47,7 @@ class Event:
 
     @property
     def ends_flight(self) -> bool:
-        """Whether the event is an impact of a body that did not touch anything before."""
+        """Return whether the event is an impact of a body that did not touch anything before."""
         return self.kind == "impact" and self.normal_speed > 0
 
 

@@ -185,9 +185,10 @@ def _event(coin: Coin, end: End, slack_error: float) -> Event:
     position, velocity, quaternion, spin = _in_units(coin, angles.poses(coin, end.state[None]))
     time = float(end.time * coin.time)
     late = (_SAFETY * slack_error + _ROUNDINGS * float(np.finfo(Wide).eps)) / max(abs(end.rate), _GRAZING)
-    after = (velocity[0], rotate(quaternion, spin)[0]) if end.kind == "slip" else (np.full(3, np.nan),) * 2
+    after = velocity[0], rotate(quaternion, spin)[0]
+    fast, turning = map(vector_of, after if end.kind == "slip" else np.full((2, 3), np.nan))
     error = late * float(coin.time) + EPS * time
-    return Event(end.kind, time, error, 0, vector_of(position[0]), *map(vector_of, after))
+    return Event(end.kind, time, error, 0, vector_of(position[0]), fast, turning)
 
 
 def _in_units(coin: Coin, poses: _Poses) -> _Poses:

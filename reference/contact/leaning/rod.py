@@ -23,8 +23,8 @@ from bodycheck.reference.witness import WideArray
 #: Relative error of angles and lengths after a few roundings in the wide type.
 _ROUNDINGS = 16 * float(np.finfo(Wide).eps)
 
-#: The part of the fall, up to the instant at which the plane would have to pull, that is left out of the friction that holds the
-#: contact: it would be infinite.
+#: The part of the fall, before the instant at which the plane would have to pull, that is left out of the friction that holds
+#: the contact: it would be infinite.
 _BEFORE_LIFT = 1e-6
 
 

@@ -289,9 +289,11 @@ def _margins(coin: Coin, friction: Real) -> dict[str, Margin]:
         return np.asarray(wide(friction) * force[:, 2] - np.hypot(force[:, 0], force[:, 1]))
 
     def above(states: WideArray) -> WideArray:
-        """What is left up to lying on its side and, if the coin can get there, on its face."""
-        upwards = np.sign(coin.half_length) * states[:, 2]
-        return upwards if coin.node is None else np.minimum(upwards, coin.node[1] * states[:, 0] - coin.node[0] * states[:, 1])
+        """Return the margins (n,) up to lying on its side and, if the coin can get there, on its face."""
+        upwards = np.asarray(np.sign(coin.half_length) * states[:, 2])
+        if coin.node is None:
+            return upwards
+        return np.minimum(upwards, coin.node[1] * states[:, 0] - coin.node[0] * states[:, 1])
 
     return {"slip": held, "impact": above}
 
