@@ -293,7 +293,7 @@ def _margins(coin: Coin, friction: Real) -> dict[str, Margin]:
         upwards = np.asarray(np.sign(coin.half_length) * states[:, 2])
         if coin.node is None:
             return upwards
-        return np.minimum(upwards, coin.node[1] * states[:, 0] - coin.node[0] * states[:, 1])
+        return np.asarray(np.minimum(upwards, coin.node[1] * states[:, 0] - coin.node[0] * states[:, 1]))
 
     return {"slip": held, "impact": above}
 
