@@ -19,10 +19,16 @@ DOUBLE_DIGITS = 16
 #: An array in double precision or wider.
 WideArray = NDArray[Any]
 
+#: The kind of an instant from which on a motion is not known, if none of the kinds of events says why.
+END = "end"
+
 
 @dataclass(frozen=True)
 class Instant:
-    """An event of a motion: its kind (see `contact.motion.EventKind`), its time and error (s), and the index of the body."""
+    """An event of a motion: its kind, its time and error (s), and the index of the body.
+
+    The kind is one of `contact.motion.EventKind`, or `END`.
+    """
 
     kind: str
     time: float

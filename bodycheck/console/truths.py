@@ -89,7 +89,7 @@ def _print_events(truth: Truth) -> None:
     scene, end = truth.scene, float(truth.trajectory.t[-1])
     names = [body.name if isinstance(scene, Mechanism) else "the body" for body in bodies(scene)]
     for event in truth.events[:MOST_EVENTS]:
-        speed = f" at {event.normal_speed:.9g} m/s" if event.kind == "impact" else ""
+        speed = f" at {event.normal_speed:.9g} m/s" if event.ends_flight else ""
         tell(f"{EVENTS[event.kind].format(names[event.body])}{speed} at t = {event.time:.12g} s, within {event.error:.1e} s")
     if (more := len(truth.events) - MOST_EVENTS) > 0:
         tell(f"{more} more up to t = {truth.events[-1].time:.9g} s, --json prints all")

@@ -216,11 +216,11 @@ class Comparison:
         impact of the run. Once the truth no longer bounces, velocities are compared at all instants, because bounces of the run
         are then errors.
         """
-        if not any(event.kind == "impact" for event in self.events):
+        if not any(event.ends_flight for event in self.events):
             return None
         between = np.full(len(self.trajectory), True)
         for index, body in enumerate(self.touching):
-            exact_impacts = [event.time for event in self.events if event.kind == "impact" and event.body == index]
+            exact_impacts = [event.time for event in self.events if event.ends_flight and event.body == index]
             if exact_impacts:
                 settled = stays(body, self.motions[index][1], self.truth.bounds.velocity_error)
                 between &= _alike(self.trajectory.t, exact_impacts, self.impacts[index], settled)

@@ -206,7 +206,7 @@ def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[E
 
 def _first(events: list[Event], kind: EventKind) -> Event | None:
     """Return the first event of a kind after the start; impacts count only on the plane."""
-    return next((e for e in events if e.kind == kind and e.time > 0 and (kind != "impact" or e.normal_speed > 0)), None)
+    return next((e for e in events if e.kind == kind and e.time > 0 and (kind != "impact" or e.ends_flight)), None)
 
 
 def _known(event: Event) -> bool:

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import WideArray
+from bodycheck.reference.witness import Instant, WideArray
 
-#: The kind of an event: bodies hit each other or the plane; a body that slips begins to roll; a body that rolls or rests begins
-#: to slip; a body comes to rest; a body that stands begins to tip.
+#: The kind of an event: bodies hit each other or the plane, or a further part of a body that touches the plane hits it; a body
+#: that slips begins to roll; a body that rolls or rests begins to slip, or the plane would have to pull it; a body comes to
+#: rest; a body that stands begins to tip.
 EventKind = Literal["impact", "roll", "slip", "rest", "tip"]
 
 
@@ -32,7 +33,7 @@ class Event:
     position, velocity, spin
         Position (m) and velocity (m/s) of its centre of mass and its angular velocity (rad/s) just after, world frame.
     normal_speed
-        Speed towards the plane just before an impact (m/s); 0 for any other event.
+        Speed (m/s) of the centre of mass towards the plane just before an impact that ends a flight; 0 for any other event.
     """
 
     kind: EventKind
@@ -43,6 +44,11 @@ class Event:
     velocity: Vector
     spin: Vector
     normal_speed: float = 0.0
+
+    @property
+    def ends_flight(self) -> bool:
+        """Return whether the event is an impact of a body that did not touch anything before."""
+        return self.kind == "impact" and self.normal_speed > 0
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,8 @@ class ContactMotion:
         The loads between bodies if all of them rest for the whole motion; empty if any body moves.
     witness
         The independent solution on which the bounds rely; empty if there is none.
+    end
+        The instant from which on the motion is not known, of the kind `END`, if it is not that of an event.
     """
 
     position: WideArray
@@ -92,6 +100,7 @@ class ContactMotion:
     friction: float = 0.0
     interfaces: tuple[Interface, ...] = ()
     witness: str = ""
+    end: Instant | None = None
 
 
 def known_at(motion: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:

@@ -73,7 +73,8 @@ def computed_contact(scene: AnyScene, times: Array, *, vouched: bool = True) -> 
         friction=motion.friction,
         interfaces=motion.interfaces,
     )
-    return Computed(truth, bounds, (witness,) if witness else (), own_events)
+    ends = () if motion.end is None else (motion.end,)
+    return Computed(truth, bounds, (witness,) if witness else (), (*own_events, *ends))
 
 
 def _bounds(scene: AnyScene, trajectory: Trajectory, errors: dict[str, Array]) -> Bounds:

@@ -16,8 +16,10 @@ from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Body, Brick, Plane, Push, Scene, Sphere, State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
+from tests.support.coins import rolling
 
 G, RADIUS = 9.81, 0.1
 BALL = Body(1.0, (0.004, 0.004, 0.004), Sphere(RADIUS))
@@ -270,6 +272,20 @@ def test_a_brick_whose_motion_mechanics_does_not_give_is_judged_by_what_must_hol
     assert found["energy_gain"] < 1e-13
     errors = {name for name, figure in FIGURES.items() if figure.bounded_by or figure.of_truth}
     assert not errors & set(found)
+
+
+@pytest.mark.parametrize("scene", [rolling(1.5, (0.1, 0.5, -12.0)), rolling(0.8, (0.0, 0.0, 0.0))], ids=["rolls", "leans"])
+def test_a_body_that_touches_before_its_face_or_side_hits_has_no_figures_of_impacts(scene: Scene) -> None:
+    """Its centre of mass has no arcs whose end would be the impact. Its velocities are compared up to there."""
+    exact = truth(scene, np.linspace(0.0, 0.3, 301))
+    assert [event.kind for event in exact.events] == ["impact"]
+    positions, attitudes, velocities, spins = (
+        np.nan_to_num(getattr(exact.trajectory, name)) for name in ("position", "quaternion", "velocity", "angular_velocity")
+    )
+    wrong = Trajectory(exact.trajectory.t, positions, attitudes, velocities + np.array([0.25, 0.0, 0.0]), spins)
+    measured = figures(exact, wrong)
+    assert not {"impact_time_error", "impact_speed_error", "bounce_ratio_error"} & set(measured)
+    assert measured["velocity_error"] == pytest.approx(0.25)
 
 
 def test_figures_are_of_bodies_that_touch_alone() -> None:

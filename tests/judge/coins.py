@@ -12,7 +12,7 @@ from typing import Any
 from tests.judge.numerals import ONE, ZERO, Vector, applied, cross, dot, exact, matrix_of, minus, plus, product, solved, times
 from tests.judge.planes import on_plane, support
 from tests.judge.series import ORDER, Tape, at, first_root
-from tests.judge.states import Motion, State
+from tests.judge.states import Motion
 from tests.judge.turning import quaternion_rates
 
 NORMAL: Vector = (ZERO, ZERO, ONE)
@@ -71,7 +71,7 @@ def _rolling() -> tuple[Tape, dict[str, Any]]:
 
 
 def motion(text: str, instants: Sequence[Decimal]) -> Motion:
-    """Return the motion as long as friction holds the rim, and the side does not land."""
+    """Return the motion as long as friction holds the rim, and the side does not land. It begins with the state of the file."""
     body = on_plane(text)
     tape, results = _rolling()
     sign = ONE.copy_sign(body.turn[2][2])
@@ -81,16 +81,18 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
     lengths = (exact(body.table["radius"]), exact(body.table["half_length"]))
     parameters = [*axis, *lengths, tensor[0][0] / mass, tensor[2][2] / mass, -body.gravity[2], friction]
     numbers = [ONE, ZERO, ZERO, ZERO, *body.spin, *body.position[:2]]
-    now, states = ZERO, dict[int, State]()
+    start = body.in_world(body.position, body.velocity, body.turn, body.spin)
+    now, states = ZERO, {i: start for i, instant in enumerate(instants) if not instant}
     while True:
         tape.expand([*numbers, *parameters], ORDER)
         step, left = tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
-        limits = [results["load"], results["axis"][2], *([] if body.friction is None else [results["friction"]])]
-        margins = [limit.coefficients for limit in limits]
-        roots = [ZERO if margin[0] < 0 else first_root(margin, step) for margin in margins]
-        slip = min((root for root in roots if root is not None), default=None)
-        end = step if slip is None else slip
+        limits = [("slip", results["load"]), ("impact", results["axis"][2])]
+        if body.friction is not None:
+            limits.append(("slip", results["friction"]))
+        margins = [(kind, limit.coefficients) for kind, limit in limits]
+        roots = [(ZERO if margin[0] < 0 else first_root(margin, step), kind) for kind, margin in margins]
+        end, kind = min(((root, kind) for root, kind in roots if root is not None), default=(step, ""))
         for i, instant in enumerate(instants):
             if i not in states and now <= instant <= now + end:
                 row = [at(term.coefficients, instant - now) for term in tape.states]
@@ -98,8 +100,8 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
                 x, y, z = (at(part.coefficients, instant - now) for part in results["velocity"])
                 height = support(body.table, turn)
                 states[i] = body.in_world((row[7], row[8], height), (x, y, z), turn, (row[4], row[5], row[6]))
-        if slip is not None:
-            return Motion(states, [("slip", now + slip)])
+        if kind:
+            return Motion(states, [(kind, now + end)])
         if len(states) == len(instants):
             return Motion(states, [])
         numbers = [at(term.coefficients, step) for term in tape.states]

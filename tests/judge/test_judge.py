@@ -52,6 +52,11 @@ def test_truths_of_a_scene_of_each_family_hold(tmp_path: Path) -> None:
     assert not [str(each) for each in verdicts if each.broken]
 
 
+@pytest.mark.parametrize("seed", [463, 695], ids=["lands on its side", "begins with a rounded velocity"])
+def test_truths_of_coins_hold(seed: int, tmp_path: Path) -> None:
+    assert not judged(contact_scenes.judge, seed, 1, tmp_path)[0].broken
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("first", "count"), batches("MECHANISMS"))
 def test_truths_of_mechanisms_with_dry_friction_hold(first: int, count: int, tmp_path: Path) -> None:

@@ -25,6 +25,9 @@ from bodycheck.reference.witness import WideArray
 #: The indices of the components of a state.
 THETA, P, Q, S, PHI, PSI, X, Y = range(8)
 
+#: The number of roundings of the angular velocity up to which q is zero at the start.
+_ROUNDINGS = 4.0
+
 
 @dataclass(frozen=True, eq=False)
 class Accelerated:
@@ -42,6 +45,8 @@ def initial(coin: Coin) -> WideArray:
     along_i, along_j, along_k = coin.spin
     p = along_i * np.cos(psi) - along_j * np.sin(psi)
     q = along_i * np.sin(psi) + along_j * np.cos(psi)
+    # Without this rounding, a coin that falls on its face comes close to it, but never lands.
+    q = q if abs(q) > _ROUNDINGS * np.finfo(q.dtype).eps * np.sqrt(coin.spin @ coin.spin) else np.zeros_like(q)
     return np.array([theta, p, q, along_k, phi, psi, *coin.position[:2]], dtype=coin.position.dtype)
 
 

@@ -59,7 +59,7 @@ class _Vouched:
     model, witness
         The names of the two solutions.
     slack_error
-        The difference of the forces in the two solutions shortly before the end, in units of the coin's weight.
+        The difference of the slack that ends the motion (see `ends.slacks`) in the two solutions shortly before the end.
     """
 
     poses: _Poses
@@ -95,10 +95,10 @@ def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
         quaternion[None],
         spin[None],
         {name: _spread(values, len(t)) for name, values in _bounds(wheel, vouched).items()},
-        (_event(wheel, end, vouched.slack_error),) if end is not None and end.kind == "slip" else (),
+        () if end is None else (_event(wheel, end, vouched.slack_error),),
         vouched.model,
-        _reason(wheel, end),
-        friction=motion.friction if end is None or math.isinf(friction) else 0.0,
+        REASON,
+        friction=motion.friction if end is None or end.kind == "impact" or math.isinf(friction) else 0.0,
         witness=vouched.witness,
     )
 
@@ -141,11 +141,15 @@ def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
 
 
 def _slack_error(coin: Coin, end: End, other: WideArray) -> float:
-    """The sum of the differences of both forces, in units of the coin's weight, between two solutions shortly before an end.
+    """The difference of two solutions shortly before an end.
 
-    other: the state (1, 10) of the second solution there.
+    For an impact it is the angle (rad) between the attitudes, and for a slip the sum of the differences of both forces, in
+    units of the coin's weight. other: the state (1, 10) of the second solution there.
     """
-    forces = zip(angles.forces(coin, end.state_before[None]), bodily.forces(coin, other), strict=True)
+    one = end.state_before[None]
+    if end.kind == "impact":
+        return float(angle_between(angles.poses(coin, one)[2], bodily.poses(coin, other)[2])[0])
+    forces = zip(angles.forces(coin, one), bodily.forces(coin, other), strict=True)
     return sum(abs(float((a - b)[0])) for a, b in forces)
 
 
@@ -177,23 +181,14 @@ def _drift(coin: Coin, poses: _Poses, errors: list[Array]) -> Array:
 
 
 def _event(coin: Coin, end: End, slack_error: float) -> Event:
-    """The event in which the coin begins to slip."""
+    """The event with which the coin no longer rolls. No law gives its velocity after its face or its side has hit the plane."""
     position, velocity, quaternion, spin = _in_units(coin, angles.poses(coin, end.state[None]))
     time = float(end.time * coin.time)
-    error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(coin.time) + EPS * time
-    along = rotate(quaternion, spin)[0]
-    return Event("slip", time, error, 0, vector_of(position[0]), vector_of(velocity[0]), vector_of(along))
-
-
-def _reason(coin: Coin, end: End | None) -> str:
-    """The reason why the equations are exact, and the instant until which they are.
-
-    It is no event when the coin meets the plane with more than a point: its rim touches the plane before, and no law gives its
-    velocity after that.
-    """
-    if end is None or end.kind == "slip":
-        return REASON
-    return f"{REASON}, until its face or its side meets the plane at t = {float(end.time * coin.time):.12g} s"
+    late = (_SAFETY * slack_error + _ROUNDINGS * float(np.finfo(Wide).eps)) / max(abs(end.rate), _GRAZING)
+    after = velocity[0], rotate(quaternion, spin)[0]
+    fast, turning = map(vector_of, after if end.kind == "slip" else np.full((2, 3), np.nan))
+    error = late * float(coin.time) + EPS * time
+    return Event(end.kind, time, error, 0, vector_of(position[0]), fast, turning)
 
 
 def _in_units(coin: Coin, poses: _Poses) -> _Poses:

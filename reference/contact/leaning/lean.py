@@ -127,10 +127,10 @@ def _axes(body: ContactBody, columns: tuple[tuple[Real, ...], ...]) -> tuple[int
             return None
 
 
-def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "lift", "impact"], Real]:
+def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "impact"], Real]:
     """Return the kind of the end of a fall, and cos theta there.
 
-    "slip": friction no longer holds. "lift": the normal force vanishes. "impact": the next face lands.
+    "slip": friction no longer holds, or the normal force vanishes. "impact": the next face lands.
     """
     first, last = MP.cos(falling.angle), MP.cos(falling.landing)
 
@@ -143,7 +143,7 @@ def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "lift", "impa
     marks = [first, *sorted(inside, reverse=True), last]
     for high, low in pairwise(marks):
         if slack((high + low) / 2) < 0:
-            return "lift" if math.isinf(friction) else "slip", high
+            return "slip", high
     return "impact", last
 
 

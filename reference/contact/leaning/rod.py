@@ -4,6 +4,9 @@ While friction holds the contact, the body is a compound pendulum, in closed for
 loss of contact or the impact of the next face, no motion is known.
 """
 
+import math
+from typing import Literal
+
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
@@ -19,6 +22,10 @@ from bodycheck.reference.witness import WideArray
 
 #: Relative error of angles and lengths after a few roundings in the wide type.
 _ROUNDINGS = 16 * float(np.finfo(Wide).eps)
+
+#: The part of the fall, before the instant at which the plane would have to pull, that is left out of the friction that holds
+#: the contact: it would be infinite.
+_BEFORE_LIFT = 1e-6
 
 
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
@@ -42,9 +49,10 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     form = follow(swing, reached)
     theta, rate = form.position[:, 0], form.velocity[:, 0]
     position, velocity, quaternion, spin = _states(falling, body, theta, rate)
-    events = (_event(falling, body, kind, cosine, last),) if kind != "lift" and len(times) and last <= times[-1] else ()
-    stays_on_edge = kind == "impact" or not len(times) or last > times[-1]
-    least = smallest_friction(falling, float(np.cos(theta[-1]))) if stays_on_edge and len(times) else 0.0
+    events = (_event(falling, body, kind, cosine, last),) if len(times) and last <= times[-1] else ()
+    slips = kind == "slip" and not math.isinf(friction) and len(times) and last <= times[-1]
+    before_lift = float(cosine + _BEFORE_LIFT * (MP.cos(falling.angle) - cosine)) if kind == "slip" else -1.0
+    least = smallest_friction(falling, max(float(np.cos(theta[-1])), before_lift)) if len(times) and not slips else 0.0
     whole = ContactMotion(
         position[None],
         velocity[None],
@@ -98,7 +106,7 @@ def _errors(falling: Lean, angle: Array, rate: Array, times: Array) -> dict[str,
     }
 
 
-def _event(falling: Lean, body: ContactBody, kind: str, cosine: Real, time: Real) -> Event:
+def _event(falling: Lean, body: ContactBody, kind: Literal["slip", "impact"], cosine: Real, time: Real) -> Event:
     rate, theta = falling.speed(cosine), MP.acos(cosine)
     states = _states(falling, body, np.array([wide(theta)]), np.array([wide(rate)]))
     (x, y, z), (u, v, w), (p, q, r) = (states[part][0].astype(float).tolist() for part in (0, 1, 3))
@@ -107,4 +115,4 @@ def _event(falling: Lean, body: ContactBody, kind: str, cosine: Real, time: Real
     if kind == "slip":
         return Event("slip", float(time), error, 0, (x, y, z), (u, v, w), (p, q, r))
     unknown = np.nan, np.nan, np.nan
-    return Event("impact", float(time), error, 0, (x, y, z), unknown, unknown, -w)
+    return Event("impact", float(time), error, 0, (x, y, z), unknown, unknown)

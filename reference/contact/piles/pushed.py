@@ -21,7 +21,7 @@ from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide
 from bodycheck.reference.kinematics import about, conjugate, multiply, rotate
 from bodycheck.reference.scene import Brick, Sphere, vector_of
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import WideArray
+from bodycheck.reference.witness import END, Instant, WideArray
 
 #: Relative error of a number of the widest type after a few roundings.
 ROUNDINGS = 16 * float(np.finfo(Wide).eps)
@@ -79,8 +79,10 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     _check_straight(scene, solution)
     until, kind, index = _end(scene, solution)
     states = _states(scene, solution, times, until)
-    if kind is None or until > times[-1]:
+    if until > times[-1]:
         return states
+    if kind is None:
+        return replace(states, end=Instant(END, until, 4 * EPS * until, index))
     at_end = _states(scene, solution, np.array([until]), math.inf)
     position, velocity = (vector_of(rows[index, 0]) for rows in (at_end.position, at_end.velocity))
     spin = vector_of(rotate(at_end.quaternion, at_end.spin)[index, 0])

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.witness.faces import DECIMALS, half_lengths, in_world, wide_vector
+from bodycheck.reference.contact.witness.faces import AXES, DECIMALS, half_lengths, in_world, wide_vector
 from bodycheck.reference.contact.witness.faces import axis as axis_of
 from bodycheck.reference.contact.witness.reading import FreeBody, bodies, surface
 from bodycheck.reference.contact.witness.searching import Margin, first_negative
@@ -85,6 +85,8 @@ class Coin:
         The units (m, s).
     missed
         The differences of height (m) and velocity (m/s) in the file from those of rolling.
+    node
+        (3,) the level diameter about which a coin without other spin falls in a plane; None for any other coin.
     """
 
     radius: Wide
@@ -96,6 +98,7 @@ class Coin:
     length: Wide
     time: Wide
     missed: tuple[float, float]
+    node: WideArray | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +188,9 @@ def _scaled(
     time = 1 / (MP.sqrt(gravity / length) + norm(spin))
     across, along = (body.tensor[axis][axis] / (body.mass * length**2) for axis in (0, 2))
     axis, unit, turning = axis_of(body, 2), scaled(arm, 1 / length), scaled(spin, time)
+    level = cross(AXES[2], axis)
+    node = scaled(level, 1 / norm(level))
+    falls = norm(minus(turning, scaled(node, dot(turning, node)))) <= WIDE_EPS
     momentum = plus(
         scaled(turning, across + dot(unit, unit)),
         scaled(axis, (along - across) * dot(axis, turning)),
@@ -201,21 +207,30 @@ def _scaled(
         wide(length),
         wide(time),
         missed,
+        wide_vector(node) if falls else None,
     )
 
 
 def _moving(coin: Coin, states: WideArray) -> Motion:
     """The motion of a coin in states (n, 11)."""
     axis = states[:, AXIS]
-    height = axis[:, 2:]
-    steep = np.sqrt(axis[:, :1] ** 2 + axis[:, 1:2] ** 2)
-    uphill = (UP - height * axis) / steep
-    arm = coin.half_length * axis + coin.radius * uphill
+    node = _node(coin, axis)
+    arm = coin.half_length * axis + coin.radius * _crossed(axis, node)
     spin = _solved(_inertia(coin, axis, arm), states[:, MOMENTUM])
     turned = _crossed(spin, axis)
-    rate = turned[:, 2:]
-    uphill_rate = (uphill * (height * rate) / steep - rate * axis - height * turned) / steep
+    uphill_rate = _crossed(turned, node)
+    if coin.node is None:  # otherwise the diameter does not turn
+        steep = np.sqrt(axis[:, :1] ** 2 + axis[:, 1:2] ** 2)
+        uphill_rate = uphill_rate - axis[:, 2:] / steep * (turned * node).sum(axis=1)[:, None] * node
     return Motion(arm, coin.half_length * turned + coin.radius * uphill_rate, spin, _crossed(spin, arm))
+
+
+def _node(coin: Coin, axis: WideArray) -> WideArray:
+    """The level diameters (n, 3) of a coin whose axis has the directions (n, 3)."""
+    if coin.node is not None:
+        return np.broadcast_to(coin.node, axis.shape)
+    level = np.stack([-axis[:, 1], axis[:, 0], np.zeros_like(axis[:, 0])], axis=1)
+    return np.asarray(level / np.sqrt(axis[:, :1] ** 2 + axis[:, 1:2] ** 2))
 
 
 def _inertia(coin: Coin, axis: WideArray, arm: WideArray) -> WideArray:
@@ -273,8 +288,14 @@ def _margins(coin: Coin, friction: Real) -> dict[str, Margin]:
             return np.asarray(force[:, 2])
         return np.asarray(wide(friction) * force[:, 2] - np.hypot(force[:, 0], force[:, 1]))
 
-    side = np.sign(coin.half_length)
-    return {"slip": held, "impact": lambda states: np.asarray(side * states[:, 2])}
+    def above(states: WideArray) -> WideArray:
+        """Return the margins (n,) up to lying on its side and, if the coin can get there, on its face."""
+        upwards = np.asarray(np.sign(coin.half_length) * states[:, 2])
+        if coin.node is None:
+            return upwards
+        return np.asarray(np.minimum(upwards, coin.node[1] * states[:, 0] - coin.node[0] * states[:, 1]))
+
+    return {"slip": held, "impact": above}
 
 
 def _rolled(coin: Coin, friction: Real, t: WideArray, stages: int) -> Rolled:
@@ -290,10 +311,10 @@ def _rolled(coin: Coin, friction: Real, t: WideArray, stages: int) -> Rolled:
             until = step.end if kind is None else ends[kind]
             last = int(np.searchsorted(t, until, side="right"))
             states[row:last], row = step.at(t[row:last]), last
-            if kind == "slip" and until <= t[-1]:
+            if kind is not None and until <= t[-1]:
                 time = float(until * coin.time)
                 return Rolled(states, (Instant(kind, time, 2 * EPS * time),))
-            if kind is not None or row == len(t):
+            if row == len(t):
                 break
     return Rolled(states, ())
 

@@ -138,7 +138,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
             grown = (error + leaning.apart) * float(np.cosh(leaning.growth * until))
             late = STIFFEST * grown / rate_at(step, margins[kind], until) * float(unit)
             time = float(until) * float(unit)
-            events = (Instant(kind, time, late + 2 * EPS * time),) if kind != "lift" else ()
+            events = (Instant(kind, time, late + 2 * EPS * time),)
         if kind is not None or row == len(t):
             break
     return _witness(leaning, t, states, errors + leaning.apart, wide(length), wide(unit), events)
@@ -227,7 +227,7 @@ def _margins(leaning: Leaning, friction: Real) -> dict[str, Margin]:
         sine, cosine = _turned(leaning, states)
         return np.asarray((np.outer(cosine, corners[:, 1]) - np.outer(sine, corners[:, 0])).min(axis=1))
 
-    return {"lift" if MP.isinf(friction) else "slip": held, "impact": above}
+    return {"slip": held, "impact": above}
 
 
 def _turned(leaning: Leaning, states: WideArray) -> tuple[WideArray, WideArray]:

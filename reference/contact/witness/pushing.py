@@ -46,7 +46,7 @@ from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Brick, Push, Sphere
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, WideArray, Witness
+from bodycheck.reference.witness import END, Instant, WideArray, Witness
 
 #: Name of the way in results.
 NAME = "Newton's and Euler's equations, bisection"
@@ -101,7 +101,7 @@ class Pushed:
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """An end of the motion: half the square of its time (s^2), the kind of the event ("" if it is none), and its body."""
+    """An end of the motion: half the square of its time (s^2), the kind of the event (`END` if it is none), and its body."""
 
     half_square: Real
     kind: str
@@ -119,11 +119,11 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     along = _accelerations(pushed)
     ahead = scaled(pushed.push, 1 / norm(pushed.push))
     forces = [scaled(ahead, rate * mass) for rate, mass in zip(along, pushed.masses, strict=True)]
-    end = min(_ends(pushed, forces), key=lambda each: each.half_square, default=End(MP.inf, "", 0))
-    until, kind = float(MP.sqrt(2 * end.half_square)), end.kind
+    end = min(_ends(pushed, forces), key=lambda each: each.half_square, default=End(MP.inf, END, 0))
+    until, kind, body = float(MP.sqrt(2 * end.half_square)), end.kind, end.body
     if (released := scene.pushes[0].end) < until:
-        until, kind = released, ""
-    events = (Instant(kind, until, 4 * EPS * until, end.body),) if kind and until <= times[-1] else ()
+        until, kind, body = released, END, pushed.box
+    events = (Instant(kind, until, 4 * EPS * until, body),) if until <= times[-1] else ()
     return _witness(pushed, forces, np.where(times < until, times, np.nan), events)
 
 
@@ -202,7 +202,7 @@ def _ends(pushed: Pushed, forces: list[Vector]) -> Iterator[End]:
     for ball in pushed.balls:
         if stands[ball].body.tensor[0][0] != stands[ball].body.tensor[1][1]:
             raise NotModelled("a sphere whose moments differ")
-        yield from over_face(minus(places[ball], places[box]), minus(rates[ball], rates[box]), "", ball)
+        yield from over_face(minus(places[ball], places[box]), minus(rates[ball], rates[box]), END, ball)
         for other in pushed.balls[: pushed.balls.index(ball)]:
             apart, change = minus(places[ball], places[other]), minus(rates[ball], rates[other])
             touching = (pushed.radius(ball) + pushed.radius(other)) ** 2

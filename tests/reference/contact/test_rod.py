@@ -1,6 +1,7 @@
 """A body that leans on an edge or its rim and is released: its fall, and the onset of slipping."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from bodycheck.reference.certificate import certify
 from bodycheck.reference.contact.leaning.lean import jams, lean, onset
 from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.contact_observables import reach
@@ -164,13 +166,29 @@ def test_a_body_on_which_nothing_slips_lands() -> None:
     assert event.position[2] == pytest.approx(0.1, abs=1e-15)
     # Energy: half of (m k^2 + m l^2) times the rate squared is what the centre of mass has lost in height.
     lost = found.trajectory.position[0, 2] - 0.1
-    rate = event.normal_speed / 0.2
+    rate = -truth(leaning(BLOCK, 1.2, math.inf), np.array([0.0, event.time * (1 - 1e-15)])).trajectory.velocity[-1, 2] / 0.2
     moment = principal_moments(BLOCK, MASS)[0] + MASS * 0.05
     assert moment * rate**2 / 2 == pytest.approx(MASS * GRAVITY * lost, rel=1e-14)
     # Twice the friction that it needs holds it, and a little less does not.
     for part, kind in ((1 + 1e-9, "impact"), (1 - 1e-9, "slip")):
         (end,) = truth(leaning(BLOCK, 1.2, part * found.friction), times).events
         assert end.kind == kind
+
+
+def test_a_body_that_the_plane_would_have_to_pull_slips_even_without_slip() -> None:
+    """With its mass in its centre, N is m g cos a (3 cos a - 2 cos b), which is zero at 2/3 of the first cosine."""
+    heavy = leaning(BLOCK, 1.2, math.inf)
+    scene = replace(heavy, body=replace(heavy.body, moments=(1e-30, 1e-30, 1e-30)))
+    certificate = certify(scene, np.linspace(0.0, 2.0, 21))
+    assert certificate.faults == ()
+    (slip,) = certificate.truth.events
+    assert slip.kind == "slip"
+    assert slip.position[2] == pytest.approx(2 / 3 * scene.initial.position[2], rel=1e-14)
+    assert np.array_equal(np.isnan(certificate.truth.bounds.error), slip.time < certificate.truth.trajectory.t)
+    # The friction that it needs grows beyond all bounds as the normal force vanishes.
+    early, late = (truth(scene, np.array([0.0, part * slip.time])).friction for part in (0.9, 0.999))
+    assert certificate.truth.friction > late > early > 1
+    assert certificate.truth.friction < 1e9
 
 
 def test_a_small_lean_grows_and_its_bound_with_it() -> None:

@@ -26,6 +26,7 @@ from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import distance
 from tests.support.blocks import block_on
 from tests.support.cases import a_case
+from tests.support.coins import rolling
 from tests.support.piles import GRAVITY, body
 
 Patch = pytest.MonkeyPatch
@@ -75,6 +76,15 @@ def box_under_balls(end: float = math.inf) -> Mechanism:
     )
     contacts = (PairContact((0, 1), 0.8, 0.0), PairContact((0, 2), 0.01, 0.0))
     return Mechanism(bodies, gravity=GRAVITY, plane=Plane(0.1), contacts=contacts, pushes=(Push((60.0, 0.0, 0.0), end=end),))
+
+
+def box_under_a_ball_at_its_edge() -> Mechanism:
+    """The box under one sphere, which rolls from its edge."""
+    scene = box_under_balls()
+    box, ball, _ = scene.bodies
+    assert ball.start is not None
+    at_edge = replace(ball, start=replace(ball.start, position=(-1.9, 0.0, 1.1)))
+    return replace(scene, bodies=(box, at_edge), contacts=scene.contacts[:1])
 
 
 OBLIQUE = block_on(Plane(0.5, incline=0.3), (-1.0, 1.5, 0.0))
@@ -175,7 +185,7 @@ def late_slip_of_the_rod(patch: Patch) -> None:
     patch.setattr(rod, "_event", faulty)
 
 
-def late_slip_of_the_coin(patch: Patch) -> None:
+def late_end_of_the_coin(patch: Patch) -> None:
     right = ends._end
 
     def faulty(*given: Any) -> Any:
@@ -204,7 +214,8 @@ def late_impact_of_spheres(patch: Patch) -> None:
 LATE_EVENTS: tuple[tuple[Callable[[Patch], None], AnyScene, str], ...] = (
     (late_tip, block_on(Plane(2.2, incline=0.9), (-0.6, 1.0, 0.0)), "tip"),
     (late_slip_of_the_rod, ROD, "slip"),
-    (late_slip_of_the_coin, coin(0.4), "slip"),
+    (late_end_of_the_coin, coin(0.4), "slip"),
+    (late_end_of_the_coin, rolling(1.5, (0.1, 0.5, -12.0)), "impact"),
     (late_touch, tumbling(), "impact"),
     (late_impact_of_spheres, box_under_balls(), "impact"),
 )
@@ -225,6 +236,21 @@ def test_an_event_that_is_late_shows_in_full(
     assert 0.5 * late.error <= late.time - event.time <= late.error
     assert not wrong.certified
     assert any(f"has the event {kind} at t = " in fault for fault in wrong.faults)
+
+
+@pytest.mark.parametrize(
+    "scene", [box_under_balls(end=0.4), box_under_a_ball_at_its_edge()], ids=["push ends", "sphere leaves"]
+)
+def test_an_end_that_is_late_and_no_event_shows(scene: Mechanism, monkeypatch: Patch) -> None:
+    times = np.linspace(0.0, 1.5, 16)
+    right = certify(scene, times)
+    assert right.faults == ()
+    assert right.truth.events == ()
+    assert np.isnan(right.truth.bounds.error[-1])
+    late_impact_of_spheres(monkeypatch)
+    (fault,) = certify(scene, times).faults
+    assert "has the event end at t = " in fault
+    assert fault.endswith("has it 1e-09 s before or after")
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bodycheck.casefile.case import parse
+from bodycheck.reference.certificate import certify
 from bodycheck.reference.contact.coin import angles, bodily, ends
 from bodycheck.reference.contact.coin.start import Coin
 from bodycheck.reference.contact.coin.way import APPELL, STEADY, rolling_coin
@@ -23,6 +25,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.reference.witness import WideArray, angle_between
+from tests.support.cases import a_case
 from tests.support.coins import GRAVITY, HALF_LENGTH, MASS, RADIUS, as_coin, body, rolling
 
 #: A wobble between the tilts 0.9 and 1.3.
@@ -206,8 +209,10 @@ def test_a_coin_without_spin_falls_on_its_face_at_the_instant_of_its_quadrature(
     # Sixteen digits of mpmath, of which the difference of heights loses some.
     assert landing == pytest.approx(float(mpmath.quad(slowness, [0, mpmath.sqrt(0.8)])), rel=1e-12)
     assert np.array_equal(np.isnan(found.errors["position_error"]), landing < TIMES)
-    assert found.events == ()
-    assert found.reason.endswith(f"until its face or its side meets the plane at t = {landing:.12g} s")
+    (impact,) = found.events
+    assert (impact.kind, impact.time, impact.ends_flight) == ("impact", landing, False)
+    assert impact.error < 1e-16
+    assert np.isnan([*impact.velocity, *impact.spin]).all()
 
 
 def landed(scene: Scene) -> float:
@@ -223,8 +228,36 @@ def test_a_coin_that_passes_upright_lands_on_its_side() -> None:
     scene = rolling(1.5, (0.1, 0.5, -12.0))
     landing, before = landed(scene), known(scene, np.array([0.0, landed(scene) * (1 - 1e-12)]))
     assert before.trajectory.position[-1, 2] == pytest.approx(RADIUS, abs=1e-14)
-    found = known(scene).trajectory
-    assert np.array_equal(np.isnan(found.position).any(axis=1), landing < TIMES)
+    for friction in (math.inf, 2 * known(scene).friction):
+        found = known(replace(scene, plane=Plane(friction)))
+        (impact,) = found.events
+        assert (impact.kind, impact.time, found.friction) == ("impact", landing, known(scene).friction)
+        assert impact.error < 1e-16
+        assert np.array_equal(np.isnan(found.trajectory.position).any(axis=1), landing < TIMES)
+
+
+@pytest.mark.parametrize("rate", [-2.0, -0.1])
+def test_both_ways_know_when_a_coin_that_already_falls_lands_on_its_face(rate: float) -> None:
+    """The second way has no equations beyond the face, unless it keeps the level diameter about which the coin falls."""
+    scene = falling(0.8, rate)
+    certificate = certify(scene, TIMES)
+    assert certificate.faults == ()
+    (impact,) = certificate.truth.events
+    assert impact.kind == "impact"
+    assert impact.position[2] == HALF_LENGTH
+
+
+def falling(tilt: float, rate: float) -> Scene:
+    """A coin that falls about a level diameter of any direction, with a tilt (rad) and a rate (rad/s) at the start."""
+    velocity = list(rolling(tilt, (rate, 0.0, 0.0), psi=0.0).initial.velocity)
+    text = a_case(
+        body={"shape": "cylinder", "radius": RADIUS, "half_length": HALF_LENGTH, "mass": MASS},
+        initial={"euler_zxz": [0.3, tilt, 0.0], "velocity": velocity, "angular_velocity": [rate, 0.0, 0.0]},
+        scene={"gravity": GRAVITY, "plane": {"friction": "no-slip"}},
+    )
+    scene = parse(text, "falling.case.toml").scene
+    assert isinstance(scene, Scene)
+    return scene
 
 
 def nudged(scene: Scene, key: str, values: Vector) -> Scene:
