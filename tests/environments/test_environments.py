@@ -140,7 +140,9 @@ def test_only_versions_are_taken_for_versions(
 
 
 DEATHS = {
-    "raise RuntimeError('no such luck')": r"the import failed: toy cannot be imported: RuntimeError: no such luck at toy_adapter\.py:\d+",
+    "raise RuntimeError('no such luck')": (
+        r"the import failed: toy cannot be imported: RuntimeError: no such luck at toy_adapter\.py:\d+"
+    ),
     "import ctypes; ctypes.string_at(0)": "the import was ended by signal 11",
     "import not_there": "the import failed: toy is not installed: there is no Python package 'not_there'",
 }

@@ -60,6 +60,7 @@ def releases(
     integrator: Names = (),
     timestep: Numbers = (),
     last: int | None = None,
+    again: bool = False,
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> ReleasesResults:
@@ -77,6 +78,8 @@ def releases(
         The same as the parameters of `bodycheck.run`.
     last
         The number of newest releases to compare, in addition to the named ones.
+    again
+        Whether everything is measured anew, and what is kept of earlier measurements is replaced.
     out
         A folder for the tables and the report.
 
@@ -94,7 +97,7 @@ def releases(
     chosen, notices = study.chosen(name, arguments.names("VERSION", versions), newest)
     cases = arguments.given_cases(each).cases
     bar = partial(progress, quiet=True)
-    measured, _ = study.study(name, chosen, cases, spellings, timesteps, processes, bar, notices)
+    measured, _ = study.study(name, chosen, cases, spellings, timesteps, processes, bar, notices, again)
     report = present({"": measured})
     if folder is not None:
         release_rows.write(measured, folder)
