@@ -15,6 +15,20 @@ from bodycheck.site.cells import Cell, cell
 from bodycheck.site.releases import Release, Upgrade, releases, upgrades
 from bodycheck.site.render import File, page
 from bodycheck.studies.audit.rows import PROPERTIES
+from bodycheck.studies.parity.quantities import Status
+from bodycheck.studies.parity.wording import NO_ANSWER
+
+#: The statuses of rows about robots, and the heads of their columns. Those of `NO_ANSWER` have a column only if a row has them.
+STATUSES: tuple[tuple[Status, str], ...] = (
+    ("agrees", "Agree"),
+    ("differs", "Differ"),
+    ("refused", "Refused"),
+    ("crashed", "Crashed"),
+    ("timeout", "Too slow"),
+    ("adapter-fault", "Adapter at fault"),
+    ("accepted-unphysical", "Accepted although unphysical"),
+    ("not-modelled", "Not modelled"),
+)
 
 #: Verdicts whose scenes are listed by name.
 LISTED: tuple[Verdict, ...] = ("broken", "failed", "refused", "unsupported", "not run")
@@ -71,7 +85,8 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             audit_counts=Counter(str(entry.get("status")) for entry in audit),
             trends=list(trends(ran, found)),
             ensembles=engine_facts.newest(catalogue, "ensemble.csv", engine),
-            robots=list(engine_facts.robots(catalogue, engine)),
+            robots=(robots := list(engine_facts.robots(catalogue, engine))),
+            statuses=[one for one in STATUSES if one[0] not in NO_ANSWER or any(robot.counts.get(one[0]) for robot in robots)],
             issues=list(engine_facts.issues(catalogue, engine)),
             rule=changes.RULE,
         )
