@@ -7,6 +7,8 @@ import io
 import os
 import sys
 
+from bodycheck.errors import BAD_INPUT, INTERRUPTED
+
 
 def main() -> None:
     """Run the command line and exit with its code."""
@@ -16,9 +18,9 @@ def main() -> None:
     try:
         from bodycheck.commands.command_line import main as run_command_line
     except KeyboardInterrupt:
-        sys.exit(_told("interrupted", 130))
+        sys.exit(_told("interrupted", INTERRUPTED))
     except (ImportError, MemoryError) as error:
-        sys.exit(_told(f"cannot start: {type(error).__name__}: {error}", 2))
+        sys.exit(_told(f"cannot start: {type(error).__name__}: {error}", BAD_INPUT))
     run_command_line()
 
 

@@ -1,5 +1,6 @@
 """A trajectory: sampled states of one rigid body, or of the bodies of a mechanism, as arrays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,3 +49,9 @@ class Trajectory:
         """The trajectory of one of several bodies."""
         states = (self.position, self.quaternion, self.velocity, self.angular_velocity)
         return Trajectory(self.t, *(values[index] for values in states))
+
+
+def stacked(t: Array, states: Sequence[Trajectory]) -> Trajectory:
+    """The states of several bodies, each at the same instants (n,), s, as one trajectory with the bodies as the first axis."""
+    parts = ("position", "quaternion", "velocity", "angular_velocity")
+    return Trajectory(t, *(np.stack([getattr(state, part) for state in states]) for part in parts))

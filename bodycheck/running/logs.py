@@ -23,15 +23,18 @@ from bodycheck.files import reading
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.reference.certified import Certificate
+from bodycheck.reference.kinematics import normalise
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, JointMotion
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.trajectory import Array, Trajectory, stacked
 from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption, store
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.results.store import Results, Writer
-from bodycheck.running import campaign, tasks
+from bodycheck.results.trajectory_files import OF_BODY
+from bodycheck.running import campaign, engines, tasks
+from bodycheck.running.truths import MAX_INSTANTS
 
 #: The columns of a pose: position of the centre of mass (m, world), and quaternion w x y z from body to world.
 POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
@@ -42,11 +45,8 @@ VELOCITY, ANGULAR_VELOCITY = ("vx", "vy", "vz"), ("wx", "wy", "wz")
 #: The column of the instants (s).
 TIME = "t"
 
-#: The separator between the name of a body or joint and the name of a column.
-OF = "."
-
-#: The largest size of a file in bytes, and its largest number of instants.
-MAX_BYTES, MAX_INSTANTS = 1 << 28, 300_000
+#: The largest size of a file in bytes. Its largest number of instants is that of a truth.
+MAX_BYTES = 1 << 28
 
 #: The largest deviation of the length of a quaternion from 1.
 NORM = 0.01
@@ -100,13 +100,7 @@ def read(path: Path, case: Case, engine: str, version: str) -> Recording:
         notes = (f"{path}: columns that are not used: {', '.join(unused)}", *notes)
     lengths = np.linalg.norm(trajectory.quaternion, axis=-1)
     norm_error = float(np.abs(lengths - 1).max())
-    trajectory = Trajectory(
-        t,
-        trajectory.position,
-        trajectory.quaternion / lengths[..., None],
-        trajectory.velocity,
-        trajectory.angular_velocity,
-    )
+    trajectory = replace(trajectory, quaternion=normalise(trajectory.quaternion))
     timestep = float(f"{(t[-1] - t[0]) / (len(t) - 1):.9g}")
     outcome = Completed(trajectory, len(t) - 1, 0.0, quaternion_norm_error=norm_error)
     return Recording(Run(case.name, engine, version, Method(RECORDED, timestep), outcome, scene=case.scene), notes)
@@ -141,8 +135,7 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
         results_folder = folder or stack.enter_context(temporary_folder())
         identity = resumption.identity(case.text, run.key, run.version, t.tobytes(), datetime.now(UTC))
         with Writer(results_folder, head, identity, (case,), files=files) as writer:
-            home = pool.Home(prepare=tasks.leave_out_sympy)
-            with pool.Workers(tasks.answer, 1, campaign.TIME_LIMIT_S, home=lambda group: home) as workers:
+            with pool.Workers(tasks.answer, 1, campaign.TIME_LIMIT_S, home=engines.home) as workers:
                 truth = workers.call(tasks.Question(case, tuple(t.tolist()), certified=False))
             assert not isinstance(truth, Certificate)  # the question does not ask for one
             timestep = run.method.timestep
@@ -215,12 +208,12 @@ def _trajectory(path: Path, columns: Mapping[str, Array], t: Array, case: Case) 
     if not isinstance(scene, Mechanism):
         _require(path, columns, POSE)
         return _named("", (*POSE, *VELOCITY, *ANGULAR_VELOCITY)), _state(path, columns, "", t)
-    prefixes = [f"{body.name}{OF}" for body in scene.bodies]
+    prefixes = [f"{body.name}{OF_BODY}" for body in scene.bodies]
     lacking = [f"{prefix}{name}" for prefix in prefixes for name in POSE if f"{prefix}{name}" not in columns]
     if not lacking:
         used = set().union(*(_named(prefix, (*POSE, *VELOCITY, *ANGULAR_VELOCITY)) for prefix in prefixes))
-        return used, _stacked(t, [_state(path, columns, prefix, t) for prefix in prefixes])
-    if not any(f"{joint.name}{OF}position" in columns for joint in scene.joints):
+        return used, stacked(t, [_state(path, columns, prefix, t) for prefix in prefixes])
+    if not any(f"{joint.name}{OF_BODY}position" in columns for joint in scene.joints):
         raise BadInput(f"{path}: lacks the columns {_listed(lacking)}; allowed instead: JOINT.position of every joint")
     return _of_joints(path, columns, t, scene)
 
@@ -233,15 +226,15 @@ def _of_joints(path: Path, columns: Mapping[str, Array], t: Array, scene: Mechan
             raise BadInput(f"{path}: {what}; allowed: the poses of all bodies, BODY.px to BODY.qz")
     moving = [joint for joint in scene.joints if COORDINATES[joint.type]]
     free = [body for body, joint in zip(scene.bodies, scene.joint_of, strict=True) if joint is None]
-    needed = [f"{joint.name}{OF}position" for joint in moving]
-    _require(path, columns, (*needed, *(f"{body.name}{OF}{name}" for body in free for name in POSE)))
+    needed = [f"{joint.name}{OF_BODY}position" for joint in moving]
+    _require(path, columns, (*needed, *(f"{body.name}{OF_BODY}{name}" for body in free for name in POSE)))
     unknown = np.full(len(t), np.nan)
-    rates = [columns.get(f"{joint.name}{OF}velocity", unknown) for joint in moving]
+    rates = [columns.get(f"{joint.name}{OF_BODY}velocity", unknown) for joint in moving]
     joints = JointMotion(_table([columns[name] for name in needed], len(t)), _table(rates, len(t)))
-    states = [_state(path, columns, f"{body.name}{OF}", t) for body in free]
-    used = {*needed, *(f"{joint.name}{OF}velocity" for joint in moving)}
-    used |= set().union(*(_named(f"{body.name}{OF}", (*POSE, *VELOCITY, *ANGULAR_VELOCITY)) for body in free))
-    return used, kinematics.bodies(scene, joints, _stacked(t, states) if free else None, t)
+    states = [_state(path, columns, f"{body.name}{OF_BODY}", t) for body in free]
+    used = {*needed, *(f"{joint.name}{OF_BODY}velocity" for joint in moving)}
+    used |= set().union(*(_named(f"{body.name}{OF_BODY}", (*POSE, *VELOCITY, *ANGULAR_VELOCITY)) for body in free))
+    return used, kinematics.bodies(scene, joints, stacked(t, states) if free else None, t)
 
 
 def _state(path: Path, columns: Mapping[str, Array], prefix: str, t: Array) -> Trajectory:
@@ -260,12 +253,6 @@ def _state(path: Path, columns: Mapping[str, Array], prefix: str, t: Array) -> T
         length = float(np.linalg.norm(pose[line - 2, 3:]))
         raise BadInput(f"{path}:{line}: {prefix}qw to {prefix}qz: read a quaternion of length {length:.6g}; allowed: length 1")
     return Trajectory(t, pose[:, :3], pose[:, 3:], *velocities)
-
-
-def _stacked(t: Array, states: Sequence[Trajectory]) -> Trajectory:
-    """Return the states of several bodies as one trajectory."""
-    parts = ("position", "quaternion", "velocity", "angular_velocity")
-    return Trajectory(t, *(np.stack([getattr(state, part) for state in states]) for part in parts))
 
 
 def _table(columns: Sequence[Array], count: int) -> Array:

@@ -1,6 +1,6 @@
 """The cell of an engine and a scene: a verdict with its error, the error bound of the truth, and the changes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bodycheck.reports.quantities import number, within
 from bodycheck.results.outcome import Completed, Unsupported
@@ -54,9 +54,7 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
     changed = tuple(changes.since(catalogue, scene, newest))
     done = [entry for entry in newest if entry.get("status") == Completed.status and entry.get(scene.quantity.name) is not None]
     best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
-    value, bound = own.get(scene.quantity.name), own.get(scene.quantity.bound_name)
-    others = changes.contradictions(catalogue, scene, own)
-    return Cell(verdict(own, scene), own, value, bound, best, changed, str(own.get("reason") or ""), others)
+    return replace(of_run(own, scene), best=best, changes=changed, others=changes.contradictions(catalogue, scene, own))
 
 
 def verdict(run: Entry, scene: Scene) -> Verdict:

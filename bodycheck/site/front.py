@@ -186,10 +186,7 @@ def best_of(catalogue: Catalogue, cell: Cell, scene: Scene) -> Cell:
     if cell.best is None:
         return cell
     others = changes.contradictions(catalogue, scene, cell.best)
-    value, limit = cell.best.get(scene.quantity.name), cell.best.get(scene.quantity.bound_name)
-    return replace(
-        cell, verdict=cells.verdict(cell.best, scene), run=cell.best, value=value, bound=limit, reason="", others=others
-    )
+    return replace(cells.of_run(cell.best, scene), best=cell.best, changes=cell.changes, reason="", others=others)
 
 
 def shown(cell: Cell, scene: Scene, head: Head) -> Shown:

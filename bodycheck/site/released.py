@@ -8,6 +8,7 @@
 import tomllib
 from functools import cache
 from importlib import resources
+from typing import Any
 
 from packaging.version import InvalidVersion, Version
 
@@ -50,7 +51,7 @@ def listing(day: str) -> str:
 
 
 @cache
-def _lists() -> dict[str, dict[str, list[str]]]:
+def _lists() -> dict[str, Any]:
     """Return the content of the file."""
     text = resources.files("bodycheck.site").joinpath(FILE).read_text("utf-8")
     return tomllib.loads(text)

@@ -15,7 +15,7 @@ from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import JointMotion, places
 from bodycheck.reference.mechanisms.joint_types import ElementaryMotion
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.trajectory import Array, Trajectory, stacked
 
 #: The axes of a frame, by their names.
 _AXES = dict(zip("xyz", np.eye(3), strict=True))
@@ -94,8 +94,7 @@ def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = 
         moved = _moved(joint, joints.position[:, coordinates], joints.velocity[:, moving])
         frames[joint.child] = moved.after(_joint_frame(joint, frames[joint.parent]))
     states = [_state_of(body, frames[index], instants) for index, body in enumerate(mechanism.bodies)]
-    parts = ("position", "quaternion", "velocity", "angular_velocity")
-    return Trajectory(instants, *(np.stack([getattr(state, part) for state in states]) for part in parts))
+    return stacked(instants, states)
 
 
 def joints(mechanism: Mechanism, trajectory: Trajectory) -> JointMotion:
