@@ -70,7 +70,7 @@ def compare(
     tables.check(view, results.RUNS)
     names = arguments.case_names((case,))
     loaded = arguments.load_case(case)
-    recording = logs.read(log, loaded, checked_name(name, "engine"), checked_name(version, "version"))
+    recording = logs.read(log, loaded, checked_name(name, "engine"), checked_name(version, "engine's version"))
     for note in recording.notes:
         print(note, file=sys.stderr)
     files = arguments.files_of([loaded], names)

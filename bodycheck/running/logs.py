@@ -147,6 +147,11 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
         yield replace(store.read(results_folder), complete=True, known={case.name: case})
 
 
+def is_recorded(run: Run) -> bool:
+    """Return whether a motion was recorded by somebody, so that it cannot be repeated."""
+    return run.method.integrator == RECORDED
+
+
 def _columns(path: Path) -> dict[str, Array]:
     """Return the columns of a file by their names; all numbers are finite. Raises `BadInput`."""
     try:

@@ -100,6 +100,9 @@ def test_the_results_are_a_folder_like_any_other(brick: Log, tmp_path: Path) -> 
     assert command("report", *both, "--out", tmp_path / "both").returncode == 0
     assert command("submit", both[0], "--out", tmp_path / "one.zip").returncode == 0
     assert command("site", tmp_path / "one.zip", "--out", tmp_path / "site").stderr.startswith("site: ")
+    again = command("rerun", both[0])
+    assert again.returncode == 2
+    assert "has a recorded motion, which cannot be made again" in again.stderr
     same = command("diff", tmp_path / "before.parquet", tmp_path / "before.parquet")
     assert same.returncode == 0
     worse = command("diff", tmp_path / "before.parquet", tmp_path / "after.parquet")
@@ -161,7 +164,9 @@ def test_what_is_no_log_is_refused(tmp_path: Path, content: bytes, told: str) ->
 
 def test_names_cases_and_missing_files_are_checked(brick: Log, tmp_path: Path) -> None:
     log = write(tmp_path / "log.csv", brick)
-    assert "is no name of an engine" in refused(log, name=".x").stderr
+    assert "is no name of an engine;" in refused(log, name=".x").stderr
+    versioned = command("compare", log, "free-brick", "--name", "isaac", "--version", ".x")
+    assert (versioned.returncode, "is no name of an engine's version;" in versioned.stderr) == (2, True)
     assert "no shipped case of this name" in refused(log, "nobody").stderr
     assert "cannot be read: No such file" in refused(tmp_path / "missing.csv").stderr
     assert "lacks the columns" in refused(log, "double-pendulum").stderr

@@ -35,7 +35,7 @@ from bodycheck.results.records import Printable, Spelling, Timestep
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.logs import RECORDED
+from bodycheck.running.logs import is_recorded
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform_run
 
@@ -123,7 +123,7 @@ class Columns:
 
 def size(verdicts: Sequence[Verdict]) -> int:
     """Return the number of runs that `save` makes."""
-    return rounding.NUDGES * sum(verdict.discrepancy is not None and not _is_recorded(verdict.run) for verdict in verdicts)
+    return rounding.NUDGES * sum(verdict.discrepancy is not None and not is_recorded(verdict.run) for verdict in verdicts)
 
 
 def save(
@@ -249,14 +249,14 @@ def allowances(
     """Repeat the completed runs with nudged initial states, and return the allowances of figures by the key of the run."""
     truths = lru_cache(1)(results.truth)
     completed = [verdict.run for verdict in verdicts if verdict.discrepancy is not None]
-    waiting = {run.key: run for run in completed if not _is_recorded(run)}
+    waiting = {run.key: run for run in completed if not is_recorded(run)}
     tasks = [
         Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
         for run in waiting.values()
         for seed in range(rounding.NUDGES)
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
-    measured = {run.key: _row_of(truths(run.case, run.method.timestep), run, [run]) for run in completed if _is_recorded(run)}
+    measured = {run.key: _row_of(truths(run.case, run.method.timestep), run, [run]) for run in completed if is_recorded(run)}
     with pool.Workers(perform_run, jobs, campaign.TIME_LIMIT_S, group=group, home=home) as workers:
         for task, answer in workers.map(tasks):
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
@@ -266,11 +266,6 @@ def allowances(
                 run = waiting.pop(key)
                 measured[key] = _row_of(truths(run.case, run.method.timestep), run, answers.pop(key))
     return measured
-
-
-def _is_recorded(run: Run) -> bool:
-    """Return whether a motion was recorded by somebody, so that it cannot be repeated."""
-    return run.method.integrator == RECORDED
 
 
 def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> dict[str, float]:
