@@ -90,7 +90,6 @@ def _read(folder: Path) -> "tuple[Results, Mapping[RunKey, Row]]":
     """
     from bodycheck.commands import saved
     from bodycheck.reports.study import StudyReport
-    from bodycheck.running.logs import is_recorded
 
     stored = saved.read(folder)
     if isinstance(stored, StudyReport):
@@ -99,7 +98,7 @@ def _read(folder: Path) -> "tuple[Results, Mapping[RunKey, Row]]":
         raise BadFolder(f"{folder}: the runs were interrupted; allowed: results of a command that came to its end")
     if not stored.runs():
         raise BadInput(f"{folder}: has no runs that could be made again")
-    if any(map(is_recorded, stored.runs())):
+    if any(run.is_recorded for run in stored.runs()):
         raise BadInput(
             f"{folder}: has a recorded motion, which cannot be made again; `bodycheck compare` compares its log again"
         )

@@ -41,10 +41,10 @@ def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[S
     figures = [limit for limit in limits if limit.name in broken]
     # A run that fails exceeds every limit, so any limit finds the release in which the run began to fail.
     bisectable = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
-    if bisectable and judged.expectation.version != verdict.run.version:
+    if bisectable and not verdict.run.is_recorded and judged.expectation.version != verdict.run.version:
         yield Step("to find the release of the engine that changed it", _bisect(verdict, judged, bisectable[0], file))
     numbers = [limit.name for limit in figures if limit.at_least is None]
-    if numbers and not is_shipped(file):
+    if numbers and not verdict.run.is_recorded and not is_shipped(file):
         named = [word for name in numbers for word in ("--figure", name)]
         yield Step(
             "to accept what is measured now, if it is right",

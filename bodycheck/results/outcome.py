@@ -11,6 +11,9 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.key import RunKey
 
+#: The integrator of a motion that somebody recorded: how it was computed is not known.
+RECORDED = "recorded"
+
 
 class AdapterFault(Exception):
     """An adapter returned values that cannot be the states of its engine; the text says why."""
@@ -120,6 +123,11 @@ class Run:
     outcome: Outcome
     contact_law: Plane | None = None
     scene: AnyScene | None = field(default=None, repr=False)
+
+    @property
+    def is_recorded(self) -> bool:
+        """True if somebody recorded the motion, so that it cannot be made again."""
+        return self.method.integrator == RECORDED
 
     @property
     def key(self) -> RunKey:

@@ -30,7 +30,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory, stacked
 from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption, store
-from bodycheck.results.outcome import Completed, Run
+from bodycheck.results.outcome import RECORDED, Completed, Run
 from bodycheck.results.store import Results, Writer
 from bodycheck.results.trajectory_files import OF_BODY
 from bodycheck.running import campaign, engines, tasks
@@ -50,9 +50,6 @@ MAX_BYTES = 1 << 28
 
 #: The largest deviation of the length of a quaternion from 1.
 NORM = 0.01
-
-#: The name of the integrator in results: how the motion was computed is not known.
-RECORDED = "recorded"
 
 #: The largest deviation of an instant from the end of the case (relative), by the rounding of a log.
 ROUNDED = 1e-9
@@ -145,11 +142,6 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
                 writer.add_missing_truth(case, timestep, campaign.no_truth(truth))
             writer.add_run(run, 0)
         yield replace(store.read(results_folder), complete=True, known={case.name: case})
-
-
-def is_recorded(run: Run) -> bool:
-    """Return whether a motion was recorded by somebody, so that it cannot be repeated."""
-    return run.method.integrator == RECORDED
 
 
 def _columns(path: Path) -> dict[str, Array]:

@@ -9,6 +9,7 @@ from packaging.version import InvalidVersion, Version
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.case import is_shipped
 from bodycheck.casefile.finding import SUFFIX as CASE_END
+from bodycheck.results.outcome import RECORDED
 from bodycheck.site.submissions.submission import Row, Submission
 
 
@@ -54,6 +55,8 @@ def _method(row: Row) -> list[str]:
 
 
 def _run(row: Row) -> list[str]:
+    if row.get("integrator") == RECORDED:
+        return ["compare", "LOG.csv", _case(row["case"]), "--name", str(row["engine"]), "--version", str(row["version"])]
     return ["run", _case(row["case"]), "--engine", engine(row), *_method(row)]
 
 

@@ -31,7 +31,12 @@ def curve_anchor(case: str, quantity: str) -> str:
 
 
 def command(verdict: Verdict, file: str) -> str:
-    """Return the command that reproduces a run. file: the path of the case file, or the name of a shipped case."""
+    """Return the command that reproduces a run, or that compares the log of a recorded motion again.
+
+    file: the path of the case file, or the name of a shipped case.
+    """
     run = verdict.run
+    if run.is_recorded:
+        return shlex.join(["bodycheck", "compare", "LOG.csv", file, "--name", run.engine, "--version", run.version])
     asked = ("--engine", run.engine, "--integrator", run.method.name, "--timestep", repr(run.method.timestep))
     return shlex.join(["bodycheck", "run", file, *asked])

@@ -98,11 +98,15 @@ def test_the_results_are_a_folder_like_any_other(brick: Log, tmp_path: Path) -> 
         compared(path, "free-brick", "--out", tmp_path / name, "--save", tmp_path / f"{name}.parquet")
     both = (tmp_path / "before", tmp_path / "after")
     assert command("report", *both, "--out", tmp_path / "both").returncode == 0
+    compare_again = "bodycheck compare LOG.csv free-brick --name isaac --version unknown"
+    assert compare_again in (both[0] / "report.html").read_text("utf-8")
     assert command("submit", both[0], "--out", tmp_path / "one.zip").returncode == 0
     assert command("site", tmp_path / "one.zip", "--out", tmp_path / "site").stderr.startswith("site: ")
     again = command("rerun", both[0])
     assert again.returncode == 2
     assert "has a recorded motion, which cannot be made again" in again.stderr
+    pages = (path.read_text("utf-8") for path in (tmp_path / "site").rglob("*") if path.suffix in (".html", ".js", ".json"))
+    assert "--integrator recorded" not in " ".join(pages)
     same = command("diff", tmp_path / "before.parquet", tmp_path / "before.parquet")
     assert same.returncode == 0
     worse = command("diff", tmp_path / "before.parquet", tmp_path / "after.parquet")

@@ -35,7 +35,6 @@ from bodycheck.results.records import Printable, Spelling, Timestep
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.logs import is_recorded
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform_run
 
@@ -123,7 +122,7 @@ class Columns:
 
 def size(verdicts: Sequence[Verdict]) -> int:
     """Return the number of runs that `save` makes."""
-    return rounding.NUDGES * sum(verdict.discrepancy is not None and not is_recorded(verdict.run) for verdict in verdicts)
+    return rounding.NUDGES * sum(verdict.discrepancy is not None and not verdict.run.is_recorded for verdict in verdicts)
 
 
 def save(
@@ -249,14 +248,14 @@ def allowances(
     """Repeat the completed runs with nudged initial states, and return the allowances of figures by the key of the run."""
     truths = lru_cache(1)(results.truth)
     completed = [verdict.run for verdict in verdicts if verdict.discrepancy is not None]
-    waiting = {run.key: run for run in completed if not is_recorded(run)}
+    waiting = {run.key: run for run in completed if not run.is_recorded}
     tasks = [
         Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
         for run in waiting.values()
         for seed in range(rounding.NUDGES)
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
-    measured = {run.key: _row_of(truths(run.case, run.method.timestep), run, [run]) for run in completed if is_recorded(run)}
+    measured = {run.key: _row_of(truths(run.case, run.method.timestep), run, [run]) for run in completed if run.is_recorded}
     with pool.Workers(perform_run, jobs, campaign.TIME_LIMIT_S, group=group, home=home) as workers:
         for task, answer in workers.map(tasks):
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
