@@ -21,6 +21,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.adapters.method import ACCURACY as ACCURACY
 from bodycheck.adapters.method import KINDS as KINDS
 from bodycheck.adapters.method import Kind as Kind
 from bodycheck.adapters.method import Method as Method
@@ -33,6 +34,9 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
+
+#: What a method is for users: the one that they get if they choose nothing, or the one that the documentation recommends.
+Role = Literal["default", "recommended"]
 
 #: The properties that may differ between scenes that an engine steps together: the body (mass, moments, axes, shape), gravity.
 Varied = Literal["body", "gravity"]
@@ -67,6 +71,29 @@ class Integrator:
 
 
 @dataclass(frozen=True)
+class Usage:
+    """A method with all its settings, as the authors of an engine mean users to have it.
+
+    Parameters
+    ----------
+    method
+        The spelling of the method, with all options for step control, substeps, relaxation and solvers that it needs.
+    timestep
+        The time step (s); of a method with error control the largest step. None if a method with error control has its usual
+        largest step; see `Engine.largest_step`.
+    page
+        The address of the page of the engine's documentation, or of its source, that shows or recommends the method.
+    reads_timestep
+        Whether the engine takes the time step from a robot's file that states one.
+    """
+
+    method: str
+    timestep: float | None
+    page: str
+    reads_timestep: bool = False
+
+
+@dataclass(frozen=True)
 class Engine:
     """The properties of an engine that do not depend on a scene.
 
@@ -96,6 +123,11 @@ class Engine:
     defaults
         The engine's own defaults of "integrator", "timestep" and "tolerance", with values and units, such as
         {"timestep": "0.002 s"}; keys for which the engine has no default are left out.
+    roles
+        The methods behind the aliases `default` and `recommended`, keyed by role and kind of scene. The default is what a user
+        of the engine's quick start gets, and the recommended method is what its documentation recommends.
+    largest_step
+        The engine's own limit (s) on the steps of methods with error control; None if it has none.
     """
 
     name: str
@@ -109,6 +141,8 @@ class Engine:
     batch: int = 1
     varies: frozenset[Varied] = frozenset()
     defaults: Mapping[str, str] = field(default_factory=dict)
+    roles: Mapping[Role, Mapping[Kind, Usage]] = field(default_factory=dict)
+    largest_step: float | None = None
 
 
 class SceneUnsupported(Exception):
@@ -156,6 +190,43 @@ class Signals(Protocol):
     @property
     def signals(self) -> Mapping[int, str]:
         """The signals of the engine so far, with their times, keyed by the indices of the scenes that the engine gave up."""
+        ...
+
+
+@dataclass(frozen=True)
+class Work:
+    """The work of an engine since the start of a simulation with error control.
+
+    Parameters
+    ----------
+    steps, rejected, evaluations
+        The numbers of steps taken, of attempted steps whose error was too large, and of evaluations of the accelerations. None
+        for a number that the engine does not count.
+    """
+
+    steps: int | None
+    rejected: int | None
+    evaluations: int | None
+
+
+@runtime_checkable
+class ErrorControlled(Protocol):
+    """A simulation of one scene with a method that has the option `accuracy`: the engine chooses its own steps.
+
+    Its `Simulation.advance` reaches multiples of the largest step, so that it can be used as any other simulation.
+    """
+
+    def reach(self, times: Array) -> Array:
+        """Return the states (1, n, bodies, 13) at ascending times (n,), in s, in the columns of `Simulation.advance`.
+
+        The states are at these times exactly. The engine interpolates where it can, and else ends a step at each time. Raises
+        `EngineDiverged` if the engine gives up.
+        """
+        ...
+
+    @property
+    def work(self) -> Work:
+        """The work of the engine since the start."""
         ...
 
 

@@ -35,7 +35,7 @@ class Method:
     integrator
         The name without options.
     timestep
-        The time step (s); 0 stands for any time step.
+        The time step (s); of a method with error control the largest step. 0 stands for any time step.
     options
         Pairs of key and value, sorted by key, with numbers in their shortest form. The engine defines the keys and values; the
         option `model` selects one of its models of a scene.
@@ -77,6 +77,12 @@ class Method:
     def option(self, key: str) -> str | None:
         """Return the value of an option; None if the method does not set it."""
         return dict(self.options).get(key)
+
+    @property
+    def accuracy(self) -> float | None:
+        """The relative tolerance of a method with error control; None if its steps are fixed."""
+        value = self.option("accuracy")
+        return None if value is None else float(value)
 
     def at(self, timestep: float) -> "Method":
         """Return the method with the same integrator and options, and another time step (s)."""
@@ -125,12 +131,15 @@ def current(spelling: str) -> str:
 
 
 def _shortest(word: str) -> str:
-    """Return a word unchanged, or in the shortest form if it is a number (4 for 4.0 and 04)."""
+    """Return a word unchanged, or in the shortest form if it is a number (4 for 4.0 and 04, 1e-6 for 1e-06)."""
     try:
         number = float(word)
     except ValueError:
         return word
-    return repr(number).removesuffix(".0") if math.isfinite(number) else word
+    if not math.isfinite(number):
+        return word
+    digits, exponential, exponent = repr(number).removesuffix(".0").partition("e")
+    return f"{digits}e{int(exponent)}" if exponential else digits
 
 
 #: Kinds of scene for which engines offer different integrators: free flight, flight against drag, a body that lies flat on a
@@ -199,3 +208,7 @@ class Option:
 def choice(*words: str, kinds: frozenset[Kind] = KINDS) -> Option:
     """Return an option whose value must be one of the given words."""
     return Option(" or ".join(filter(None, (", ".join(words[:-1]), words[-1]))), words, kinds=kinds)
+
+
+#: The option of integrators with error control: the relative tolerance of the error of a step. Without it, steps are fixed.
+ACCURACY = Option("a relative tolerance above 0 and at most 1", numbers=((Range(0, 1, above=True),),))

@@ -9,7 +9,7 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import REFINEMENTS
 from bodycheck.errors import BadInput
-from bodycheck.running.instants import check_timestep
+from bodycheck.running.instants import check_timestep, default_timestep
 from bodycheck.running.tasks import Task as Task
 from bodycheck.suggestion import did_you_mean
 
@@ -40,7 +40,7 @@ def plan(
     integrators
         Spellings of methods; if empty, all methods that each engine offers.
     timesteps
-        Time steps (s); if empty, 2 ms and the time steps of the case's expectations.
+        Time steps (s); if empty, the default time step of each method, and the time steps of the case's expectations.
 
     Raises
     ------
@@ -109,7 +109,8 @@ def without_method(cases: Sequence[Case], engines: Mapping[str, Engine], tasks: 
 
 def _methods(case: Case, name: str, engine: Engine, integrators: Sequence[str], timesteps: Sequence[float]) -> Iterator[Method]:
     for spelling in offers.chosen(engine, case.scene, integrators):
-        yield from (Method.parse(spelling, timestep) for timestep in timesteps or (DEFAULT_TIMESTEP,))
+        method = Method.parse(spelling, 0.0)
+        yield from (method.at(timestep) for timestep in timesteps or (default_timestep(engine, case, method),))
     if timesteps:
         return
     asked = {Method.parse(spelling, 0.0).name for spelling in integrators}

@@ -70,3 +70,16 @@ def test_a_spelling_of_earlier_versions_is_refused_with_the_present_one(old: str
         Method.parse(old, 0.01)
     assert str(refused.value) == f"{old!r} is now spelled {new!r}"
     assert current(new) == new
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name"), [("rk3:accuracy=1e-6", "rk3:accuracy=1e-6"), ("rk3:accuracy=1.50e-06", "rk3:accuracy=1.5e-6")]
+)
+def test_exponents_are_written_without_zeros_in_front(spelling: str, name: str) -> None:
+    method = Method.parse(spelling, 0.1)
+    assert method.name == name
+    assert method.accuracy == float(name.partition("=")[2])
+
+
+def test_a_method_without_accuracy_has_fixed_steps() -> None:
+    assert Method.parse("rk3", 0.1).accuracy is None
