@@ -22,7 +22,6 @@ from bodycheck.adapters.contract import (
     Strides,
 )
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, crash
@@ -36,7 +35,8 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.results.outcome import AdapterFault as AdapterFault
-from bodycheck.running.instants import check_timestep, sampling_steps
+from bodycheck.running.instants import sampling_steps
+from bodycheck.running.roles import method_of, roles_of
 from bodycheck.running.state_checks import check_start, divergence, standstill
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
@@ -52,7 +52,7 @@ UNIT_TOLERANCE = 1e-6
 OTHER_ROUNDING = Crashed("it changed how its process rounds floating-point numbers")
 
 
-def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
+def simulate(case: Case, engine: str, integrator: str, timestep: float | None = None) -> Run:
     """Run a case in an engine. Errors of the run are in its outcome; exceptions of the engine are not raised here.
 
     Parameters
@@ -62,24 +62,25 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     engine
         The name of the engine.
     integrator
-        The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`.
+        The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`; or `default` or `recommended`.
     timestep
-        The time step (s).
+        The time step (s). By default, it is 2 ms; for a method with error control, it is the engine's largest step or the
+        sampling interval, and `default` and `recommended` have their own.
 
     Raises
     ------
     EngineMissing
         If the engine is not installed or has no adapter.
     BadInput
-        If the engine has no such integrator, option or value, the time step is not possible, or an argument has the wrong type.
+        If the engine has no such integrator, option or value, the time step is not possible, or named beside an alias, or an
+        argument has the wrong type.
     TypeError
         If the case is not a `Case`.
     """
     check_case(case)
     engine = conversion.name("--engine", engine)
-    method = Method.parse(conversion.name("--integrator", integrator), conversion.number("--timestep", timestep))
-    offers.check(registry.load(engine).engine, method)
-    check_timestep(case, timestep)
+    step = None if timestep is None else conversion.number("--timestep", timestep)
+    method = method_of(registry.load(engine).engine, case, conversion.name("--integrator", integrator), step)
     return run(case, engine, method)
 
 
@@ -94,7 +95,8 @@ def run(case: Case, engine: str, method: Method) -> Run:
         outcome = outcome_in(adapter, engine, case.scene, method, steps)
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
-    return Run(case.name, engine, adapter.engine.version, method, where_rounded_to_nearest(outcome), law, case.scene)
+    record, ended = adapter.engine, where_rounded_to_nearest(outcome)
+    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method))
 
 
 def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
