@@ -68,7 +68,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
     """Return the reasons why the release does not have some of the given methods, by the spelling of the method."""
-    reasons = {}
+    reasons: dict[str, str] = {}
     for spelling in integrators:
         if (role := alias(spelling)) is not None:
             reasons |= {} if engine.roles.get(role) else {spelling: f"{engine.name} {LACKING[role]}"}
