@@ -161,12 +161,12 @@ def _methods(case: Case, name: str, engine: Engine, integrators: Sequence[str], 
     yield from methods_in(case, engine, integrators, timesteps)
     if timesteps:
         return
-    own = methods_of(engine, case, aliases(integrators))
+    behind_aliases = methods_of(engine, case, aliases(integrators))
     asked = {Method.parse(spelling, 0.0).name for spelling in spelled(integrators)}
     for expectation in case.expectations:
         wanted = expectation.method
         if expectation.engine == name and (
-            not integrators or wanted.name in asked or any(expectation.concerns(name, method) for method in own)
+            not integrators or wanted.name in asked or any(expectation.concerns(name, method) for method in behind_aliases)
         ):
             try:
                 offers.check(engine, wanted)

@@ -93,8 +93,8 @@ SCENES = (
 
 def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
     """Yield the spellings of the offered methods for a scene, those of the engine's roles, and each with all models of it."""
-    own = resolved(adapter.engine, kind_of(scene), ALIASES)
-    for integrator in dict.fromkeys((*offers.offered(adapter.engine, scene), *own)):
+    of_roles = resolved(adapter.engine, kind_of(scene), ALIASES)
+    for integrator in dict.fromkeys((*offers.offered(adapter.engine, scene), *of_roles)):
         yield integrator
         if isinstance(adapter, Models):
             yield from (model.method for model in adapter.models(scene, integrator).values())
