@@ -11,6 +11,7 @@ from bodycheck.adapters.contract import (
     Adapter,
     Engine,
     Integrator,
+    Kind,
     Method,
     Option,
     SceneUnsupported,
@@ -18,6 +19,7 @@ from bodycheck.adapters.contract import (
     kind_of,
     single_bodies,
 )
+from bodycheck.adapters.roles import ALIASES, resolved
 from bodycheck.adapters.stepping import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -48,17 +50,17 @@ def chosen(engine: Engine, scene: AnyScene, named: Sequence[str]) -> tuple[str, 
     scene
         The scene; it decides which methods the engine offers.
     named
-        Spellings of methods that the user named. If it is empty, all offered methods are returned.
+        Spellings of methods that the user named, and aliases. If it is empty, all offered methods are returned.
 
     Returns
     -------
-    The named methods that the engine offers for the scene. A method whose options are not offered by default is included if
-    the engine has its integrator and its options for the scene.
+    The named methods that the engine offers for the scene, and the methods behind the named aliases. A method whose options
+    are not offered if none is named is included if the engine has its integrator and its options for the scene.
     """
     plain = offered(engine, scene)
     if not named:
         return plain
-    names = [Method.parse(spelling, 0.0) for spelling in named]
+    names = [Method.parse(spelling, 0.0) for spelling in resolved(engine, kind_of(scene), named)]
     wanted = dict.fromkeys(method.name for method in names)
     others = [method for method in names if method.options and method.name not in plain and knows(engine, method.name)]
     fitting = [method.name for method in others if not_offered(engine, scene, method) is None]
@@ -89,7 +91,7 @@ def check(engine: Engine, method: Method) -> None:
     integrator = integrator_of(engine, method)
     if integrator is None:
         spellings = listed(engine)
-        names = [each.name for each in engine.integrators]
+        names = [*(each.name for each in engine.integrators), *ALIASES]
         meant = did_you_mean(method.integrator, names)
         raise BadInput(f"{engine.name} has no integrator {method.integrator!r}; there are: {', '.join(spellings)}{meant}")
     for key, value in method.options:
@@ -111,7 +113,12 @@ def not_offered(engine: Engine, scene: AnyScene, method: Method) -> str | None:
 
     The text is a predicate whose subject is the engine: "has no integrator 'RK4' for this scene".
     """
-    kind, integrator = kind_of(scene), integrator_of(engine, method)
+    return not_offered_for(engine, kind_of(scene), method)
+
+
+def not_offered_for(engine: Engine, kind: Kind, method: Method) -> str | None:
+    """Return which part of a method an engine does not offer for a kind of scene, as `not_offered` does."""
+    integrator = integrator_of(engine, method)
     if integrator is None or kind not in integrator.kinds:
         return f"has no integrator {method.name!r} for this scene"
     idle = [f"{key}={value}" for key, value in method.options if kind not in integrator.options[key].kinds]

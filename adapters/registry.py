@@ -10,6 +10,7 @@ in the group `bodycheck.distributions`, with underscores in place of hyphens: `m
 """
 
 import importlib
+import math
 import pkgutil
 import sys
 from functools import cache
@@ -22,10 +23,13 @@ from typing import get_args
 from packaging.version import InvalidVersion, Version
 
 import bodycheck.adapters
-from bodycheck.adapters.contract import KINDS, Adapter, Engine, Integrator, Option, Varied
+from bodycheck.adapters import offers
+from bodycheck.adapters.contract import KINDS, Adapter, Engine, Integrator, Kind, Method, Option, Usage, Varied
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.installation import Installation
 from bodycheck.adapters.method import MAX_NAME_LENGTH, is_name
+from bodycheck.adapters.roles import ALIASES
+from bodycheck.errors import BadInput
 from bodycheck.suggestion import did_you_mean
 
 #: The group of entry points that name adapters in other packages.
@@ -230,13 +234,15 @@ def fault_of(engine: object) -> str | None:
         return f"its varies is {_shown(engine.varies)}, not a frozenset of {', '.join(sorted(VARIED))}"
     return next(
         (fault for integrator in engine.integrators if (fault := _fault_of_integrator(integrator)) is not None),
-        _fault_of_variants(engine),
+        _fault_of_variants(engine) or _fault_of_roles(engine),
     )
 
 
 def _fault_of_integrator(integrator: Integrator) -> str | None:
     if not _is_name(integrator.name):
         return f"an integrator is named {_shown(integrator.name)}, not by {RULE}"
+    if integrator.name in ALIASES:
+        return f"an integrator is named {integrator.name}, which stands for the method that `roles` names"
     if not set(integrator.kinds) <= KINDS:
         return (
             f"its integrator {integrator.name} is for the kinds {_shown(integrator.kinds)}; allowed: {', '.join(sorted(KINDS))}"
@@ -256,6 +262,35 @@ def _fault_of_variants(engine: Engine) -> str | None:
         if kind not in KINDS or not all(_is_name(spelling) for spelling in spellings):
             return f"its variants for {_shown(kind)} are {_shown(spellings)}, not spellings of methods"
     return None
+
+
+def _fault_of_roles(engine: Engine) -> str | None:
+    for role, usages in engine.roles.items():
+        if role not in ALIASES:
+            return f"its roles have the key {_shown(role)}; allowed: {', '.join(ALIASES)}"
+        for kind, usage in usages.items():
+            if kind not in KINDS or not isinstance(usage, Usage):
+                return f"its {role} method for {_shown(kind)} is {_shown(usage)}, not of the type Usage for a kind of scene"
+            if (fault := _fault_of_usage(engine, kind, usage)) is not None:
+                return f"its {role} method for {kind} {fault}"
+    return None
+
+
+def _fault_of_usage(engine: Engine, kind: Kind, usage: Usage) -> str | None:
+    try:
+        method = Method.parse(usage.method, 0.0)
+        offers.check(engine, method)
+    except BadInput as error:
+        return f"is {_shown(usage.method)}: {error}"
+    if (lacking := offers.not_offered_for(engine, kind, method)) is not None:
+        return f"is {method.name}, but {engine.name} {lacking}"
+    if usage.timestep is None and method.accuracy is None:
+        return f"is {method.name} without a time step, which only a method with error control may lack"
+    if usage.timestep is not None and not 0 < usage.timestep < math.inf:
+        return f"has the time step {_shown(usage.timestep)}, not a positive number"
+    return (
+        None if usage.page.startswith("https://") else f"cites {_shown(usage.page)}, not an address that begins with https://"
+    )
 
 
 def _is_name(value: object) -> bool:

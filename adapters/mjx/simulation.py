@@ -7,6 +7,7 @@ belong to the start of the step.
 import contextlib
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import metadata
 from typing import Any, Literal
 
@@ -15,7 +16,7 @@ import mujoco
 import numpy as np
 from jax import numpy as jnp
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
@@ -35,6 +36,9 @@ with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package o
 #: XLA waited for each other for ever (JAX on two processors). With 1,000 scenes, the time per scene of a step is as short as
 #: with any smaller number.
 MOST_TOGETHER = 1000
+
+#: The page with the first steps of MJX, which take MuJoCo's options. It recommends no integrator.
+PAGE = f"{adapter.DOCUMENTATION}/mjx.html#minimal-example"
 
 #: MuJoCo's contact options. MJX has no noslip solver.
 CONTACT_OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "noslip"}
@@ -58,6 +62,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         device=device(),
         batch=2,
         defaults=adapter.defaults(),
+        roles={"default": dict.fromkeys(KINDS, replace(adapter.roles()["default"]["flight"], page=PAGE))},
     )
 
 

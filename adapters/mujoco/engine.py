@@ -26,11 +26,14 @@ from bodycheck.adapters.contract import (
     KINDS,
     Engine,
     Integrator,
+    Kind,
     Method,
     Model,
+    Role,
     SceneUnsupported,
     Simulation,
     Strides,
+    Usage,
     choice,
     single_bodies,
 )
@@ -76,6 +79,9 @@ XML = """
 
 INERTIAL = '<inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>'
 
+#: The address of MuJoCo's documentation.
+DOCUMENTATION = "https://mujoco.readthedocs.io/en/stable"
+
 #: The integrators of the newest known release, as its XML spells them.
 KNOWN_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
 
@@ -120,6 +126,14 @@ def defaults() -> dict[str, str]:
     }
 
 
+def roles() -> dict[Role, dict[Kind, Usage]]:
+    """Return the method of MuJoCo's own options, and the one with the integrator that its documentation recommends."""
+    option = mujoco.MjOption()
+    usual = Usage(available()[option.integrator], option.timestep, f"{DOCUMENTATION}/XMLreference.html#option", True)
+    advised = Usage("implicitfast", option.timestep, f"{DOCUMENTATION}/computation/index.html#geintegration", True)
+    return {"default": dict.fromkeys(KINDS, usual), "recommended": dict.fromkeys(KINDS, advised)}
+
+
 engine = Engine(
     name="mujoco",
     distribution=INSTALLATION.distribution,
@@ -136,6 +150,7 @@ engine = Engine(
     batch=BATCH,
     varies=frozenset({"body", "gravity"}),
     defaults=defaults(),
+    roles=roles(),
 )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 from mujoco import MjData, MjModel, mj_forward
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, single_bodies
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method, Role, SceneUnsupported, Usage, single_bodies
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
@@ -51,6 +51,14 @@ def defaults() -> dict[str, str]:
     }
 
 
+def roles() -> dict[Role, dict[Kind, Usage]]:
+    """Return the method of the first steps in MuJoCo Warp's documentation, which recommends no integrator."""
+    option = mjw.put_model(MjModel.from_xml_string("<mujoco/>")).opt
+    name, timestep = mujoco.available()[int(option.integrator)], float(f"{option.timestep.numpy()[0]:g}")
+    usual = Usage(name, timestep, f"{mujoco.DOCUMENTATION}/mjwarp/index.html#minimal-example", reads_timestep=True)
+    return {"default": dict.fromkeys(KINDS, usual)}
+
+
 engine = Engine(
     name="mujoco_warp",
     distribution=INSTALLATION.distribution,
@@ -62,6 +70,7 @@ engine = Engine(
     device=graphs.DEVICE,
     batch=2,
     defaults=defaults(),
+    roles=roles(),
 )
 
 calls = graphs.CALLS

@@ -26,7 +26,7 @@ from bodycheck.casefile.formats import AnyCaseTable, explain, is_misleading, key
 from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
-from bodycheck.casefile.mechanisms.model import expanded, split, with_model
+from bodycheck.casefile.mechanisms.model import Expanded, expanded, split, with_model
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
@@ -159,7 +159,7 @@ def _parsed(
     if not errors:
         try:
             scene = build_mechanism(table) if isinstance(table, MechanismTable) else build_scene(table)
-            return _case(table, scene, expansion.document, text)
+            return _case(table, scene, expansion, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
@@ -273,7 +273,7 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     return Fault(file, f"read {quote(value)}; {message}", places[located], key)
 
 
-def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: str) -> Case:
+def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) -> Case:
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
     if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].lacking(scene))]:
         raise Inconsistent(*faults)
@@ -288,7 +288,8 @@ def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: 
         expectations=tuple(_expectation(expect) for expect in table.expect),
         extremes=extremes,
         text=text,
-        ensemble=build_ensemble(table.ensemble, document) if table.ensemble else None,
+        ensemble=build_ensemble(table.ensemble, expansion.document) if table.ensemble else None,
+        timestep=expansion.timestep,
     )
 
 

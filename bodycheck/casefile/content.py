@@ -40,6 +40,8 @@ class Case:
         The text of the file, and the text of the robot model that it names.
     ensemble
         The number of members that are drawn from the case, and their distributions; None if the file has no ensemble.
+    timestep
+        The time step (s) in the file of the robot model that the case names; None if there is none.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Case:
     extremes: tuple[tuple[str, tuple[float, ...]], ...]
     text: str
     ensemble: Ensemble | None = None
+    timestep: float | None = None
 
     @property
     def instants(self) -> Array:

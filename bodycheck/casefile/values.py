@@ -6,6 +6,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from bodycheck.adapters.engine_name import EngineName as NameOfEngine
 from bodycheck.adapters.method import Method
+from bodycheck.adapters.roles import alias
 from bodycheck.errors import BadInput
 
 #: Limits of the numbers, texts and arrays of a case file.
@@ -52,6 +53,11 @@ def _printable(value: str) -> str:
 
 
 def _spelling(value: str) -> str:
+    if alias(value) is not None:
+        raise ValueError(
+            f"{value!r} stands for another method in each engine; allowed: the spelling and the time step of the method, which "
+            "`bodycheck engines` lists"
+        )
     try:
         Method.parse(value, 0.0)
     except BadInput as error:

@@ -77,7 +77,7 @@ def run(
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
-    from bodycheck.running.plan import plan
+    from bodycheck.running.plan import plan_with_roles
 
     for option, path in (("--save", save), ("--junit", junit)):
         arguments.check_writable(option, path)
@@ -85,7 +85,7 @@ def run(
     tables.check(view, results.RUNS)
     compared = judgement.Compared()
     selection = Selection(cases, engine, integrator, timestep, jobs, allow_missing)
-    with ran(selection, plan, out, quiet, compared.meet) as runs:
+    with ran(selection, plan_with_roles, out, quiet, compared.meet) as runs:
         result = result_set.judged(runs.results, compared=compared)
         verdicts = result.verdicts
         write([result], out, figures, junit)
@@ -124,7 +124,7 @@ def export(
     *,
     engine: str,
     integrator: str | None = None,
-    timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002.")] = None,
+    timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002, or that of the alias.")] = None,
     out: Path | None = None,
 ) -> int:
     """Write what a run does as a Python script for the engine alone.
@@ -140,11 +140,10 @@ def export(
     engine
         The engine.
     integrator
-        The integrator. Default: the first one that the engine offers for the case.
+        The integrator, or default or recommended. Default: the first one that the engine offers for the case.
     out
         The file for the script. Default: standard output.
     """
-    from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.adapters.registry import EngineMissing
     from bodycheck.files import writing
     from bodycheck.running import exporting
@@ -153,7 +152,7 @@ def export(
     arguments.check_writable("--out", out)
     loaded = arguments.load_case(case)
     try:
-        script = exporting.script(loaded, engine, integrator, DEFAULT_TIMESTEP if timestep is None else timestep)
+        script = exporting.script(loaded, engine, integrator, timestep)
     except EngineMissing as error:
         raise BadInput(str(error)) from error
     if out is None:

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from bodycheck.files import writing
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
-    from bodycheck.adapters.contract import Engine
+    from bodycheck.adapters.contract import Engine, Method
     from bodycheck.casefile.case import Case, Fault
     from bodycheck.results.unchecked import Absence
     from bodycheck.running.named import Decision, Named
@@ -139,6 +139,17 @@ class Engines:
         expected = {expectation.engine for case in cases for expectation in case.expectations}
         return bool(self.broken if self.named.engine else self.broken & expected)
 
+    def check_planned(self, cases: "Sequence[Case]", planned: "Iterable[tuple[str, Method]]") -> None:
+        """Print on stderr which engines have no method of a named alias, and check what is planned.
+
+        Raises `BadInput` as `bodycheck.running.named.check_planned` does.
+        """
+        from bodycheck.running import named, roles
+
+        named.check_planned(self.named, self.records, planned)
+        for why in roles.lacking(cases, self.records, self.named.integrator):
+            print(f"bodycheck: left out: {why}", file=sys.stderr)
+
     def decided(
         self,
         rows: "Iterable[Mapping[str, Any]]",
@@ -154,7 +165,8 @@ class Engines:
         from bodycheck.running import named
 
         statuses = named.MEASURED if measured is None else measured
-        return named.decide(replace(self.named, batch=batch), rows, failed or self.failed(cases), self.missing, statuses)
+        asked, has_failed = replace(self.named, batch=batch), failed or self.failed(cases)
+        return named.decide(asked, rows, has_failed, self.missing, statuses, self.records)
 
 
 def load_engines(

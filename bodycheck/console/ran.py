@@ -16,7 +16,7 @@ from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
 from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
 from bodycheck.running import campaign
-from bodycheck.running.named import Decision, check_planned
+from bodycheck.running.named import Decision
 from bodycheck.running.pairing import Meet, unmet
 from bodycheck.running.plan import Plan, Task, without_method
 from bodycheck.suggestion import first_names
@@ -161,7 +161,7 @@ def ran_of(
     tolerated = _tolerated(selection.allow_missing, given.shipped)
     engines = load_engines(selection.engines, _releases(cases, tolerated), selection.integrators)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
-    check_planned(engines.named, engines.records, ((task.engine, task.method) for task in tasks))
+    engines.check_planned(cases, ((task.engine, task.method) for task in tasks))
     if selection.cases and not quiet:
         _tell_not_run(cases, tasks)
     header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))

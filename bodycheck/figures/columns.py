@@ -112,6 +112,18 @@ def _limit(figure: Figure) -> tuple[Column, Column]:
 #: Columns with the limits of figures and their margins, which a table has only if any run has a value.
 LIMIT_COLUMNS = tuple(column for figure in FIGURES.values() if figure.limited for column in _limit(figure))
 
+#: Columns about the method of a run, at the end of each table.
+METHOD_COLUMNS = (
+    Column(
+        "role",
+        "string",
+        "Role",
+        "whether the method is the default of its engine, which users of its quick start get, and whether the documentation of "
+        "the engine recommends it; empty if neither",
+        words=frozenset({"default", "recommended", "default, recommended"}),
+    ),
+)
+
 #: All columns by name, in the order of tables.
 COLUMNS: dict[str, Column] = {
     column.name: column
@@ -123,6 +135,7 @@ COLUMNS: dict[str, Column] = {
         *CASE_COLUMNS,
         *LIMIT_COLUMNS,
         *WORK_COLUMNS,
+        *METHOD_COLUMNS,
     )
 }
 

@@ -20,7 +20,7 @@ from bodycheck.judging import judgement, result_set
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.results.tables import RESULTS
-from bodycheck.running.plan import plan
+from bodycheck.running.plan import plan_with_roles
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ def run(
     )
     folder, compared = arguments.path("--out", out), judgement.Compared()
     with _kept(folder) as kept:
-        with ran_of(given, selection, plan, kept.folder, command, quiet=True, meet=compared.meet) as runs:
+        with ran_of(given, selection, plan_with_roles, kept.folder, command, quiet=True, meet=compared.meet) as runs:
             judged = result_set.judged(runs.results, compared=compared)
             if folder is not None:
                 result_set.write([judged], folder)

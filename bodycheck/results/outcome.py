@@ -119,6 +119,9 @@ class Run:
         if the reference has no such law.
     scene
         The scene that was run; None if it is not known, for example if the process of the run died.
+    role
+        The roles of the method, "default", "recommended" or both, as the column `role` has them; empty if it has none. None if
+        it is not known, as in results of earlier versions.
     """
 
     case: str
@@ -128,6 +131,7 @@ class Run:
     outcome: Outcome
     contact_law: Plane | None = None
     scene: AnyScene | None = field(default=None, repr=False)
+    role: str | None = None
 
     @property
     def is_recorded(self) -> bool:

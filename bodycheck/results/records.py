@@ -195,6 +195,7 @@ class RunRecord:
     timestep: Timestep
     status: str
     contact_law: LawRecord | None
+    role: Literal["", "default", "recommended", "default, recommended"] | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,7 @@ class Writer:
             "timestep": run.method.timestep,
             "status": run.outcome.status,
             "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
+            "role": run.role,
         }
         match run.outcome:
             case Completed() as done:
@@ -286,7 +287,8 @@ class Results:
         key = RunKey.of_row(record)
         law = record["contact_law"]
         scene = self.cases[key.case].scene
-        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None, scene)
+        plane = Plane(**law) if law else None
+        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), plane, scene, record.get("role"))
         match record["status"]:
             case Completed.status if record["steps"] == 0:  # earlier versions called this a completed run
                 return replace(run, outcome=NO_STEP)

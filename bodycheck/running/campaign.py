@@ -12,6 +12,7 @@ from typing import Protocol
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.offers import demonstrations
+from bodycheck.adapters.registry import EngineMissing
 from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.files.writing import as_utf8
@@ -28,6 +29,7 @@ from bodycheck.results.versions import fingerprint
 from bodycheck.running import engines, truths
 from bodycheck.running.engines import locks
 from bodycheck.running.pairing import Arrivals, Meet, unmet
+from bodycheck.running.roles import roles_of
 from bodycheck.running.tasks import StopTask, Task, Truths, TruthTask, group, perform, perform_stop
 
 #: Time limit (s) of one run or one truth.
@@ -185,9 +187,19 @@ def _add_run(
 ) -> None:
     """Write a run at its index in the plan. version: the version of its engine."""
     assert not isinstance(result, dict | NoTruth)  # such a result answers a truth task
-    run = result if isinstance(result, Run) else Run(task.case.name, task.engine, version, task.method, result)
+    run = (
+        result if isinstance(result, Run) else Run(task.case.name, task.engine, version, task.method, result, role=_roles(task))
+    )
     writer.add_run(run, index)
     arrivals.add_run(run)
+
+
+def _roles(task: Task) -> str | None:
+    """Return the roles of the method of a run whose process failed; None if the engine cannot be used any more."""
+    try:
+        return roles_of(engines.record(task.engine), task.case, task.method)
+    except EngineMissing:
+        return None
 
 
 def _add_truths(

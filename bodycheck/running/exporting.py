@@ -6,13 +6,12 @@ from importlib.metadata import version
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
-from bodycheck.running.instants import check_timestep
+from bodycheck.running.roles import method_of
 
 #: Time limit (s) for writing a script, which takes as long as building the model.
 TIME_LIMIT_S = 120.0
@@ -41,7 +40,7 @@ class NoScript:
     reason: str
 
 
-def script(case: Case, engine: str, integrator: str | None, timestep: float = DEFAULT_TIMESTEP) -> str:
+def script(case: Case, engine: str, integrator: str | None, timestep: float | None = None) -> str:
     """Return a Python script that makes the same steps as a run of a case, and needs only the engine and NumPy.
 
     The script is written in a worker process, which imports the engine.
@@ -53,14 +52,14 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
     engine
         The name of an engine that can be used.
     integrator
-        The spelling of a method; None for the first method that the engine offers for the scene.
+        The spelling of a method, or an alias; None for the first method that the engine offers for the scene.
     timestep
-        The time step (s).
+        The time step (s); None for the one that `simulate` chooses.
 
     Raises
     ------
     BadInput
-        If the engine has no such method, or the time step is not possible.
+        If the engine has no such method, the time step is not possible, or it is named beside an alias.
     Failed
         If the engine cannot model the scene, or no script can be written for it.
     EngineMissing
@@ -72,10 +71,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
         if not names:
             raise Failed(f"{case.name}: {engine} has no integrator for this scene")
         integrator = names[0]
-    method = Method.parse(integrator, timestep)
-    offers.check(record, method)
-    check_timestep(case, timestep)
-    question = Question(case, engine, method)
+    question = Question(case, engine, method_of(record, case, integrator, timestep))
     with pool.Workers(written, 1, TIME_LIMIT_S, group=_engine_of, home=engines.home) as workers:
         answer = workers.call(question)
     match answer:

@@ -8,13 +8,17 @@ plug-in alike.
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
+from types import MappingProxyType
 from typing import Any
 
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.method import Method
+from bodycheck.adapters.roles import ALIASES, LACKING, alias, aliases, is_of, spelled
 from bodycheck.errors import FAILED, OK, BadInput
 from bodycheck.results.outcome import Completed, Unsupported
+from bodycheck.running.roles import BOTH
 from bodycheck.suggestion import did_you_mean
 
 #: The statuses of rows that are measurements, unless a table has others.
@@ -30,7 +34,7 @@ class Named:
     engine
         Names of engines, each `NAME` or `NAME@VERSION`.
     integrator
-        Spellings of methods.
+        Spellings of methods, and aliases.
     version
         Releases of an engine.
     batch
@@ -68,11 +72,16 @@ class Decision:
 
 
 def check(named: Named, records: Mapping[str, Engine]) -> None:
-    """Raise `BadInput`, naming the methods that there are, for a named engine that has none of the named methods.
+    """Raise `BadInput` for a named engine that has none of the named methods, or no method of a named alias.
 
     Methods that no engine has are left to `bodycheck.running.plan.check`. records: the records of the usable engines by their
     requested names.
     """
+    for name, role in product(named.engine, aliases(named.integrator)):
+        if name in records and not records[name].roles.get(role):
+            raise BadInput(f"--integrator {role}: {name} {LACKING[role]}")
+    if aliases(named.integrator):
+        return
     methods = [Method.parse(spelling, 0.0) for spelling in named.integrator]
     with_method = [name for name, record in records.items() if any(offers.knows(record, method.name) for method in methods)]
     for name in named.engine if with_method else ():
@@ -83,7 +92,7 @@ def check(named: Named, records: Mapping[str, Engine]) -> None:
             if offers.integrator_of(record, method) is not None:
                 offers.check(record, method)  # raises `BadInput` with the fault of the options
         spellings = offers.listed(record)
-        near = (did_you_mean(method.integrator, spellings) for method in methods)
+        near = (did_you_mean(method.integrator, [*spellings, *ALIASES]) for method in methods)
         wanted = " or ".join(method.name for method in methods)
         raise BadInput(f"{name}: no integrator {wanted}; it has {', '.join(spellings)}{next(filter(None, near), '')}")
 
@@ -102,11 +111,14 @@ def check_planned(named: Named, records: Mapping[str, Engine], planned: Iterable
     """
     pairs = list(planned)
     engines, methods = {engine for engine, _ in pairs}, {method for _, method in pairs}
+    for role in aliases(named.integrator):
+        if not any(is_of(records[engine], method.name, role) for engine, method in pairs):
+            raise BadInput(f"--integrator {role}: nothing to run: no engine has such a method for the scenes of these cases")
     asked = f" with {', '.join(named.integrator)}" if named.integrator else ""
     for name in named.engine:
         if name in records and name not in engines:
             raise BadInput(f"{name}: nothing to run{asked}: it has no such method for the scenes of these cases")
-    for spelling in named.integrator:
+    for spelling in spelled(named.integrator):
         wanted = Method.parse(spelling, 0.0)
         if not any(one.integrator == wanted.integrator and {*wanted.options} <= {*one.options} for one in methods):
             raise BadInput(f"{spelling}: nothing to run: no engine has this method for the scenes of these cases")
@@ -118,6 +130,7 @@ def decide(
     failed: bool = False,
     missing: Mapping[str, str] | None = None,
     measured: Collection[str] = MEASURED,
+    records: Mapping[str, Engine] = MappingProxyType({}),
 ) -> Decision:
     """Return the decision on a command from the rows of its results.
 
@@ -137,19 +150,31 @@ def decide(
         The reasons why engines could not be used, by name.
     measured
         The statuses of rows that are measurements.
+    records
+        The records of the engines by name, which say what the methods of aliases are.
     """
     table = list(rows)
     there = [row for row in table if row.get("status", Completed.status) in measured or row.get("passed") is True]
     lost = []
     for column, names in asdict(named).items():
         for name in dict.fromkeys(names):
-            entry = Method.parse(name, 0.0).name if column == "integrator" else name
-            if not any(row.get(column) == entry for row in there):
-                why = _why([row for row in table if row.get(column) == entry], (missing or {}).get(name, ""))
+            if not any(_concerns(row, column, name, records) for row in there):
+                why = _why([row for row in table if _concerns(row, column, name, records)], (missing or {}).get(name, ""))
                 lost.append(f"there is no result of the {column} {name}, which is named: {why}")
     if not there and not lost:
         lost.append(f"there is no result: {_why(table, '')}")
     return Decision(failed, tuple(lost), _unsupported(table))
+
+
+def _concerns(row: Mapping[str, Any], column: str, name: Any, records: Mapping[str, Engine]) -> bool:
+    """Return whether a row is about a name that the user gave for a column."""
+    if column != "integrator":
+        return bool(row.get(column) == name)
+    if (role := alias(name)) is not None:
+        record = records.get(str(row.get("engine")))
+        is_spelled = record is not None and is_of(record, str(row.get(column)), role)
+        return is_spelled or role in str(row.get("role") or "").split(BOTH)
+    return bool(row.get(column) == Method.parse(name, 0.0).name)
 
 
 def _why(rows: Sequence[Mapping[str, Any]], reason: str) -> str:

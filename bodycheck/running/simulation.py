@@ -37,7 +37,8 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.results.outcome import AdapterFault as AdapterFault
-from bodycheck.running.instants import check_timestep, default_timestep, sampling_times
+from bodycheck.running.instants import sampling_times
+from bodycheck.running.roles import method_of, roles_of
 from bodycheck.running.state_checks import check_start, divergence, standstill
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
@@ -63,27 +64,26 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float | None = 
     engine
         The name of the engine.
     integrator
-        The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`.
+        The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`; or `default` or `recommended`.
     timestep
-        The time step (s); of a method with error control the largest step. None for the default time step; see
-        `bodycheck.running.instants.default_timestep`.
+        The time step (s); of a method with error control the largest step. None for the default time step, see
+        `bodycheck.running.instants.default_timestep`; `default` and `recommended` have their own.
 
     Raises
     ------
     EngineMissing
         If the engine is not installed or has no adapter.
     BadInput
-        If the engine has no such integrator, option or value, the time step is not possible, or an argument has the wrong type.
+        If the engine has no such integrator, option or value, the time step is not possible, or named beside an alias, or an
+        argument has the wrong type.
     TypeError
         If the case is not a `Case`.
     """
     check_case(case)
     engine = conversion.name("--engine", engine)
-    method, record = Method.parse(conversion.name("--integrator", integrator), 0.0), registry.load(engine).engine
-    offers.check(record, method)
-    step = default_timestep(record, case, method) if timestep is None else conversion.number("--timestep", timestep)
-    check_timestep(case, step)
-    return run(case, engine, method.at(step))
+    step = None if timestep is None else conversion.number("--timestep", timestep)
+    method = method_of(registry.load(engine).engine, case, conversion.name("--integrator", integrator), step)
+    return run(case, engine, method)
 
 
 def run(case: Case, engine: str, method: Method) -> Run:
@@ -97,7 +97,8 @@ def run(case: Case, engine: str, method: Method) -> Run:
         outcome = outcome_in(adapter, engine, case.scene, method, times)
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
-    return Run(case.name, engine, adapter.engine.version, method, where_rounded_to_nearest(outcome), law, case.scene)
+    record, ended = adapter.engine, where_rounded_to_nearest(outcome)
+    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method))
 
 
 def ended_by(error: BaseException, engine: str, case: str) -> Outcome:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Adapter, Method, Models
+from bodycheck.adapters.contract import Adapter, Method, Models, kind_of
 from bodycheck.adapters.engine_name import EngineName
+from bodycheck.adapters.roles import ALIASES, resolved
 from bodycheck.processes import pool
 from bodycheck.processes.failures import crash
 from bodycheck.reference.kinematics import geodesic_angle
@@ -91,8 +92,9 @@ SCENES = (
 
 
 def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
-    """Yield the spellings of the methods for a scene, each without options and with all models of the scene."""
-    for integrator in offers.offered(adapter.engine, scene):
+    """Yield the spellings of the offered methods for a scene, those of the engine's roles, and each with all models of it."""
+    of_roles = resolved(adapter.engine, kind_of(scene), ALIASES)
+    for integrator in dict.fromkeys((*offers.offered(adapter.engine, scene), *of_roles)):
         yield integrator
         if isinstance(adapter, Models):
             yield from (model.method for model in adapter.models(scene, integrator).values())

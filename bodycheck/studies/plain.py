@@ -96,7 +96,7 @@ def carry_out(
     """
     study, described = registry.required(name, "study"), registry.required(name, "rows").TABLES
     planned = study.prepare(cases, engines.records, integrators)
-    named.check_planned(engines.named, engines.records, planned.methods)
+    engines.check_planned(cases, planned.methods)
     header = campaign.header(command, engines.records, engines.missing)
     with (
         output.work(name, planned.size) as (folder, progress),

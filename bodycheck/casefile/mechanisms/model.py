@@ -54,11 +54,14 @@ class Expanded:
         The faults of the table and of the model, as pairs of path and message.
     from_model
         Whether the bodies and joints come from a model.
+    timestep
+        The time step (s) that the file of the model states; None if it states none.
     """
 
     document: dict[str, Any]
     faults: tuple[tuple[Path, str], ...] = ()
     from_model: bool = False
+    timestep: float | None = None
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
         """Return the path in the case file, and the message, of a fault in the document."""
@@ -136,15 +139,18 @@ def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
     if not isinstance(text, str):
         return Expanded(document, ((FILE, refused or "is read only where a case file is loaded from its folder"),))
     try:
-        tables = copy.deepcopy(_tables(text, file))
+        tables, timestep = copy.deepcopy(_read(text, file))
     except BadInput as error:
         return Expanded(document, ((FILE, str(error)),))
-    return _started(document, tables)
+    return _started(document, tables, timestep)
 
 
 @functools.lru_cache(maxsize=2)
-def _tables(text: str, file: str) -> Tables:
-    """Return the tables of the bodies and joints of a model. Raises `BadInput` if they cannot be read."""
+def _read(text: str, file: str) -> tuple[Tables, float | None]:
+    """Return the tables of the bodies and joints of a model, and its time step (s); None if it states none.
+
+    Raises `BadInput` if they cannot be read.
+    """
     root = elements.parsed(text.encode("utf-8", "replace"), file)
     if root.tag not in READERS:
         elements.refuse_root(root)
@@ -153,10 +159,10 @@ def _tables(text: str, file: str) -> Tables:
         raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
     if len(tables["bodies"]) > MAX_BODIES:
         raise BadInput(f"{root.file}: has {len(tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
-    return tables
+    return tables, mjcf_tree.timestep(root)
 
 
-def _started(document: dict[str, Any], tables: Tables) -> Expanded:
+def _started(document: dict[str, Any], tables: Tables, timestep: float | None) -> Expanded:
     """Return a document with the tables of a model, whose joints get the initial states that the document states."""
     initial = mapping(mapping(document.get("initial")).get("joints"))
     joints = {joint["name"]: joint for joint in tables["joints"]}
@@ -167,6 +173,7 @@ def _started(document: dict[str, Any], tables: Tables) -> Expanded:
         {**document, "bodies": tables["bodies"], "joints": tables["joints"]},
         tuple(_unknown(initial, list(joints))),
         from_model=True,
+        timestep=timestep,
     )
 
 

@@ -2,7 +2,8 @@
 
 A body without a joint is fixed to its parent; if it has no mass either, it is only a frame of its parent. The frame of a body
 is moved to the anchor of its hinge or ball. Geometry, sites, sensors, ranges of joints, and the gravity, integrator and
-contacts of the file are ignored: a case states its own gravity. Anything else that moves bodies is refused.
+contacts of the file are ignored: a case states its own gravity. The time step is read for runs of the method that users of an
+engine get by default. Anything else that moves bodies is refused.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from typing import Any
 from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.mjcf import inertia_of, refuse_includes, refuse_what_is_not_followed
 from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
-from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.casefile.robots.numbers import number, numbers, positive
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, Vector3, vector
@@ -78,6 +79,12 @@ def tree(root: Element, world: str) -> Tables:
         inner = _add(bodies_and_joints, body, around, model)
         left += [(child, inner) for child in _bodies(body)[::-1]]
     return bodies_and_joints
+
+
+def timestep(root: Element) -> float | None:
+    """Return the time step (s) that a file states; None if it states none. The last of several elements is valid."""
+    stated = [option for option in root.all("option") if "timestep" in option.attributes]
+    return positive(stated[-1], "timestep") if stated else None
 
 
 def _bodies(parent: Element) -> list[Element]:

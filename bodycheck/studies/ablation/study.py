@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Engine, Method, Model, Models
+from bodycheck.adapters.contract import Engine, Method, Model, Models, kind_of
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
+from bodycheck.adapters.roles import resolved
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
@@ -24,6 +25,7 @@ from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.engines import home
 from bodycheck.running.plan import Task, check
+from bodycheck.running.roles import refuse_timesteps
 from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.cost import Cost, Measured, Stretch
@@ -57,6 +59,7 @@ def plan(
         If no engine has a method, a time step is not possible, an engine fails to list its models, or there are no models to
         compare.
     """
+    refuse_timesteps(integrators, timesteps)
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
     offered_models = models_of(cases, engines, integrators)
@@ -99,8 +102,9 @@ def with_models(question: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
     case, engine, integrators = question
     adapter = registry.load(engine)
     names = offered(adapter.engine, case.scene)
-    wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
-    if not isinstance(adapter, Models):
+    spellings = resolved(adapter.engine, kind_of(case.scene), integrators)
+    wanted = {Method.parse(spelling, 0.0).name for spelling in spellings}
+    if (integrators and not wanted) or not isinstance(adapter, Models):
         return {}
     offered_models = {name: dict(adapter.models(case.scene, name)) for name in names}
     growing = {name: models for name, models in offered_models.items() if models and (not wanted or name in wanted)}

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck import conversion
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.console.arguments import Engines, load_engines
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Names
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.results import origin
 from bodycheck.running import campaign
-from bodycheck.running.named import check_planned
 from bodycheck.studies.audit import study
 from bodycheck.studies.audit.page import present
 from bodycheck.studies.audit.rows import CLASSES, ROWS, Classes, Facts, Fault, Row
@@ -48,7 +46,7 @@ class AuditResults(StudyResults):
 
 def carry_out(planned: study.Plan, engines: Engines, command: Sequence[str], jobs: int, output: Output) -> AuditResults:
     """Audit methods, and write the tables and the report. For the parameters see `recommend.interface.carry_out`."""
-    check_planned(engines.named, engines.records, planned.methods)
+    engines.check_planned([planned.flip], planned.methods)
     head = campaign.header(command, engines.records, engines.missing)
     facts = study.facts(engines.records)
     with (
@@ -65,7 +63,7 @@ def audit(
     engines: Names = (),
     *,
     integrator: Names = (),
-    timestep: float = DEFAULT_TIMESTEP,
+    timestep: float | None = None,
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> AuditResults:
@@ -78,7 +76,7 @@ def audit(
     integrator, jobs
         The same as the parameters of `bodycheck.run`.
     timestep
-        The time step (s).
+        The time step (s). By default, 2 ms, or the time step of an alias.
     out
         A folder for the tables and the report. An interrupted audit in it is resumed.
 
@@ -88,7 +86,7 @@ def audit(
         In the same cases as by `bodycheck.run`.
     """
     named, spellings = arguments.names("ENGINE", engines), arguments.names("--integrator", integrator)
-    step = conversion.number("--timestep", timestep)
+    step = None if timestep is None else conversion.number("--timestep", timestep)
     processes, folder = arguments.jobs_of(jobs), arguments.path("--out", out)
     loaded = load_engines(named, integrators=spellings)
     planned = study.prepare(loaded.records, spellings, step)

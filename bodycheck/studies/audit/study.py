@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.adapters.contract import Engine, Method
-from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
 from bodycheck.processes import pool
@@ -23,7 +22,8 @@ from bodycheck.results import resumption
 from bodycheck.results.header import Header
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.engines import home
-from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.running.plan import Task, check, methods_in, refuse_nothing
+from bodycheck.running.roles import refuse_timesteps
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
@@ -107,7 +107,7 @@ class Audit:
 Answers = dict[str, Found | Fault]
 
 
-def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float) -> Plan:
+def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float | None) -> Plan:
     """Return the methods to audit.
 
     Parameters
@@ -115,9 +115,9 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods; all that the engines offer in free flight if it is empty.
+        Spellings of methods, and aliases; all that the engines offer in free flight if it is empty.
     timestep
-        The time step (s).
+        The time step (s); None for 2 ms, or the time step of an alias.
 
     Raises
     ------
@@ -125,14 +125,17 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
         If no engine has an integrator, the time step is not possible, or there is nothing to audit.
     """
     flip = load(FLIP)
-    check([flip], engines, integrators, (timestep,))
-    methods = tuple(
-        (name, Method.parse(integrator, timestep))
+    timesteps = () if timestep is None else (timestep,)
+    refuse_timesteps(integrators, timesteps)
+    check([flip], engines, integrators, timesteps)
+    # The answers are keyed by the spelling of the method, so that a method behind an alias is not audited at 2 ms too.
+    methods = {
+        (name, method.name): (name, method)
         for name, engine in engines.items()
-        for integrator in chosen(engine, flip.scene, integrators)
-    )
-    refuse_nothing(methods, engines, integrators)
-    return Plan(engines, methods, tuple(integrators), flip)
+        for method in methods_in(flip, engine, integrators, timesteps)
+    }
+    refuse_nothing(tuple(methods), engines, integrators)
+    return Plan(engines, tuple(methods.values()), tuple(integrators), flip)
 
 
 def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
@@ -242,7 +245,7 @@ def _missing(
     first = [call for call in planned.probes if call.probe not in answers[call.engine, call.integrator]]
     second = [call for call in planned.elsewhere if call.probe not in answers[call.engine, call.integrator]]
     flips = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
-    truths = _truths(planned, flips, limit) if flips else {}
+    truths = _truths(planned, tuple(dict.fromkeys(task.method.sampling for task in flips)), limit) if flips else {}
     passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
     for left in passes:
         with pool.Workers(make, jobs, limit, group=lambda one: one.engine, home=home) as workers:
@@ -258,9 +261,8 @@ def _missing(
                         yield call, Found(attitude_error=_attitude_error(truths.get(answer.method.sampling), answer))
 
 
-def _truths(planned: Plan, flips: Sequence[Task], limit: float) -> dict[float, Truth]:
+def _truths(planned: Plan, samplings: tuple[float, ...], limit: float) -> dict[float, Truth]:
     """Return the truths of the flip for its runs, by sampling; empty if their computation failed."""
-    samplings = tuple(dict.fromkeys(task.method.sampling for task in flips))
     with pool.Workers(perform, 1, limit) as workers:
         computed = workers.call(TruthTask(planned.flip, samplings))
     return computed if isinstance(computed, dict) else {}

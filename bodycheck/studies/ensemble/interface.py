@@ -14,7 +14,6 @@ from bodycheck.interface.arguments import Names, Numbers, OneCase
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.running.members.executors import Executor
 from bodycheck.running.members.executors.own import Own
-from bodycheck.running.named import check_planned
 from bodycheck.studies.ensemble import header, study
 from bodycheck.studies.ensemble.drawing import members as drawing
 from bodycheck.studies.ensemble.drawing.members import Source
@@ -84,7 +83,7 @@ def carry_out(
         The folder and the formats of the results, and the display of progress. An interrupted ensemble in it is resumed.
     """
     shares = study.planned(case, engines.records, *methods)
-    check_planned(engines.named, engines.records, ((share.engine, method) for share in shares for method in share.methods))
+    engines.check_planned([case], ((share.engine, method) for share in shares for method in share.methods))
     with output.work("running", study.size(source, shares)) as (folder, advance):
         run = partial(study.run, command=command, missing=engines.missing)
         folder = run(case, source, engines.records, *methods, folder, executor, advance)

@@ -54,12 +54,15 @@ TruthOf = Callable[[tuple[AnyScene, Array]], Truth | NoTruth | Crashed | TimedOu
 
 @dataclass(frozen=True)
 class Point:
-    """A case that is changed to a value on one of its axes, and the time step (s) with which it is run."""
+    """A case that is changed to a value on one of its axes, and the time step (s) with which it is run.
+
+    The time step is None where each method has its default time step, or that of an alias.
+    """
 
     case: Case
     axis: str
     value: float
-    timestep: float
+    timestep: float | None
 
 
 #: Axes that any case may have, to be copied into a case file.
@@ -124,13 +127,14 @@ class Study:
 def points(case: Case) -> Iterator[Point]:
     """Yield a point for every value of every axis of a case, changing one axis of the given case at a time.
 
-    If the case has both spins and time steps, every spin is combined with every time step.
+    If the case has both spins and time steps, every spin is combined with every time step. The axis `steps` counts
+    steps of 2 ms.
     """
     values = dict(case.extremes)
     timesteps = values.pop("timestep", ())
     for name, tried in values.items():
         for value in tried:
-            for timestep in (name == "spin" and timesteps) or (DEFAULT_TIMESTEP,):
+            for timestep in (name == "spin" and timesteps) or (DEFAULT_TIMESTEP if name == "steps" else None,):
                 yield Point(AXES[name].varied(case, value), name, value, timestep)
     if "spin" not in values:
         yield from (Point(case, "timestep", timestep, timestep) for timestep in timesteps)
@@ -146,7 +150,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods; all that the engines offer if it is empty.
+        Spellings of methods, and aliases; all that the engines offer if it is empty.
 
     Raises
     ------
@@ -159,11 +163,11 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         )
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
-        Trial(point, name, Method.parse(integrator, point.timestep))
+        Trial(point, name, method)
         for case in cases
         for point in points(case)
         for name, engine in engines.items()
-        for integrator in chosen(engine, point.case.scene, integrators)
+        for method in dict.fromkeys(_methods(point, engine, integrators))
     )
     searches = tuple(
         Search(case, name, Method.parse(integrator, 0.0), spin)
@@ -175,6 +179,14 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
     )
     plan.refuse_nothing(trials, engines, integrators)
     return Study(trials, searches)
+
+
+def _methods(point: Point, engine: Engine, integrators: Sequence[str]) -> Iterator[Method]:
+    if point.timestep is None:
+        yield from plan.methods_in(point.case, engine, integrators, ())
+        return
+    for integrator in chosen(engine, point.case.scene, integrators):
+        yield Method.parse(integrator, point.timestep)
 
 
 def suits(case: Case) -> bool:
@@ -298,7 +310,7 @@ def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of:
             diagnosis = replace(diagnosis, detail="; ".join([diagnosis.detail, *drifts(scene, answer.outcome)]))
     else:
         diagnosis = Diagnosis(answer.status, NOTHING, answer.reason)
-    method = (trial.engine, version, trial.method.name, point.timestep)
+    method = (trial.engine, version, trial.method.name, trial.method.timestep)
     return Row(point.case.name, *method, point.axis, point.value, diagnosis.status, diagnosis.engine_said, diagnosis.detail)
 
 

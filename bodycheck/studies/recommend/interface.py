@@ -11,7 +11,6 @@ from bodycheck.interface.arguments import Names, OneCase
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.results import origin, store
 from bodycheck.running import campaign
-from bodycheck.running.named import check_planned
 from bodycheck.studies.output import Output
 from bodycheck.studies.recommend import study
 from bodycheck.studies.recommend.page import present
@@ -82,7 +81,7 @@ def carry_out(
     BadInput, BadJournal, Failed
         As `study.results` and `study.reused` raise them.
     """
-    check_planned(engines.named, engines.records, ((search.engine, search.method) for search in planned.searches))
+    engines.check_planned([planned.case], ((search.engine, search.method) for search in planned.searches))
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
     head = campaign.header(command, engines.records, engines.missing)
     with (

@@ -6,12 +6,15 @@ from typing import Any
 
 from packaging.version import Version
 
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.adapters.roles import alias, aliases
 from bodycheck.casefile.content import Case
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.results.outcome import Completed, Unsupported
 from bodycheck.running import plan
+from bodycheck.running.roles import BOTH, refuse_timesteps
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Question
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX, UNOBTAINABLE
@@ -76,9 +79,10 @@ class Limit:
     case
         The case.
     integrator
-        The spelling of the method; empty for the first method of the engine.
+        The spelling of the method, or an alias, which stands for the method that the first measured release has behind it;
+        empty for the first method of the engine.
     timestep
-        The time step (s).
+        The time step (s); None for that of the alias, or 2 ms.
     quantity
         A column of results.
     most
@@ -87,7 +91,7 @@ class Limit:
 
     case: Case
     integrator: str
-    timestep: float
+    timestep: float | None
     quantity: str
     most: float
 
@@ -156,7 +160,12 @@ class Observer:
     """
 
     def __init__(self, engine: str, limit: Limit, jobs: int, report: Callable[[str], None], again: bool = False) -> None:
-        plan.check([limit.case], {}, (limit.integrator,) if limit.integrator else (), (limit.timestep,))
+        integrators = (limit.integrator,) if limit.integrator else ()
+        if limit.timestep is None and not aliases(integrators):
+            limit = replace(limit, timestep=DEFAULT_TIMESTEP)
+        timesteps = () if limit.timestep is None else (limit.timestep,)
+        refuse_timesteps(integrators, timesteps)
+        plan.check([limit.case], {}, integrators, timesteps)
         self.engine, self.limit, self.jobs = engine, limit, jobs
         self.cached = frozenset(kept(engine))
         self.looks: dict[str, Look] = {}
@@ -180,7 +189,8 @@ class Observer:
         self.made += version not in self.cached
         case, limit = self.limit.case, self.limit
         integrators = (limit.integrator,) if limit.integrator else ()
-        question = Question("figures", case.name, case.text, integrators, (limit.timestep,))
+        timesteps = () if limit.timestep is None else (limit.timestep,)
+        question = Question("figures", case.name, case.text, integrators, timesteps)
         if self._again:
             release_answers.forget([(environment, question)])
         (answer,) = release_answers.ask([(environment, question)], self.jobs, _silent).by_question.values()
@@ -190,6 +200,11 @@ class Observer:
             return Look(version, Unsupported.status, reason="; ".join(answer.lacking.values()))
         if not limit.integrator and answer.offered:
             self.limit = limit = replace(limit, integrator=answer.offered[0])
+        if (role := alias(limit.integrator)) is not None:
+            for row in answer.rows:
+                if role in row.get("role", "").split(BOTH):
+                    self.limit = replace(limit, integrator=row["integrator"], timestep=row["timestep"])
+                    return self._seen(version, row)
         for row in answer.rows:
             if row["integrator"] == limit.integrator:
                 return self._seen(version, row)

@@ -209,18 +209,17 @@ def bisect(
     limit
         The largest allowed value of the quantity.
     integrator
-        The integrator. Default: the first integrator of the engine.
+        The integrator, or default or recommended. Default: the first integrator of the engine.
     timestep
-        The time step in s. Default: 0.002.
+        The time step in s. Default: 0.002, or that of the alias.
     """
-    from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, load_case, processes
     from bodycheck.studies.releases import bisection, printing
 
     check_engine(engine)
     loaded = load_case(case)
-    kept = bisection.Limit(loaded, integrator, timestep or DEFAULT_TIMESTEP, quantity, limit)
+    kept = bisection.Limit(loaded, integrator, timestep, quantity, limit)
     observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr), again)
     try:
         result, notice = bisection.find(engine, good, bad, observer)

@@ -13,6 +13,7 @@ from typing import Any
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.roles import LACKING, alias
 from bodycheck.casefile import case
 from bodycheck.casefile.content import Case
 from bodycheck.environments import contents, user_cache
@@ -67,8 +68,11 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
     """Return the reasons why the release does not have some of the given methods, by the spelling of the method."""
-    reasons = {}
+    reasons: dict[str, str] = {}
     for spelling in integrators:
+        if (role := alias(spelling)) is not None:
+            reasons |= {} if engine.roles.get(role) else {spelling: f"{engine.name} {LACKING[role]}"}
+            continue
         try:
             offers.check(engine, Method.parse(spelling, 0.0))
         except BadInput as error:
@@ -78,11 +82,11 @@ def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
 
 def _tasks(question: Question, loaded: Case, engine: str, record: Engine, lacking: Mapping[str, str]) -> Sequence[Task]:
     """Return the tasks of a question that the release can run."""
-    there = offers.chosen(record, loaded.scene, [name for name in question.integrators if name not in lacking])
-    if question.integrators and (not there or len(lacking) == len(question.integrators)):
+    there = [name for name in question.integrators if name not in lacking]
+    if question.integrators and not (there and offers.chosen(record, loaded.scene, there)):
         return ()
     make = plan if question.kind == "figures" else tradeoff.plan
-    return make([loaded], {engine: record}, there if question.integrators else (), question.timesteps)
+    return make([loaded], {engine: record}, there, question.timesteps)
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

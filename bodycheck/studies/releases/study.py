@@ -22,6 +22,7 @@ from bodycheck.judging.baselines import difference
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Unsupported
 from bodycheck.running import campaign, fetch_environments, plan
+from bodycheck.running.roles import refuse_timesteps
 from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
@@ -122,7 +123,7 @@ def study(
     cases
         The cases to run.
     integrators
-        Spellings of methods; all that each release offers if it is empty.
+        Spellings of methods, and aliases; all that each release offers if it is empty.
     timesteps
         Time steps (s). If it is empty, 2 ms and the time steps of the case's expectations.
     jobs
@@ -139,6 +140,7 @@ def study(
     BadInput
         If no release has an integrator, or if a time step is not possible.
     """
+    refuse_timesteps(integrators, timesteps)
     plan.check(cases, {}, integrators, timesteps)
     integrators = [Method.parse(spelling, 0.0).name for spelling in integrators]
     questions = [Question("figures", case.name, case.text, tuple(integrators), tuple(timesteps)) for case in cases]

@@ -20,6 +20,7 @@ from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.running.roles import refuse_timesteps
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
 from bodycheck.studies.timesteps import ladder
@@ -42,7 +43,8 @@ def plan(
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods; all that the engines offer if it is empty.
+        Spellings of methods, and aliases, which stand for a method without its time step; all that the engines offer if it is
+        empty.
     timesteps
         Time steps (s). If it is empty, each case has the time steps of its ladder (`timesteps.ladder`).
 
@@ -51,6 +53,7 @@ def plan(
     BadInput
         If no engine has a method, a time step is not possible, or there is nothing to run.
     """
+    refuse_timesteps(integrators, timesteps)
     check(cases, engines, integrators, timesteps)
     tasks = tuple(
         Task(case, name, Method.parse(integrator, timestep))
