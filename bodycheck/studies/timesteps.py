@@ -31,6 +31,11 @@ ACCURACIES = tuple(float(f"1e-{digits}") for digits in range(2, 11))
 ACCURACIES_OF_ORDER_1 = tuple(float(f"1e-{digits}") for digits in range(1, 7))
 
 
+#: The accuracies among which that of a method with error control is searched for, the largest first: 0.1 to 1e-12, three in a
+#: decade, and one more at both ends, so that each of them has neighbours.
+FINE_ACCURACIES = (0.2, *(float(f"{digit}e-{power}") for power in range(1, 13) for digit in (1, 0.5, 0.2)))[:-1]
+
+
 def accuracies(order: int | None) -> tuple[float, ...]:
     """Return the accuracies at which a method with error control and a claimed order is measured, the largest first."""
     return ACCURACIES if order is not None and order > 1 else ACCURACIES_OF_ORDER_1
