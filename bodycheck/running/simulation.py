@@ -211,7 +211,7 @@ def _reach(simulation: Simulation, unsampled: Simulation, scene: AnyScene, metho
         return outcome
     with np.errstate(all="ignore"):
         start = time.perf_counter()
-        unsampled.reach(times[-1:])
+        unsampled.finish(float(times[-1]))
         wall_time = time.perf_counter() - start
     work = unsampled.work
     return replace(outcome, steps=work.steps, wall_time=wall_time, rejected=work.rejected, evaluations=work.evaluations)
