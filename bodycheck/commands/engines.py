@@ -24,7 +24,8 @@ def listed(*, again: Again = False, json: Json = False, view: Viewed = AS_USUAL)
 
     An engine is installed beside bodycheck, or in an environment of its own, whose day is given. `NAME@VERSION` names one of
     several releases. The columns `default` and `recommended` have the methods behind these aliases of --integrator, and `pages`
-    the documentation that shows them. A line on stderr says what the cache keeps. With --again, every engine is asked again what it is.
+    has the addresses of the documentation that shows them. A line on stderr says what the cache keeps. With --again, every
+    engine is asked again what it is.
     """
     from dataclasses import asdict
 
