@@ -22,7 +22,6 @@ from tomlkit.items import Item
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.mechanisms.model import file_text
@@ -163,7 +162,7 @@ def plan(
     return tuple(
         task
         for task in planned.plan(cases, engines, integrators, timesteps)
-        if task.method.timestep in (timesteps or (DEFAULT_TIMESTEP,))
+        if task.method in planned.methods_in(task.case, engines[task.engine], integrators, timesteps)
         or any(e.concerns(task.engine, task.method) for e in task.case.expectations)
     )
 
