@@ -36,6 +36,27 @@ def usage(engine: Engine, kind: Kind, role: Role) -> Usage | None:
     return engine.roles.get(role, {}).get(kind)
 
 
+def in_words(engine: Engine, role: Role) -> str:
+    """Return the methods of a role with their time steps, each with the kinds of scene if these have different methods."""
+    kinds: dict[str, list[str]] = {}
+    for kind, one in engine.roles.get(role, {}).items():
+        kinds.setdefault(f"{one.method} {_step_in_words(engine, one)}", []).append(kind)
+    if len(kinds) == 1:
+        return next(iter(kinds))
+    return "; ".join(f"{method} ({', '.join(sorted(of_method))})" for method, of_method in kinds.items())
+
+
+def pages(engine: Engine) -> tuple[str, ...]:
+    """Return the addresses of the pages that show or recommend the methods of an engine, each once."""
+    return tuple(dict.fromkeys(one.page for role in ALIASES for one in engine.roles.get(role, {}).values()))
+
+
+def _step_in_words(engine: Engine, one: Usage) -> str:
+    if one.timestep is not None:
+        return f"{one.timestep:g} s"
+    return "at most the sampling interval" if engine.largest_step is None else f"at most {engine.largest_step:g} s"
+
+
 def is_of(engine: Engine, integrator: str, role: Role) -> bool:
     """Return whether the spelling of a method is that of a role for any kind of scene."""
     return integrator in {Method.parse(one.method, 0.0).name for one in engine.roles.get(role, {}).values()}

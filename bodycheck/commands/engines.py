@@ -23,9 +23,13 @@ def listed(*, again: Again = False, json: Json = False, view: Viewed = AS_USUAL)
     """List all engines that have an adapter: where each is installed, or the command that installs it.
 
     An engine is installed beside bodycheck, or in an environment of its own, whose day is given. `NAME@VERSION` names one of
-    several releases. A line on stderr says what the cache keeps. With --again, every engine is asked again what it is.
+    several releases. The columns `default` and `recommended` have the methods behind these aliases of --integrator, and `pages`
+    has the addresses of the documentation that shows them. A line on stderr says what the cache keeps. With --again, every
+    engine is asked again what it is.
     """
-    from bodycheck.adapters import offers
+    from dataclasses import asdict
+
+    from bodycheck.adapters import offers, roles
     from bodycheck.console import tables, terminal
     from bodycheck.running import engines as installed
 
@@ -44,16 +48,24 @@ def listed(*, again: Again = False, json: Json = False, view: Viewed = AS_USUAL)
                 "place": places[name][0],
                 "since": places[name][1],
                 "integrators": offers.listed(record),
+                "roles": {
+                    role: {kind: asdict(usage) for kind, usage in usages.items()} for role, usages in record.roles.items()
+                },
+                "largest_step": record.largest_step,
             }
             for name, record in records.items()
         ]
         terminal.print_json(there + [{"name": name, "missing": fault.reason} for name, fault in missing.items()])
         return OK
     rows = [
-        (name, record.version, " of ".join(filter(None, places[name])), ", ".join(offers.listed(record)))
+        (
+            *(name, record.version, " of ".join(filter(None, places[name])), ", ".join(offers.listed(record))),
+            *(roles.in_words(record, role) or "-" for role in roles.ALIASES),
+            " ".join(roles.pages(record)),
+        )
         for name, record in records.items()
     ]
-    rows += [(name, "-", "-", fault.reason) for name, fault in missing.items()]
+    rows += [(name, "-", "-", fault.reason, "", "", "") for name, fault in missing.items()]
     tables.show(terminal.ENGINES, rows, view)
     return OK
 

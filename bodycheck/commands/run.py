@@ -51,10 +51,11 @@ def run(
 ) -> int:
     """Run cases in engines, compare the motions with exact mechanics, and write a report.
 
-    The default time steps are 2 ms and those of the expectations in the cases. The tables are results.csv and
-    results.parquet; results.json contains the same numbers and the findings. An interrupted run resumes when it is run again
-    with the same --out. In a GitHub workflow, failed expectations are annotated in the case files, and the report becomes the
-    summary of the step.
+    Without --integrator and --timestep, the methods that each engine offers run at 2 ms, the default and the recommended
+    method of the engine at their own time steps, and methods of which a case expects something at those of its expectations.
+    The tables are results.csv and results.parquet; results.json contains the same numbers and the findings. An interrupted run
+    resumes when it is run again with the same --out. In a GitHub workflow, failed expectations are annotated in the case files,
+    and the report becomes the summary of the step.
 
     Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
     of which something is expected, or something that was named has no result,
@@ -140,7 +141,7 @@ def export(
     engine
         The engine.
     integrator
-        The integrator, or default or recommended. Default: the first one that the engine offers for the case.
+        The method, or default or recommended. If none is named: the first one that the engine offers for the case.
     out
         The file for the script. Default: standard output.
     """

@@ -17,7 +17,11 @@ Engines = Annotated[
 
 Integrators = Annotated[
     tuple[str, ...],
-    Parameter(help="An integrator to use. May be given several times. Default: all integrators of each engine."),
+    Parameter(
+        help="A method to use, or one of the aliases default (what users of the engine's quick start get) and recommended "
+        "(what its documentation recommends), which have their own time steps. May be given several times. If none is named: "
+        "all methods that each engine offers."
+    ),
 ]
 
 Timesteps = Annotated[tuple[float, ...], Parameter(help="A time step in s. May be given several times.")]

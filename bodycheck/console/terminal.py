@@ -25,10 +25,10 @@ CASES: tuple[Column[Any], ...] = (
     Column("tags", "tags", lambda case: ", ".join(case.tags), goes=1, wraps=True),
 )
 
-#: The columns of `bodycheck engines`, whose rows are four texts.
+#: The columns of `bodycheck engines`, whose rows are texts. On a narrow terminal the pages are left out.
 ENGINES = tuple(
-    Column(name, name, itemgetter(index), wraps=name == "integrators")
-    for index, name in enumerate(("engine", "version", "installed", "integrators"))
+    Column(name, name, itemgetter(index), wraps=index > 2, goes=int(name == "pages"))
+    for index, name in enumerate(("engine", "version", "installed", "integrators", "default", "recommended", "pages"))
 )
 
 #: The columns of `bodycheck expect`.

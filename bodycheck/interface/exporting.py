@@ -29,7 +29,7 @@ def export(
     engine
         The engine.
     integrator
-        The integrator, or `default` or `recommended`. By default, the first one that the engine offers for the case.
+        The method, or `default` or `recommended`. If none is named, the first one that the engine offers for the case.
     timestep
         The time step (s). By default, the one that `simulate` chooses.
     out

@@ -158,9 +158,11 @@ def run(
     engine
         Names of engines, each `NAME` or `NAME@VERSION`. By default, all installed engines.
     integrator
-        Names of methods, as each engine spells them. By default, all methods of each engine.
+        Names of methods, as each engine spells them, and the aliases `default` and `recommended`. If none is named, all methods
+        that each engine offers.
     timestep
-        Time steps (s). By default, 2 ms and the time steps of the expectations.
+        Time steps (s). By default, 2 ms and the time steps of the expectations; if no method is named either, also the default
+        and the recommended method of each engine at their own time steps.
     out
         A folder for the tables, the recorded runs and the report. Runs that were interrupted there are continued.
     jobs

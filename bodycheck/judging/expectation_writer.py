@@ -35,7 +35,6 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.store import Results
 from bodycheck.running import plan as planned
-from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task
 from bodycheck.suggestion import did_you_mean
 
@@ -163,7 +162,7 @@ def plan(
     return tuple(
         task
         for task in planned.plan(cases, engines, integrators, timesteps)
-        if task.method.timestep in (timesteps or (default_timestep(engines[task.engine], task.case, task.method),))
+        if task.method in planned.methods_in(task.case, engines[task.engine], integrators, timesteps)
         or any(e.concerns(task.engine, task.method) for e in task.case.expectations)
     )
 

@@ -8,7 +8,7 @@ from bodycheck.results.verdicts import SCENES, Verdict
 from bodycheck.site import changes
 from bodycheck.site.catalogue import REFUSES, Catalogue, Entry, Scene
 from bodycheck.site.changes import Change
-from bodycheck.site.submissions.own_methods import own_method
+from bodycheck.site.submissions.own_methods import in_role, own_method
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,11 +18,13 @@ class Cell:
     Parameters
     ----------
     verdict
-        The verdict on the method that the engine itself chooses.
+        The verdict on the method that represents the engine: its default method, as far as it is known.
     run
         The run of that method; None if the engine has no run of the scene.
     value, bound
         The error in the quantity of the scene and the error bound of the truth, in the quantity's unit; None if unknown.
+    recommended
+        The run of the method that the documentation of the engine recommends; None if there is none, or if it is not known.
     best
         The completed run of the engine with the smallest error; None if no run completed with an error.
     changes
@@ -37,6 +39,7 @@ class Cell:
     run: Entry | None = None
     value: float | None = None
     bound: float | None = None
+    recommended: Entry | None = None
     best: Entry | None = None
     changes: tuple[Change, ...] = ()
     reason: str = ""
@@ -53,8 +56,15 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
     own = default_run(newest)
     changed = tuple(changes.since(catalogue, scene, newest))
     done = [entry for entry in newest if entry.get("status") == Completed.status and entry.get(scene.quantity.name) is not None]
+    recommended = in_role([entry.row for entry in newest], "recommended")
     best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
-    return replace(of_run(own, scene), best=best, changes=changed, others=changes.contradictions(catalogue, scene, own))
+    return replace(
+        of_run(own, scene),
+        recommended=None if recommended is None else newest[recommended],
+        best=best,
+        changes=changed,
+        others=changes.contradictions(catalogue, scene, own),
+    )
 
 
 def verdict(run: Entry, scene: Scene) -> Verdict:
@@ -71,7 +81,7 @@ def verdict(run: Entry, scene: Scene) -> Verdict:
 
 
 def default_run(runs: list[Entry]) -> Entry:
-    """Return the run of the method that the engine itself chooses, or else of the method that its adapter lists first.
+    """Return the run of the method that represents an engine; see `own_methods.own_method`.
 
     runs: the runs of one scene in one version of an engine in one submission; at least one run, in any order.
     """

@@ -11,6 +11,7 @@ from bodycheck.site import cells, changes, links
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell
 from bodycheck.site.changes import Change
+from bodycheck.site.submissions.own_methods import in_words as in_words_of_roles
 
 #: The most characters of the reason in the explanation of a cell; the page of the row has the whole reason.
 LONGEST_REASON = 200
@@ -62,10 +63,11 @@ class Head:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A scene with a cell for each engine: `own` for the method that the engine itself chooses, `best` for its best method."""
+    """A scene with a cell for each engine: `own` for its default method, `recommended` and `best` for these methods."""
 
     scene: Scene
     own: tuple[Shown, ...]
+    recommended: tuple[Shown, ...]
     best: tuple[Shown, ...]
 
     @property
@@ -147,11 +149,13 @@ class Front:
         by_kind: dict[str, list[Line]] = {kind.name: [] for kind in KINDS}
         for scene in self.catalogue.scenes.values():
             known = [self.cells[engine, scene.name] for engine in self.catalogue.engines]
-            own = tuple(shown(cell, scene, head) for cell, head in zip(known, self.heads, strict=True))
-            best = tuple(
-                shown(best_of(self.catalogue, cell, scene), scene, head) for cell, head in zip(known, self.heads, strict=True)
+            recommended = [recommended_of(self.catalogue, cell, scene) for cell in known]
+            best = [best_of(self.catalogue, cell, scene) for cell in known]
+            columns = (
+                tuple(shown(cell, scene, head) for cell, head in zip(of_scene, self.heads, strict=True))
+                for of_scene in (known, recommended, best)
             )
-            by_kind[scene.kind.name].append(Line(scene, own, best))
+            by_kind[scene.kind.name].append(Line(scene, *columns))
         return tuple(Group(kind, tuple(by_kind[kind.name])) for kind in KINDS if by_kind[kind.name])
 
     @cached_property
@@ -185,8 +189,26 @@ def best_of(catalogue: Catalogue, cell: Cell, scene: Scene) -> Cell:
     """Return the cell with the engine's best run in place of the run of its own method; unchanged if there is no best run."""
     if cell.best is None:
         return cell
-    others = changes.contradictions(catalogue, scene, cell.best)
-    return replace(cells.of_run(cell.best, scene), best=cell.best, changes=cell.changes, reason="", others=others)
+    return replace(_with_run(catalogue, cell, cell.best, scene), reason="")
+
+
+def recommended_of(catalogue: Catalogue, cell: Cell, scene: Scene) -> Cell:
+    """Return the cell with the run of the engine's recommended method, or with the reason why there is no such run.
+
+    The cell is unchanged if the engine has no run of the scene.
+    """
+    if cell.recommended is not None:
+        return _with_run(catalogue, cell, cell.recommended, scene)
+    if cell.run is None:
+        return cell
+    return Cell("not run", reason="no recommended method" if "role" in cell.run.row else "role not known")
+
+
+def _with_run(catalogue: Catalogue, cell: Cell, run: Entry, scene: Scene) -> Cell:
+    """Return the cell with another run of its engine in place of the run of its own method."""
+    others = changes.contradictions(catalogue, scene, run)
+    of_run = cells.of_run(run, scene)
+    return replace(of_run, recommended=cell.recommended, best=cell.best, changes=cell.changes, others=others)
 
 
 def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
@@ -214,7 +236,7 @@ def told(cell: Cell, scene: Scene, head: Head) -> str:
     if cell.reason:
         parts.append(cell.reason if len(cell.reason) <= LONGEST_REASON else f"{cell.reason[:LONGEST_REASON]}…")
     if cell.run is not None:
-        parts.append(method(cell.run))
+        parts.append(f"{method(cell.run)}, {in_words_of_roles(cell.run.row)}")
         if (cell.run.version, cell.run.source.date) != (head.version, head.date):
             parts.append(f"version {cell.run.version} of {cell.run.source.date}")
     for run in cell.others:

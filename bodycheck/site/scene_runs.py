@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from bodycheck.results.outcome import Unsupported
 from bodycheck.results.verdicts import Verdict
+from bodycheck.running.roles import BOTH
 from bodycheck.site import changes
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import default_run, verdict
@@ -22,8 +23,8 @@ class Line:
     verdict
         The verdict on the run.
     own
-        Why its method represents the engine: it is the "own choice" of the engine, or it is "listed first" by the adapter of an
-        engine that chooses none. Empty for all other methods.
+        The roles of its method. If these are not known, or the engine has no default method, why the method represents the
+        engine: it is the "own choice" of the engine, or "listed first" by the adapter. Empty for all other methods.
     source
         The submission in words, if others say something else of the same method in the same version; otherwise empty.
     """
@@ -99,7 +100,7 @@ def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
     own = default_run(group)
     for run in group:
         if run.get("status") != Unsupported.status:
-            yield Line(run, verdict(run, scene), _why(run) if run is own else "")
+            yield Line(run, verdict(run, scene), BOTH.join(own_methods.roles_of(run.row)) or (_why(run) if run is own else ""))
 
 
 def _side_by_side(catalogue: Catalogue, scene: Scene, lines: Sequence[Line]) -> Iterator[Line]:

@@ -24,7 +24,7 @@ def shown(*rows: submissions.Row, best: bool = False) -> Shown:
 def test_an_error_is_shown_with_its_bound_its_method_and_the_shade_of_its_exponent() -> None:
     cell = shown(run(attitude_error=2.5e-4, truth_error=1e-10))
     assert (cell.text, cell.style, cell.word) == ("0.00025", "error d4", "")
-    assert cell.told == "error 0.00025, bound 1e-10 rad; Euler at 2 ms"
+    assert cell.told == "error 0.00025, bound 1e-10 rad; Euler at 2 ms, role not known"
 
 
 @pytest.mark.parametrize(
@@ -68,6 +68,37 @@ def test_the_best_method_is_the_completed_one_with_the_smallest_error() -> None:
     assert shown(*rows).text == "2.1"
     assert shown(*rows, best=True).text == "1e-6"
     assert "RK4" in shown(*rows, best=True).told
+
+
+def cells_of(*rows: submissions.Row) -> tuple[Shown, Shown]:
+    """The cells of these runs on the front page: that of the default method, and that of the recommended method."""
+    (group,) = Front(catalogued(submission(rows))).groups
+    (line,) = group.lines
+    return line.own[0], line.recommended[0]
+
+
+def test_the_front_shows_the_default_and_the_recommended_method() -> None:
+    rows = [
+        run(attitude_error=1.0, role=None),
+        run(integrator="RK4", timestep=0.005, attitude_error=0.25, role="default"),
+        run(integrator="implicit", attitude_error=0.125, role="recommended"),
+    ]
+    default, recommended = cells_of(*rows)
+    assert (default.text, recommended.text) == ("0.25", "0.12")
+    assert default.told.endswith("RK4 at 5 ms, default method")
+    assert recommended.told.endswith("implicit at 2 ms, recommended method")
+    both, again = cells_of(run(attitude_error=0.5, role="default, recommended"))
+    assert both == again
+    assert both.told.endswith("Euler at 2 ms, default and recommended method")
+
+
+def test_the_front_says_where_roles_are_not_known_or_an_engine_has_none() -> None:
+    default, recommended = cells_of(run(integrator="RK4"), run())
+    assert default.told.endswith("Euler at 2 ms, role not known")
+    assert (recommended.word, recommended.told, recommended.address) == ("not run", "not run; role not known", "")
+    default, recommended = cells_of(run(role=None))
+    assert default.told.endswith("Euler at 2 ms, neither default nor recommended")
+    assert recommended.told == "not run; no recommended method"
 
 
 def test_a_cell_leads_to_its_raw_row() -> None:

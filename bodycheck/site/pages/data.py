@@ -162,6 +162,7 @@ def _cell(engine: str, scene: str, cell: Cell) -> dict[str, Any]:
         "bound": cell.bound,
         "reason": cell.reason,
         "row": _place(cell.run),
+        "recommended": _place(cell.recommended),
         "best": _place(best),
         "changes": [
             {

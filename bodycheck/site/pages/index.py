@@ -3,7 +3,7 @@
 No other page mentions the paths that are left out.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue
@@ -14,16 +14,20 @@ from bodycheck.site.render import File, page
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the three pages."""
     front = Front(catalogue)
-    best = [_best(line) for group in front.groups for line in group.lines]
-    yield page(links.INDEX, "index.html.jinja", front=front, catalogue=catalogue, best=best)
+    lines = [line for group in front.groups for line in group.lines]
+    others = {
+        "recommended": [_others(line, line.recommended) for line in lines],
+        "best": [_others(line, line.best) for line in lines],
+    }
+    yield page(links.INDEX, "index.html.jinja", front=front, catalogue=catalogue, others=others)
     yield page(links.ROW, "row.html.jinja", catalogue=catalogue)
     yield page(links.ERRORS, "errors.html.jinja", left_out=sorted(catalogue.left_out, key=lambda one: (one.name, one.reason)))
 
 
-def _best(line: Line) -> dict[int, list[str]]:
-    """Return the cells of a line for the best methods that differ from the cells for the own methods, by column."""
-    pairs = enumerate(zip(line.own, line.best, strict=True))
-    return {column: _fields(best) for column, (usual, best) in pairs if usual != best}
+def _others(line: Line, others: Sequence[Shown]) -> dict[int, list[str]]:
+    """Return the cells of a line for other methods that differ from the cells for the own methods, by column."""
+    pairs = enumerate(zip(line.own, others, strict=True))
+    return {column: _fields(other) for column, (usual, other) in pairs if usual != other}
 
 
 def _fields(shown: Shown) -> list[str]:

@@ -10,8 +10,8 @@
   const lines = bodies.flatMap((body) =>
     [...body.rows].slice(1).map((row) => ({ row, body, head: row.cells[0], cells: [...row.cells].slice(1) })),
   );
-  const best = site.json("best");
-  let own = null; // the cells of the engines' own methods, stored when the best methods are first shown
+  const others = site.json("others"); // the cells of other methods that differ from those of the default methods
+  const usual = lines.map(() => ({})); // the cells of the default methods that other methods have replaced
   let method = "";
 
   // Returns the state: the choices of the reader by name. An empty choice means everything.
@@ -21,7 +21,7 @@
     return {
       q: state.get("q") ?? "",
       kind: state.get("kind") ?? "",
-      method: state.get("method") === "best" ? "best" : "",
+      method: Object.hasOwn(others, state.get("method") ?? "") ? state.get("method") : "",
       changed: state.get("changed") === "1",
       engines: list("engines"),
       verdicts: list("verdicts"),
@@ -70,9 +70,12 @@
   };
   const change = (wanted) => {
     if (wanted === method) return;
-    own ??= best.map((others, place) => Object.fromEntries(Object.keys(others).map((k) => [k, fields(lines[place].cells[k])])));
-    (wanted === "best" ? best : own).forEach((others, place) => {
-      for (const [column, content] of Object.entries(others)) put(lines[place].cells[column], content);
+    lines.forEach(({ cells }, place) => {
+      for (const column of Object.keys(others[method]?.[place] ?? {})) put(cells[column], usual[place][column]);
+      for (const [column, content] of Object.entries(others[wanted]?.[place] ?? {})) {
+        usual[place][column] ??= fields(cells[column]);
+        put(cells[column], content);
+      }
     });
     method = wanted;
   };

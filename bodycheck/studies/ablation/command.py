@@ -27,7 +27,10 @@ def ablate(
     engine: Engines = (),
     integrator: Annotated[
         Integrators,
-        Parameter(help="An integrator to use. May be given several times. Default: the first of each engine that has models."),
+        Parameter(
+            help="A method to use, or default or recommended. May be given several times. If none is named: the first of each "
+            "engine that has models."
+        ),
     ] = (),
     timestep: Timesteps = (),
     out: Out = None,

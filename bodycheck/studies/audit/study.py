@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.roles import is_of
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
 from bodycheck.processes import pool
@@ -216,19 +217,19 @@ def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
 
 
 def _is_of_engine(engine: Engine, method: Method) -> bool:
-    """Return whether a user of the engine who chooses nothing gets this method, apart from the time step.
+    """Return whether a user of the engine who chooses nothing gets the settings of this method, apart from the time step.
 
-    If the method has options, it is the user's default only if they select the engine's own settings (`settings=engine`). If it
-    has no options, it is the default if two conditions hold: its integrator has no such option, because its settings are those
-    of mechanics anyway, and it is the engine's default integrator or the only one that the engine has for free flight.
+    This holds for the engine's default method, and for methods with the engine's own settings (`settings=engine`). It also
+    holds for the only integrator that the engine has for free flight, if the adapter has nothing to switch off in it.
     """
+    if is_of(engine, method.name, "default"):
+        return True
     if method.options:
         return method.option("settings") == "engine"
     integrators = {integrator.name: integrator for integrator in engine.integrators if "flight" in integrator.kinds}
     if "settings" in integrators[method.integrator].options:
         return False
-    defaults = engine.defaults.get("integrator", "").replace(",", " ").split()
-    return method.integrator in defaults or len(integrators) == 1
+    return len(integrators) == 1
 
 
 def _call(engine: str, method: Method, probe: str) -> Call:

@@ -27,8 +27,8 @@ def contact(
 ) -> int:
     """Show how bodies roll, bounce, rest and tip in an engine: at its defaults, and at the best settings found.
 
-    Each scene of contact has a truth. It is run with what the engine does by itself, and with every method that it offers, at
-    the engine's own time step and at a quarter of it. For each figure the sheet has the value at the defaults, and the
+    Each scene of contact has a truth. It is run with the default method of the engine, and with every method that it offers, at
+    the time step of the default method and at a quarter of it. For each figure the sheet has the value at the defaults, and the
     smallest with the method that has it. The table is contact.csv.
     """
     from dataclasses import asdict

@@ -13,9 +13,10 @@ from bodycheck.studies.contact.rows import ContactRow, Line, lines
 
 #: Explanations for readers.
 READING = (
-    "“At defaults” is what the engine does where its user chooses nothing: its own integrator, time step and contact settings. "
-    "“Best” is the smallest value among all methods that the adapter offers, at the engine's own time step and at a quarter of "
-    "it, each figure for itself: the method that is best in one figure need not be good in another.",
+    "“At defaults” is the default method of the engine, which a user of its quick start gets: its integrator, time step and "
+    "contact settings. A library without a stepper has none. “Best” is the smallest value among all methods that the adapter "
+    "offers, at the time step of the default method and at a quarter of it, each figure for itself: the method that is best in "
+    "one figure need not be good in another.",
     "“In mechanics” is the exact value of what the figure measures the error of, such as the instant of an impact; it is 0 for "
     "what should not be at all, such as creep. A dash means that the figure does not exist in the scene.",
 )

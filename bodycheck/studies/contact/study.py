@@ -1,56 +1,36 @@
 """Plan runs of contact scenes at the defaults of engines and with every method that they offer, and make rows of the runs."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
+from bodycheck.adapters.roles import aliases, spelled
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
-from bodycheck.running.instants import method_of
+from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.running.roles import method_in_role, methods_of, refuse_timesteps
 from bodycheck.studies.contact.rows import ContactRow, Setting
 from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
 
-#: The time steps with which methods are tried, as multiples of the engine's default time step.
+#: The time steps with which methods are tried, as multiples of the time step of the engine's default method.
 REFINEMENTS = (1.0, 0.25)
 
 #: A function from the name of a case and a time step (s) to the truth, or to the reason why there is none.
 Truths = Callable[[str, float], Truth | NoTruth]
 
 
-def default_step(engine: Engine) -> float:
-    """Return the default time step (s) of an engine, or bodycheck's default if the engine has none."""
-    words = engine.defaults.get("timestep", "").split()
-    try:
-        return float(words[0]) if words else DEFAULT_TIMESTEP
-    except ValueError:
-        return DEFAULT_TIMESTEP
-
-
 def default_method(engine: Engine, case: Case) -> Method | None:
-    """Return the method that an engine uses for a case if its user chooses nothing; None if it offers no method for the case.
-
-    If the engine's default integrator is not among the methods that its adapter offers for the case, the first of these is
-    returned.
-    """
-    names = with_contact(engine, case)
-    if not names:
-        return None
-    preferred = engine.defaults.get("integrator", "")
-    return Method.parse(preferred if preferred in names else names[0], default_step(engine))
-
-
-def _controlled(spelling: str) -> bool:
-    """Return whether a method has error control, and is tried with its usual largest step alone if no step is named."""
-    return Method.parse(spelling, 0.0).accuracy is not None
+    """Return the default method of an engine for a case, with its time step; None if the engine has none."""
+    return method_in_role(engine, case, "default")
 
 
 def with_contact(engine: Engine, case: Case) -> list[str]:
@@ -61,9 +41,10 @@ def with_contact(engine: Engine, case: Case) -> list[str]:
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Return the tasks: each method that an engine offers for a case, at the engine's default time step and a quarter of it.
+    """Return the tasks: each method that an engine offers for a case, at two time steps, and its default method.
 
-    The engine's default method, at its default time step, is always among them.
+    The time steps are that of the default method and a quarter of it; 2 ms and a quarter of it if the engine has no default
+    method.
 
     Parameters
     ----------
@@ -72,7 +53,8 @@ def plan(
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods that are run in addition to the methods that an engine offers.
+        Spellings of methods that are run in addition to the methods that an engine offers, and aliases, whose methods have
+        their own time steps.
     timesteps
         Time steps (s) that replace the two time steps of an engine; none if it is empty.
 
@@ -81,21 +63,32 @@ def plan(
     BadInput
         If no engine has a method, a time step is not possible, or there is nothing to run.
     """
+    refuse_timesteps(integrators, timesteps)
     check(cases, engines, integrators, timesteps)
     tasks: dict[Task, None] = {}
     for case in cases:
         for name, engine in engines.items():
-            steps = timesteps or [default_step(engine) * part for part in REFINEMENTS]
-            spellings = (*with_contact(engine, case), *integrators)
             usual = default_method(engine, case)
+            step = DEFAULT_TIMESTEP if usual is None else usual.timestep
+            spellings = (*with_contact(engine, case), *spelled(integrators))
             methods = [
                 *([usual] if usual is not None else []),
-                *(Method.parse(one, step) for step in steps for one in spellings if timesteps or not _controlled(one)),
-                *(method_of(engine, case, one) for one in spellings if _controlled(one) and not timesteps),
+                *methods_of(engine, case, aliases(integrators)),
+                *(method for one in spellings for method in _over(engine, case, one, timesteps, step)),
             ]
             tasks |= dict.fromkeys(Task(case, name, method) for method in methods)
     refuse_nothing(tuple(tasks), engines, integrators)
     return tuple(tasks)
+
+
+def _over(engine: Engine, case: Case, spelling: str, timesteps: Sequence[float], step: float) -> Iterator[Method]:
+    """Yield a method at the named time steps (s); if there are none, at a step (s) and its refinements.
+
+    A method with error control has its default largest step instead of a step and its refinements.
+    """
+    method = Method.parse(spelling, 0.0)
+    largest = () if method.accuracy is None else (default_timestep(engine, case, method),)
+    yield from map(method.at, timesteps or largest or [step * part for part in REFINEMENTS])
 
 
 def evaluate(results: Results, engines: Mapping[str, Engine], verdicts: Sequence[Verdict]) -> list[ContactRow]:

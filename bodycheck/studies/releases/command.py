@@ -209,7 +209,7 @@ def bisect(
     limit
         The largest allowed value of the quantity.
     integrator
-        The integrator, or default or recommended. Default: the first integrator of the engine.
+        The method, or default or recommended. If none is named: the first one that the engine offers for the case.
     timestep
         The time step in s. Default: 0.002, or that of the alias.
     """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, choice
+from bodycheck.adapters.contract import Engine, Integrator, Method, Usage, choice
 from bodycheck.studies.audit import classes, nondeterminism, study
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.rows import PROPERTIES, Row
@@ -188,26 +188,27 @@ SETTLED = Integrator("euler", options={"settings": choice("engine")})
 
 
 @pytest.mark.parametrize(
-    ("spelling", "name", "precision", "defaults", "status"),
+    ("spelling", "name", "precision", "defaults", "usual", "status"),
     [
-        ("euler", "angular-damping", "float64", {}, "deviates"),
-        ("euler:settings=engine", "angular-damping", "float64", {}, "default"),
-        ("euler", "angular-damping", "float64", {"angular-damping": "0.05 1/s"}, "default"),
+        ("euler", "angular-damping", "float64", {}, "rk4", "deviates"),
+        ("euler:settings=engine", "angular-damping", "float64", {}, "rk4", "default"),
+        ("euler", "angular-damping", "float64", {"angular-damping": "0.05 1/s"}, "rk4", "default"),
         # The settings of this integrator can be switched off, and are: it is not what a user gets.
-        ("euler", "angular-damping", "float64", {"integrator": "euler"}, "deviates"),
-        ("rk4", "energy-per-turn", "float64", {"integrator": "heun, rk4 of a continuous plant"}, "default"),
-        ("rk4", "energy-per-turn", "float64", {}, "deviates"),
-        ("rk4", "single-precision", "float32", {}, "default"),
-        ("rk4", "single-precision", "float64", {}, "deviates"),
+        ("euler", "angular-damping", "float64", {"integrator": "euler"}, "euler:settings=engine", "deviates"),
+        ("rk4", "energy-per-turn", "float64", {}, "rk4", "default"),
+        ("rk4", "energy-per-turn", "float64", {"integrator": "rk4"}, "euler:settings=engine", "deviates"),
+        ("rk4", "single-precision", "float32", {}, "euler:settings=engine", "default"),
+        ("rk4", "single-precision", "float64", {}, "euler:settings=engine", "deviates"),
     ],
 )
 def test_what_users_get_without_asking_is_a_default(
-    spelling: str, name: str, precision: str, defaults: dict[str, str], status: str
+    spelling: str, name: str, precision: str, defaults: dict[str, str], usual: str, status: str
 ) -> None:
     engine = Engine(
         *("toy", "toy", "1.0", (SETTLED, Integrator("rk4")), frozenset()),
         precision=precision,  # type: ignore[arg-type]
         defaults=defaults,
+        roles={"default": {"flight": Usage(usual, 0.002, "https://example.org")}},
     )
     method = Method.parse(spelling, 0.002)
     assert study.status_of(engine, method, Finding(name, "probe", "found", 1.0)) == status  # type: ignore[arg-type]
