@@ -74,7 +74,7 @@ class Value(_Table):
         Whether the script prints the value. Only what bodycheck itself adds, such as the bound of the truth, is not printed.
     """
 
-    value: float | str
+    value: Annotated[float, Field(allow_inf_nan=False)] | Text
     unit: str = ""
     shown: str = ""
     tolerance: Annotated[float, Field(ge=0, lt=0.5)] | None = None
@@ -114,8 +114,8 @@ class Claim(_Table):
 
     Attributes
     ----------
-    name
-        The name of the claim, `ENGINE/NAME`, from the place of its file.
+    path
+        The path of its file.
     sentence, wordings
         The sentence in Markdown, with the name of a value in braces for each number, and further wordings for other pages.
         Links lead from the folder of the checkout.
@@ -123,7 +123,7 @@ class Claim(_Table):
         A fault of the engine, a documented choice of its authors, or a default, which users can change.
     """
 
-    name: str
+    path: Path
     sentence: Text
     wordings: Mapping[str, Text] = {}
     engine: Annotated[str, AfterValidator(_engine)]
@@ -135,9 +135,14 @@ class Claim(_Table):
     cause: Cause | None = None
 
     @property
+    def name(self) -> str:
+        """Return the name of the claim, `ENGINE/NAME`."""
+        return f"{self.path.parent.name}/{self.path.stem}"
+
+    @property
     def script(self) -> Path:
         """Return the path of the script."""
-        return CLAIMS / f"{self.name}.py"
+        return self.path.with_suffix(".py")
 
 
 def read(path: Path) -> Claim:
@@ -148,13 +153,11 @@ def read(path: Path) -> Claim:
     except tomllib.TOMLDecodeError as error:
         raise BadInput(f"{path}: is not TOML: {error}") from error
     try:
-        claim = Claim.model_validate({**document, "name": f"{path.parent.name}/{path.stem}"})
+        claim = Claim.model_validate({"path": path, **document})
     except ValidationError as error:
         raise BadInput("\n".join(_fault(path, text, one["loc"], one["msg"], one["input"]) for one in error.errors())) from error
-    faults = [
-        _fault(path, text, location, allowed, read_value) for location, allowed, read_value in _contradictions(claim, path)
-    ]
-    if faults := [*faults, *_script_faults(path.with_suffix(".py"), claim.engine)]:
+    faults = [_fault(path, text, location, allowed, was) for location, allowed, was in _contradictions(claim)]
+    if faults := [*faults, *_script_faults(claim)]:
         raise BadInput("\n".join(faults))
     return claim
 
@@ -180,14 +183,15 @@ def _fault(path: Path, text: str, location: tuple[str | int, ...], allowed: str,
     return f"{path}:{line}: {'.'.join(map(str, location))}: {allowed}; read: {str(read_value)[:80]!r}"
 
 
-def _contradictions(claim: Claim, path: Path) -> Iterator[tuple[tuple[str | int, ...], str, Any]]:
+def _contradictions(claim: Claim) -> Iterator[tuple[tuple[str | int, ...], str, Any]]:
     """Yield the contradictions between keys: the location of a key, what is allowed, and what was read."""
-    if claim.engine != path.parent.name:
-        yield ("engine",), f"allowed: {path.parent.name!r}, the folder of the file", claim.engine
-    for key, template in (("sentence", claim.sentence), *((f"wordings.{name}", text) for name, text in claim.wordings.items())):
+    if claim.engine != claim.path.parent.name:
+        yield ("engine",), f"allowed: {claim.path.parent.name!r}, the folder of the file", claim.engine
+    wordings = {("wordings", name): text for name, text in claim.wordings.items()}
+    for location, template in {("sentence",): claim.sentence, **wordings}.items():
         for name in PLACE.findall(template):
             if name not in claim.values:
-                yield tuple(key.split(".")), f"allowed in braces: {', '.join(claim.values)}", name
+                yield location, f"allowed in braces: {', '.join(claim.values)}", name
     for name, value in claim.values.items():
         yield from ((("values", name, *key), allowed, was) for key, allowed, was in _contradictions_of_value(claim, value))
     if not any(value.script for value in claim.values.values()):
@@ -213,18 +217,18 @@ def _contradictions_of_value(claim: Claim, value: Value) -> Iterator[tuple[tuple
             yield ("releases",), f"allowed: {', '.join(claim.releases)}", release
 
 
-def _script_faults(path: Path, engine: str) -> Iterator[str]:
+def _script_faults(claim: Claim) -> Iterator[str]:
     """Yield the faults of a script: it is short, and imports the engine, NumPy and the standard library alone."""
-    if not path.is_file():
-        yield f"{path}: is missing: a claim has a script that shows it with the engine alone"
+    if not claim.script.is_file():
+        yield f"{claim.script}: is missing: a claim has a script that shows it with the engine alone"
         return
-    source = path.read_text("utf-8")
+    source = claim.script.read_text("utf-8")
     if (lines := len(source.splitlines())) > MOST_LINES:
-        yield f"{path}: has {lines} lines, allowed: {MOST_LINES}"
-    allowed = {"numpy", *registry.installation(engine).imported}
+        yield f"{claim.script}: has {lines} lines, allowed: {MOST_LINES}"
+    allowed = {"numpy", *registry.installation(claim.engine).imported}
     for node in ast.walk(ast.parse(source)):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         for name in names:
             if (module := name.partition(".")[0]) not in allowed | sys.stdlib_module_names:
-                yield f"{path}: imports {module!r}, allowed: {', '.join(sorted(allowed))} and the standard library"
+                yield f"{claim.script}: imports {module!r}, allowed: {', '.join(sorted(allowed))} and the standard library"
