@@ -164,8 +164,9 @@ def read(path: Path) -> Claim:
 
 @cache
 def claims() -> Mapping[str, Claim]:
-    """Return all claims by name. Raises `BadInput` for a fault in a record or script."""
-    return {claim.name: claim for claim in map(read, sorted(CLAIMS.glob("*/*.toml")))}
+    """Return all claims by name, without the cases of their commands. Raises `BadInput` for a fault in a record or script."""
+    paths = [path for path in sorted(CLAIMS.glob("*/*.toml")) if not path.name.endswith(".case.toml")]
+    return {claim.name: claim for claim in map(read, paths)}
 
 
 def sentence(claim: Claim, wording: str = "") -> str:
