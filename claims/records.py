@@ -188,8 +188,8 @@ def _contradictions(claim: Claim) -> Iterator[tuple[tuple[str | int, ...], str, 
     """Yield the contradictions between keys: the location of a key, what is allowed, and what was read."""
     if claim.engine != claim.path.parent.name:
         yield ("engine",), f"allowed: {claim.path.parent.name!r}, the folder of the file", claim.engine
-    wordings = {("wordings", name): text for name, text in claim.wordings.items()}
-    for location, template in {("sentence",): claim.sentence, **wordings}.items():
+    wordings = [(("wordings", name), text) for name, text in claim.wordings.items()]
+    for location, template in ((("sentence",), claim.sentence), *wordings):
         for name in PLACE.findall(template):
             if name not in claim.values:
                 yield location, f"allowed in braces: {', '.join(claim.values)}", name

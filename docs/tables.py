@@ -109,11 +109,16 @@ def _evidence(claim: Claim) -> str:
         f"- {claim.kind.capitalize()}, measured in {', '.join(claim.releases)}",
         f"- `{claim.command}`",
         f"- `claims/{claim.name}.py`",
-        *(f"- [Documentation]({one.address}): “{' '.join(one.says.split())}”" for one in claim.documentation),
+        *(f"- [{one.address.removeprefix('https://')}]({one.address}): “{_plain(one.says)}”" for one in claim.documentation),
     ]
     if cause := claim.cause:
         lines.append(f"- Cause: {cause.text} Experiment: {cause.experiment} Rejected: {'; '.join(cause.against)}.")
     return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    """Return a text on one line that is no markup."""
+    return re.sub(r"([*<>\[\]$_])", r"\\\1", " ".join(text.split()))
 
 
 def _sentence(meaning: str, remark: str) -> str:
