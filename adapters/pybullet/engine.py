@@ -33,6 +33,7 @@ with no_stderr():
     from bodycheck.adapters.pybullet.links import BASE, load, weld
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
+    from bodycheck.adapters.pybullet.robots import step_robot as step_robot
 
 #: Half the length of the ground (m), which is much longer than any slide, and half its height (m).
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0

@@ -29,7 +29,15 @@ import pybullet
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms
@@ -128,6 +136,31 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
             rounding=ROUNDING,
             notes=(*NOTES, *(f"PyBullet warns: {warning}" for warning in warnings)),
         )
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Bullet, as `RobotSteps.step_robot` does. A server has no gravity unless it is set."""
+    with server() as client, overheard():
+        robot, _ = loaded(client, file)
+        pybullet.setTimeStep(timestep, physicsClientId=client)
+        for index in (BASE, *(joint.index for joint in robot.joints)):
+            pybullet.changeDynamics(robot.body, index, linearDamping=0, angularDamping=0, physicsClientId=client)
+        for joint in robot.moving:
+            motor = {"controlMode": pybullet.VELOCITY_CONTROL, "force": 0}
+            pybullet.setJointMotorControl2(robot.body, joint.index, **motor, physicsClientId=client)
+        return [moved(robot, start, steps) for start in starts]
+
+
+def moved(robot: Loaded, start: JointStates, steps: int) -> JointStates:
+    """Return the state of the joints with one velocity after steps from a state."""
+    single = [joint for joint in robot.moving if joint.count == 1]
+    for joint in single:
+        position, velocity = start.positions.get(joint.name, 0.0), start.velocities.get(joint.name, 0.0)
+        pybullet.resetJointState(robot.body, joint.index, position, velocity, physicsClientId=robot.client)
+    for _ in range(steps):
+        pybullet.stepSimulation(physicsClientId=robot.client)
+    states = [pybullet.getJointState(robot.body, joint.index, physicsClientId=robot.client) for joint in single]
+    return JointStates(*({joint.name: state[part] for joint, state in zip(single, states, strict=True)} for part in (0, 1)))
 
 
 @contextmanager

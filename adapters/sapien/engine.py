@@ -34,6 +34,7 @@ with warnings.catch_warnings():
     from bodycheck.adapters.sapien import mechanisms
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
+    from bodycheck.adapters.sapien.robots import step_robot as step_robot
 
 #: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
 X_TO_Z = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)

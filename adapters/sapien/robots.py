@@ -30,7 +30,16 @@ from sapien.wrapper.urdf_loader import URDFLoader
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import floating_joints, on_root, places_on_root
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
+from bodycheck.adapters.sapien.links import switch_off
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms
@@ -156,6 +165,32 @@ def tendons(builder: Any, articulation: Any) -> Iterator[tuple[str, Mimic]]:
         below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None
         if below or joint.parent_link == leader.parent_link:
             yield record.joint, Mimic(record.mimic, record.multiplier, record.offset)
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of PhysX, as `RobotSteps.step_robot` does. Shapes are in no group, so that none touch."""
+    with overheard(), warnings.catch_warnings(), pulled((0.0, 0.0, 0.0)):
+        warnings.simplefilter("ignore")
+        robot = loaded(file)
+        robot.scene.physx_system.set_timestep(timestep)
+        switch_off(robot.articulation)
+        for joint in robot.articulation.get_active_joints():
+            joint.set_friction(0.0)  # SAPIEN's own 0.05, which no file states
+        for link in robot.links:
+            for shape in link.collision_shapes:
+                shape.set_collision_groups([0, 0, 0, 0])
+        return [moved(robot.scene.physx_system, robot.articulation, start, steps) for start in starts]
+
+
+def moved(system: Any, articulation: Any, start: JointStates, steps: int) -> JointStates:
+    """Return the state of an articulation after steps from a state."""
+    names = [joint.name for joint in articulation.get_active_joints()]
+    articulation.set_qpos([start.positions.get(name, 0.0) for name in names])
+    articulation.set_qvel([start.velocities.get(name, 0.0) for name in names])
+    for _ in range(steps):
+        system.step()
+    positions, velocities = articulation.get_qpos().astype(float), articulation.get_qvel().astype(float)
+    return JointStates(*(dict(zip(names, values.tolist(), strict=True)) for values in (positions, velocities)))
 
 
 def read_body(link: Any) -> ReadBody:

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotModels, RobotReading
+from bodycheck.adapters.robot_reading import Behaviour, FormatUnknown, JointStates, ModelRefused, RobotFile, RobotModels, RobotReading, RobotSteps
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut, crash
@@ -25,6 +25,7 @@ from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 from bodycheck.results.outcome import AdapterFault
 from bodycheck.running.engines import home
+from bodycheck.running.robot_trials import TIMESTEP_S, behaviours
 
 #: Time limit (s) for the reading of one file by one engine. Some engines compile code for it.
 TIME_LIMIT_S = 120.0
@@ -63,7 +64,8 @@ Answer = RobotReading | Refused | FormatMissing | AtFault | Crashed | TimedOut
 class Call:
     """A file that an engine reads, and the states and the gravity (m/s^2) at which it computes its terms.
 
-    The engine reads a copy of the folder of the file, which is made in the folder `copies`.
+    The engine reads a copy of the folder of the file, which is made in the folder `copies`. `model` is the model that the file
+    describes; None if there is none, and then nothing is tried by motion.
     """
 
     engine: str
@@ -71,10 +73,11 @@ class Call:
     copies: str
     states: tuple[RobotState, ...]
     gravity: Vector
+    model: RobotModel | None
 
 
-#: A function from a file, states and gravity to the answers of all engines by name.
-Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
+#: A function from a file, the model that it describes, states and gravity to the answers of all engines by name.
+Reader = Callable[[RobotFile, RobotModel | None, Sequence[RobotState], Vector], dict[str, Answer]]
 
 #: A function from an MJCF file to the model that MuJoCo, which defines the format, makes of it.
 Compile = Callable[[RobotFile], RobotModel | Refused | Crashed | TimedOut]
@@ -95,8 +98,10 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
     """
     with temporary_folder() as copies, pool.Workers(read, jobs, limit, group=_engine, home=home, kept=True) as workers:
 
-        def read_file(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> dict[str, Answer]:
-            calls = [Call(name, file, str(copies), tuple(states), gravity) for name in engines]
+        def read_file(
+            file: RobotFile, model: RobotModel | None, states: Sequence[RobotState], gravity: Vector
+        ) -> dict[str, Answer]:
+            calls = [Call(name, file, str(copies), tuple(states), gravity, model) for name in engines]
             answers = {call.engine: answer for call, answer in workers.map(calls)}
             return {name: answers[name] for name in engines}
 
@@ -116,6 +121,9 @@ def _read(call: Call, adapter: RobotModels, file: RobotFile) -> RobotReading | R
     try:
         reading = adapter.read_robot(file, call.states, call.gravity)
         check_shapes(reading, len(call.states))
+        if call.model is not None and call.states and isinstance(adapter, RobotSteps):
+            rounding = float(np.finfo(registry.load(call.engine).engine.precision).eps)
+            reading = replace(reading, behaviours=_tried(call.model, call.states[0], adapter, file, reading, rounding))
     except ModelRefused as error:
         return Refused(str(error))
     except FormatUnknown as error:
@@ -127,6 +135,16 @@ def _read(call: Call, adapter: RobotModels, file: RobotFile) -> RobotReading | R
     except Exception as error:  # an adapter raises `ModelRefused` for whatever its engine says of a file
         return AtFault(f"the adapter of {call.engine} is at fault: {crash(error).reason}")
     return reading
+
+
+def _tried(
+    model: RobotModel, state: RobotState, adapter: RobotSteps, file: RobotFile, reading: RobotReading, rounding: float
+) -> dict[str, Behaviour]:
+    def step(starts: Sequence[JointStates], steps: int) -> Sequence[JointStates]:
+        return adapter.step_robot(file, starts, TIMESTEP_S, steps)
+
+    with np.errstate(all="ignore"):  # a motion that an engine cannot follow decides nothing
+        return behaviours(step, reading, model, state, rounding)
 
 
 @contextmanager

@@ -174,7 +174,7 @@ def _compared(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, re
         if robot_read.model is None
         else seeded_states(robot_read.model, fitting(robot_read.model, asks.states) + PROBES, asks.seed)
     )
-    answers = reader(robot_read.file, states, gravity)
+    answers = reader(robot_read.file, robot_read.model, states, gravity)
     if only_readers:
         answers = robot_readings.readable(answers)
     given = None if robot_read.model is None else asked(robot_read.model, states, gravity, robot_read.stated_gravity)

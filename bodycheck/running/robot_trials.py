@@ -1,0 +1,268 @@
+"""Try by motion what an engine does with the joints of a robot: limits, rules of following, damping and dry friction.
+
+An engine may tell a number of its records and not use it. Here the engine steps the robot from chosen states, and the numbers
+are compared with the motions that follow. A part of a joint for which the motions decide nothing is not tried: a joint that
+hardly moves, or a force that is lost in the rounding of the engine.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import Behaviour, JointStates, Part, ReadJoint, RobotReading
+from bodycheck.reference.robots.dynamics import terms, velocity_labels
+from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotModel
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.trajectory import Array
+
+#: The time step (s), the steps of a motion to a limit, and the steps of a motion that shows whether joints follow each other,
+#: in which soft constraints with time constants of 20 ms come to rest.
+TIMESTEP_S, TO_LIMIT, FOLLOWING = 1e-3, 60, 300
+
+#: The largest speed of a joint (rad/s or m/s), and the part of its range that a motion may cross.
+SPEED, PART_OF_RANGE = 1.0, 0.25
+
+#: The size from which on a limit counts as none.
+NO_LIMIT = 1e9
+
+#: The relative difference of a measured number from a told one up to which the motion confirms it: steps are of first order.
+CONFIRMED = 0.03
+
+#: The size of a force, in roundings of the change of momentum in a step, from which on the force can be measured.
+ROUNDINGS = 100
+
+#: A function that steps the robot from several states, as `RobotSteps.step_robot` does, by a number of steps.
+Step = Callable[[Sequence[JointStates], int], Sequence[JointStates]]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A robot to be tried.
+
+    Attributes
+    ----------
+    step
+        The function that steps it.
+    joints
+        The engine's revolute and prismatic joints that a file names too.
+    of_file
+        The same joints in the file.
+    base
+        The positions of all joints from which motions start.
+    """
+
+    step: Step
+    joints: Mapping[str, ReadJoint]
+    of_file: Mapping[str, RobotJoint]
+    base: Mapping[str, float]
+
+    def start(self, positions: Mapping[str, float], velocities: Mapping[str, float]) -> JointStates:
+        """Return a state with some positions that differ from those of `base`, and with some velocities; all others are 0."""
+        return JointStates({**self.base, **positions}, {**dict.fromkeys(self.base, 0.0), **velocities})
+
+
+def behaviours(
+    step: Step, reading: RobotReading, model: RobotModel, state: RobotState, rounding: float
+) -> dict[str, Behaviour]:
+    """Return the behaviour of the joints of a robot in the steps of an engine, by the names of the joints.
+
+    Parameters
+    ----------
+    step
+        The function that steps the robot.
+    reading
+        The engine's reading, whose first terms are those at `state`.
+    model
+        The model of the file.
+    state
+        A state inside the limits of the file, where motions begin.
+    rounding
+        The relative rounding of the engine's numbers.
+    """
+    of_file = {joint.name: joint for joint in model.joints if joint.type in ("revolute", "prismatic")}
+    joints = {joint.name: joint for joint in reading.joints if joint.count == 1 and joint.name in of_file}
+    base = {name: state.positions[name][0] for name in joints}
+    trial = Trial(step, joints, {name: of_file[name] for name in joints}, base)
+    by_joint = {name: Behaviour() for name in joints}
+    for name, limits in limits_of(trial).items():
+        by_joint[name] = _with(by_joint[name], "limits", lower=limits[0], upper=limits[1])
+    for name, mimic in mimics_of(trial).items():
+        by_joint[name] = _with(by_joint[name], "mimic", mimic=mimic)
+    for part, numbers in resistances_of(trial, reading, model, state, rounding).items():
+        for name, number in numbers.items():
+            by_joint[name] = _with(by_joint[name], part, **{part: number})
+    return {name: behaviour for name, behaviour in by_joint.items() if behaviour.tried}
+
+
+def _with(behaviour: Behaviour, part: Part, **numbers: float | Mimic | None) -> Behaviour:
+    return replace(behaviour, tried=behaviour.tried | {part}, **numbers)  # type: ignore[arg-type]
+
+
+def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
+    """Return the limits at which joints stop, for the joints whose limits can be tried.
+
+    A joint moves freely first, from a position inside its limits, and then from a quarter of this distance before each limit
+    that the engine tells or the file states. It stops there if it gets at most a quarter of the distance beyond.
+    """
+    limited = {name: bounds for name in trial.joints if any(bounds := candidates(trial, name))}
+    if not limited:
+        return {}
+    speeds = {name: speed(trial.of_file[name], TO_LIMIT) for name in limited}
+    ways = [(name, sign) for name in limited for sign in (-1.0, 1.0)]
+    inside = {name: middle(trial, name) for name in limited}
+    ends = trial.step([trial.start({name: inside[name]}, {name: sign * speeds[name]}) for name, sign in ways], TO_LIMIT)
+    free = {
+        (name, sign): sign * (end.positions[name] - inside[name]) for (name, sign), end in zip(ways, ends, strict=True)
+    }
+    tries = [(name, sign, limit) for name, bounds in limited.items() for sign, limit in bounds]
+    starts = [
+        trial.start({name: limit - sign * free[name, sign] / 4}, {name: sign * speeds[name]}) for name, sign, limit in tries
+    ]
+    reached = {
+        (name, sign, limit): sign * (end.positions[name] - limit)
+        for (name, sign, limit), end in zip(tries, trial.step(starts, TO_LIMIT), strict=True)
+    }
+    results: dict[str, tuple[float | None, float | None]] = {}
+    for name, bounds in limited.items():
+        moves = all(free[name, sign] > speeds[name] * TO_LIMIT * TIMESTEP_S / 2 for sign in (-1.0, 1.0))
+        if moves and all(np.isfinite(reached[name, sign, limit]) for sign, limit in bounds):
+            stops = [(sign, limit) for sign, limit in bounds if reached[name, sign, limit] <= free[name, sign] / 4]
+            lower = max((limit for sign, limit in stops if sign < 0), default=None)
+            results[name] = lower, min((limit for sign, limit in stops if sign > 0), default=None)
+    return results
+
+
+def middle(trial: Trial, name: str) -> float:
+    """Return the middle of the range of a joint; its position in `base` if it has no range."""
+    lower, upper = trial.of_file[name].lower, trial.of_file[name].upper
+    return trial.base[name] if lower is None or upper is None else (lower + upper) / 2
+
+
+def candidates(trial: Trial, name: str) -> list[tuple[float, float]]:
+    """Return the limits of a joint that the engine tells or the file states, each with its side: -1 is below and 1 above."""
+    told, stated = trial.joints[name], trial.of_file[name]
+    pairs = [(-1.0, told.lower), (-1.0, stated.lower), (1.0, told.upper), (1.0, stated.upper)]
+    distinct: list[tuple[float, float]] = []
+    for sign, limit in pairs:
+        known = [other for side, other in distinct if side == sign]
+        if limit is not None and abs(limit) < NO_LIMIT and not np.any(np.isclose(limit, known, rtol=1e-6, atol=1e-9)):
+            distinct.append((sign, limit))
+    return distinct
+
+
+def speed(joint: RobotJoint, steps: int) -> float:
+    """Return the speed of a joint with which it crosses at most a part of its range in a number of steps."""
+    span = np.inf if joint.lower is None or joint.upper is None else joint.upper - joint.lower
+    return float(min(SPEED, PART_OF_RANGE * span / (steps * TIMESTEP_S))) if span > 0 else SPEED
+
+
+def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
+    """Return the rules by which joints follow others, for the joints that the engine tells to follow another one.
+
+    The two joints start at positions that obey the rule that the engine tells: twice with a moving leader, and once with a
+    moving follower. Joints that follow each other have the same rule in all three motions. Without a rule, a joint that is
+    moved moves alone.
+    """
+    rules = {
+        name: joint.mimic for name, joint in trial.joints.items() if joint.mimic is not None and joint.mimic.joint in trial.joints
+    }
+    starts = []
+    for name, mimic in rules.items():
+        leader, start = trial.of_file[mimic.joint], middle(trial, mimic.joint)
+        at = {mimic.joint: start, name: mimic.multiplier * start + mimic.offset}
+        quick = min(speed(leader, FOLLOWING), speed(trial.of_file[name], FOLLOWING) / max(1.0, abs(mimic.multiplier)))
+        starts += [trial.start(at, {mimic.joint: quick}), trial.start(at, {mimic.joint: -quick})]
+        starts.append(trial.start(at, {name: quick * mimic.multiplier}))
+    ends = trial.step(starts, FOLLOWING) if starts else []
+    results: dict[str, Mimic | None] = {}
+    for index, (name, mimic) in enumerate(rules.items()):
+        three = range(3 * index, 3 * index + 3)
+        leaders, followers = (np.array([ends[at].positions[one] for at in three]) for one in (mimic.joint, name))
+        before = starts[3 * index]
+        moved = abs(leaders[0] - leaders[1])
+        if np.all(np.isfinite([leaders, followers])) and moved > 1e-4 * max(1.0, abs(before.positions[mimic.joint])):
+            results[name] = _rule(mimic, leaders, followers)
+    return results
+
+
+def _rule(told: Mimic, leaders: Array, followers: Array) -> Mimic | None:
+    """Return the rule that three pairs of positions obey; None if there is none. told: the rule that the engine tells."""
+    multiplier = float((followers[0] - followers[1]) / (leaders[0] - leaders[1]))
+    offset = float(followers[0] - multiplier * leaders[0])
+    span = float(np.ptp(followers) + abs(multiplier) * np.ptp(leaders))
+    if abs(followers[2] - multiplier * leaders[2] - offset) > 5 * CONFIRMED * span:
+        return None
+    if np.all(np.abs(followers - told.multiplier * leaders - told.offset) <= CONFIRMED * span):
+        return told
+    return Mimic(told.joint, float(f"{multiplier:.3g}"), float(f"{offset:.2f}"))
+
+
+def resistances_of(
+    trial: Trial, reading: RobotReading, model: RobotModel, state: RobotState, rounding: float
+) -> dict[Part, dict[str, float]]:
+    """Return the damping and the dry friction of joints, for joints of which the engine tells either.
+
+    All joints move at once, for one step, with two speeds in both directions. The change of momentum is the force. Coriolis
+    forces are equal in both directions, so that half of the difference has none. Forces of damping are those of the speed
+    before or after the step. Joints that follow others, or lead them, also have the forces of their constraints: they are not
+    tried. No joint is tried of a robot that has a joint with several velocities.
+    """
+    results: dict[Part, dict[str, float]] = {"damping": {}, "friction": {}}
+    tied = {joint.mimic.joint for joint in trial.joints.values() if joint.mimic} | {
+        name for name, joint in trial.joints.items() if joint.mimic
+    }
+    chosen = [name for name, joint in trial.joints.items() if (joint.damping or joint.friction) and name not in tied]
+    mass = mass_matrix(trial, reading, model, state)
+    if not chosen or mass is None:
+        return results
+    names, speeds = list(trial.joints), np.array([1.0, -1.0, 2.0, -2.0]) * SPEED
+    ends = trial.step([trial.start({}, dict.fromkeys(names, float(one))) for one in speeds], 1)
+    after = np.array([[end.velocities[name] for name in names] for end in ends])
+    before = np.abs(speeds[::2])[:, None] * np.ones(len(names))
+    after = (after[::2] - after[1::2]) / 2
+    force = (before - after) @ mass.T / TIMESTEP_S
+    noise = ROUNDINGS * rounding * before @ np.abs(mass).T / TIMESTEP_S
+    for name in chosen:
+        index, joint = names.index(name), trial.joints[name]
+        lost = float(np.max(noise[:, index]))
+        for part, number in _resistance(joint, force[:, index], before[:, index], after[:, index], lost).items():
+            results[part][name] = number
+    return results
+
+
+def mass_matrix(trial: Trial, reading: RobotReading, model: RobotModel, state: RobotState) -> Array | None:
+    """Return the mass matrix of the joints of a trial at a state: the engine's, or that of the file if the engine has none.
+
+    Return None if the robot has a joint with several velocities, or a joint that is not tried.
+    """
+    if reading.velocities != len(trial.joints):
+        return None
+    matrix, order = reading.terms[0].mass_matrix, [joint.first for joint in trial.joints.values()]
+    if matrix is None:
+        labels = [name for name, _ in velocity_labels(model)]
+        if set(labels) != set(trial.joints):
+            return None
+        matrix, order = terms(model, state, (0.0, 0.0, 0.0)).mass_matrix, [labels.index(name) for name in trial.joints]
+    return None if matrix is None else np.asarray(matrix, np.float64)[np.ix_(order, order)]
+
+
+def _resistance(joint: ReadJoint, force: Array, before: Array, after: Array, noise: float) -> dict[Part, float]:
+    """Return the damping and the friction of a joint, as far as forces (2,) decide whether they act as the engine tells.
+
+    before, after: the speeds (2,) before and after a step. noise: the force that is lost in rounding.
+    """
+    damping, friction = joint.damping or 0.0, joint.friction or 0.0
+    tolerance = CONFIRMED * (damping * before + friction) + noise
+    stopped = np.abs(after) <= CONFIRMED * before
+    acting: list[dict[Part, float]] = []
+    for with_damping in {damping, 0.0}:
+        for with_friction in {friction, 0.0}:
+            for speeds in (before, after):
+                rest = force - with_damping * speeds - with_friction
+                less = stopped & (rest < 0) if with_friction else False  # friction that stops a joint takes what is needed
+                if np.all((np.abs(rest) <= tolerance) | less):
+                    acting.append({"damping": with_damping, "friction": with_friction})
+    parts: tuple[Part, ...] = ("damping", "friction")
+    values = {part: {one[part] for one in acting} for part in parts}
+    return {part: next(iter(known)) for part, known in values.items() if len(known) == 1 and getattr(joint, part)}
