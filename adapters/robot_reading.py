@@ -219,5 +219,10 @@ class RobotSteps(Protocol):
             The time step (s).
         steps
             The number of steps.
+
+        Raises
+        ------
+        ModelRefused
+            If the engine can read the robot, but not step it.
         """
         ...

@@ -30,7 +30,15 @@ from bodycheck.adapters.dart.bodies import pose as isometry
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import mimics
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.rotations import plane_axes
@@ -81,6 +89,35 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
             terms=tuple(terms(skeleton, state, frictionless=not any(joint.friction for joint in joints)) for state in states),
             notes=tuple(dict.fromkeys(f"DART warns: {line}" for line in warnings)),
         )
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of DART, as `RobotSteps.step_robot` does. The bodies of a skeleton do not touch."""
+    skeleton, _ = loaded(file) if file.format == "urdf" else of_mjcf(file)
+    with overheard():  # DART repeats its warnings
+        world = dart.simulation.World()
+        world.setGravity([0.0, 0.0, 0.0])
+        world.setTimeStep(timestep)
+        world.addSkeleton(skeleton)
+        return [moved(world, skeleton, start, steps) for start in starts]
+
+
+def moved(world: Any, skeleton: Any, start: JointStates, steps: int) -> JointStates:
+    """Return the state of the joints with one velocity after steps from a state."""
+    single = {joint.getName(): joint.getIndexInSkeleton(0) for joint in moving(skeleton) if joint.getNumDofs() == 1}
+    positions, velocities = np.array(skeleton.getPositions()), np.zeros(skeleton.getNumDofs())
+    for name, index in single.items():
+        positions[index], velocities[index] = start.positions.get(name, positions[index]), start.velocities.get(name, 0.0)
+    skeleton.setPositions(positions)
+    skeleton.setVelocities(velocities)
+    skeleton.setAccelerations(0 * velocities)
+    for _ in range(steps):
+        world.step()
+    positions, velocities = skeleton.getPositions(), skeleton.getVelocities()
+    return JointStates(
+        {name: float(positions[index]) for name, index in single.items()},
+        {name: float(velocities[index]) for name, index in single.items()},
+    )
 
 
 def loaded(file: RobotFile) -> tuple[Any, list[str]]:

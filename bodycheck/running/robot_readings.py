@@ -15,7 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.robot_reading import Behaviour, FormatUnknown, JointStates, ModelRefused, RobotFile, RobotModels, RobotReading, RobotSteps
+from bodycheck.adapters.robot_reading import FormatUnknown, JointStates, ModelRefused, RobotFile, RobotModels, RobotReading, RobotSteps
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut, crash
@@ -123,7 +123,7 @@ def _read(call: Call, adapter: RobotModels, file: RobotFile) -> RobotReading | R
         check_shapes(reading, len(call.states))
         if call.model is not None and call.states and isinstance(adapter, RobotSteps):
             rounding = float(np.finfo(registry.load(call.engine).engine.precision).eps)
-            reading = replace(reading, behaviours=_tried(call.model, call.states[0], adapter, file, reading, rounding))
+            reading = _tried(call.model, call.states[0], adapter, file, reading, rounding)
     except ModelRefused as error:
         return Refused(str(error))
     except FormatUnknown as error:
@@ -139,12 +139,17 @@ def _read(call: Call, adapter: RobotModels, file: RobotFile) -> RobotReading | R
 
 def _tried(
     model: RobotModel, state: RobotState, adapter: RobotSteps, file: RobotFile, reading: RobotReading, rounding: float
-) -> dict[str, Behaviour]:
+) -> RobotReading:
+    """Return a reading with the behaviour of its joints, or with a note if the engine cannot step the robot."""
+
     def step(starts: Sequence[JointStates], steps: int) -> Sequence[JointStates]:
         return adapter.step_robot(file, starts, TIMESTEP_S, steps)
 
     with np.errstate(all="ignore"):  # a motion that an engine cannot follow decides nothing
-        return behaviours(step, reading, model, state, rounding)
+        try:
+            return replace(reading, behaviours=behaviours(step, reading, model, state, rounding))
+        except ModelRefused as error:
+            return replace(reading, notes=(*reading.notes, f"nothing is tried by motion: {error}"))
 
 
 @contextmanager

@@ -6,7 +6,7 @@ hardly moves, or a force that is lost in the rounding of the engine.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -45,21 +45,47 @@ class Trial:
     step
         The function that steps it.
     joints
-        The engine's revolute and prismatic joints that a file names too.
+        The engine's revolute and prismatic joints that the file names too.
     of_file
         The same joints in the file.
     base
-        The positions of all joints from which motions start.
+        The positions of all joints where motions start.
+    rules
+        The rules by which joints really follow others, by the names of the followers.
     """
 
     step: Step
     joints: Mapping[str, ReadJoint]
     of_file: Mapping[str, RobotJoint]
     base: Mapping[str, float]
+    rules: Mapping[str, Mimic] = field(default_factory=dict)
 
     def start(self, positions: Mapping[str, float], velocities: Mapping[str, float]) -> JointStates:
         """Return a state with some positions that differ from those of `base`, and with some velocities; all others are 0."""
         return JointStates({**self.base, **positions}, {**dict.fromkeys(self.base, 0.0), **velocities})
+
+    def together(self, name: str, position: float, velocity: float) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the positions and the velocities of a joint, of the joint that it follows, and of the joints that follow it."""
+        positions, velocities = {name: position}, {name: velocity}
+        rule = self.rules.get(name)
+        leader = name
+        if rule is not None and rule.multiplier:
+            leader = rule.joint
+            positions[leader], velocities[leader] = (position - rule.offset) / rule.multiplier, velocity / rule.multiplier
+        for follower, other in self.rules.items():
+            if other.joint == leader and follower != name:
+                positions[follower] = other.multiplier * positions[leader] + other.offset
+                velocities[follower] = other.multiplier * velocities[leader]
+        return positions, velocities
+
+    def allows(self, name: str, position: float) -> bool:
+        """Return whether the joints that move with a joint are inside their limits when it is at a position."""
+        positions, _ = self.together(name, position, 0.0)
+        return all(
+            (limits.lower is None or limits.lower <= at) and (limits.upper is None or at <= limits.upper)
+            for other, at in positions.items()
+            if other != name and (limits := self.of_file[other])
+        )
 
 
 def behaviours(
@@ -76,20 +102,23 @@ def behaviours(
     model
         The model of the file.
     state
-        A state inside the limits of the file, where motions begin.
+        A state at which the mass matrix is known.
     rounding
         The relative rounding of the engine's numbers.
     """
-    of_file = {joint.name: joint for joint in model.joints if joint.type in ("revolute", "prismatic")}
-    joints = {joint.name: joint for joint in reading.joints if joint.count == 1 and joint.name in of_file}
-    base = {name: state.positions[name][0] for name in joints}
-    trial = Trial(step, joints, {name: of_file[name] for name in joints}, base)
+    in_file = {joint.name: joint for joint in model.joints if joint.type in ("revolute", "prismatic")}
+    joints = {joint.name: joint for joint in reading.joints if joint.count == 1 and joint.name in in_file}
+    of_file = {name: in_file[name] for name in joints}
+    trial = Trial(step, joints, of_file, {name: middle(joint) for name, joint in of_file.items()})
     by_joint = {name: Behaviour() for name in joints}
-    for name, limits in limits_of(trial).items():
-        by_joint[name] = _with(by_joint[name], "limits", lower=limits[0], upper=limits[1])
-    for name, mimic in mimics_of(trial).items():
+    mimics = mimics_of(trial)
+    for name, mimic in mimics.items():
         by_joint[name] = _with(by_joint[name], "mimic", mimic=mimic)
-    for part, numbers in resistances_of(trial, reading, model, state, rounding).items():
+    followed = replace(trial, rules={name: mimic for name, mimic in mimics.items() if mimic is not None})
+    for name, limits in limits_of(followed).items():
+        by_joint[name] = _with(by_joint[name], "limits", lower=limits[0], upper=limits[1])
+    at_state = replace(trial, base={name: state.positions[name][0] for name in joints})
+    for part, numbers in resistances_of(at_state, reading, model, state, rounding).items():
         for name, number in numbers.items():
             by_joint[name] = _with(by_joint[name], part, **{part: number})
     return {name: behaviour for name, behaviour in by_joint.items() if behaviour.tried}
@@ -102,7 +131,7 @@ def _with(behaviour: Behaviour, part: Part, **numbers: float | Mimic | None) -> 
 def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
     """Return the limits at which joints stop, for the joints whose limits can be tried.
 
-    A joint moves freely first, from a position inside its limits, and then from a quarter of this distance before each limit
+    A joint moves freely first, from the middle of its range, and then from a quarter of this distance before each limit
     that the engine tells or the file states. It stops there if it gets at most a quarter of the distance beyond.
     """
     limited = {name: bounds for name in trial.joints if any(bounds := candidates(trial, name))}
@@ -110,33 +139,35 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
         return {}
     speeds = {name: speed(trial.of_file[name], TO_LIMIT) for name in limited}
     ways = [(name, sign) for name in limited for sign in (-1.0, 1.0)]
-    inside = {name: middle(trial, name) for name in limited}
-    ends = trial.step([trial.start({name: inside[name]}, {name: sign * speeds[name]}) for name, sign in ways], TO_LIMIT)
+    starts = [trial.start(*trial.together(name, trial.base[name], sign * speeds[name])) for name, sign in ways]
     free = {
-        (name, sign): sign * (end.positions[name] - inside[name]) for (name, sign), end in zip(ways, ends, strict=True)
+        (name, sign): sign * (end.positions[name] - trial.base[name])
+        for (name, sign), end in zip(ways, trial.step(starts, TO_LIMIT), strict=True)
     }
     tries = [(name, sign, limit) for name, bounds in limited.items() for sign, limit in bounds]
     starts = [
-        trial.start({name: limit - sign * free[name, sign] / 4}, {name: sign * speeds[name]}) for name, sign, limit in tries
+        trial.start(*trial.together(name, limit - sign * free[name, sign] / 4, sign * speeds[name]))
+        for name, sign, limit in tries
     ]
-    reached = {
+    beyond = {
         (name, sign, limit): sign * (end.positions[name] - limit)
         for (name, sign, limit), end in zip(tries, trial.step(starts, TO_LIMIT), strict=True)
     }
     results: dict[str, tuple[float | None, float | None]] = {}
     for name, bounds in limited.items():
         moves = all(free[name, sign] > speeds[name] * TO_LIMIT * TIMESTEP_S / 2 for sign in (-1.0, 1.0))
-        if moves and all(np.isfinite(reached[name, sign, limit]) for sign, limit in bounds):
-            stops = [(sign, limit) for sign, limit in bounds if reached[name, sign, limit] <= free[name, sign] / 4]
+        if moves and all(trial.allows(name, limit) and np.isfinite(beyond[name, sign, limit]) for sign, limit in bounds):
+            stops = [(sign, limit) for sign, limit in bounds if beyond[name, sign, limit] <= free[name, sign] / 4]
             lower = max((limit for sign, limit in stops if sign < 0), default=None)
             results[name] = lower, min((limit for sign, limit in stops if sign > 0), default=None)
     return results
 
 
-def middle(trial: Trial, name: str) -> float:
-    """Return the middle of the range of a joint; its position in `base` if it has no range."""
-    lower, upper = trial.of_file[name].lower, trial.of_file[name].upper
-    return trial.base[name] if lower is None or upper is None else (lower + upper) / 2
+def middle(joint: RobotJoint) -> float:
+    """Return the middle of the range of a joint, or the position nearest to 0 that its limits allow if it has no range."""
+    if joint.lower is not None and joint.upper is not None:
+        return (joint.lower + joint.upper) / 2
+    return max(joint.lower or 0.0, 0.0) if joint.upper is None else min(joint.upper, 0.0)
 
 
 def candidates(trial: Trial, name: str) -> list[tuple[float, float]]:
@@ -169,7 +200,7 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
     }
     starts = []
     for name, mimic in rules.items():
-        leader, start = trial.of_file[mimic.joint], middle(trial, mimic.joint)
+        leader, start = trial.of_file[mimic.joint], trial.base[mimic.joint]
         at = {mimic.joint: start, name: mimic.multiplier * start + mimic.offset}
         quick = min(speed(leader, FOLLOWING), speed(trial.of_file[name], FOLLOWING) / max(1.0, abs(mimic.multiplier)))
         starts += [trial.start(at, {mimic.joint: quick}), trial.start(at, {mimic.joint: -quick})]
