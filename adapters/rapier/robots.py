@@ -25,7 +25,15 @@ from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
@@ -90,10 +98,49 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     )
 
 
-def loaded(file: RobotFile) -> Loaded:
-    """Return the robot of a URDF. Raises `ModelRefused`."""
-    options = loader.UrdfLoaderOptions(make_roots_fixed=True, squeeze_empty_fixed_links=False)
-    bodies, colliders, joints = rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet()
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Rapier, as `RobotSteps.step_robot` does. Bodies of a robot have no shapes."""
+    return [moved(file, start, timestep, steps) for start in starts]  # the positions of a robot can be set only once
+
+
+def moved(file: RobotFile, start: JointStates, timestep: float, steps: int) -> JointStates:
+    """Return the state of the joints with one velocity after steps from a state."""
+    world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, 0.0))
+    world.integration_parameters.dt = timestep
+    sets = (world.rigid_bodies, world.colliders, world.multibody_joints)
+    robot = loaded(file, sets, with_shapes=False)
+    single = {joint.name: joint.first + ROOT for joint in robot.joints if joint.count == 1}
+    positions, velocities = np.zeros(robot.tree.ndofs), np.zeros(robot.tree.ndofs)
+    for name, index in single.items():
+        positions[index], velocities[index] = start.positions.get(name, 0.0), start.velocities.get(name, 0.0)
+    robot.tree.set_damping([0.0] * robot.tree.ndofs)
+    robot.tree.apply_displacements(positions.tolist())
+    robot.tree.set_generalized_velocity(velocities.tolist())
+    robot.tree.forward_kinematics(world.rigid_bodies)
+    robot.tree.update_rigid_bodies(world.rigid_bodies, False)
+    for _ in range(steps):
+        world.step()
+    ends = robot.tree.generalized_position(), robot.tree.generalized_velocity()
+    gone = len(positions) - robot.tree.ndofs  # the first step removes the velocities of a fixed root
+    return JointStates(*({name: float(values[index - gone]) for name, index in single.items()} for values in ends))
+
+
+def loaded(file: RobotFile, sets: tuple[Any, Any, Any] | None = None, with_shapes: bool = True) -> Loaded:
+    """Return the robot of a URDF. Raises `ModelRefused`.
+
+    Parameters
+    ----------
+    file
+        The file.
+    sets
+        The sets of bodies, colliders and joints of a world to which the robot is added; new sets if None.
+    with_shapes
+        Whether the bodies have their shapes of collision.
+    """
+    options = loader.UrdfLoaderOptions(
+        make_roots_fixed=True, squeeze_empty_fixed_links=False, create_colliders_from_collision_shapes=with_shapes
+    )
+    bodies, colliders, joints = sets or (rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet())
     try:
         with overheard():
             robot, description = loader.UrdfRobot.from_file(file.path, options)
