@@ -41,9 +41,7 @@ def steppable(file: RobotFile, timestep: float) -> mujoco.MjModel:
 
 def state_of(start: JointStates) -> RobotState:
     """Return a state of joints with one velocity as a state of a robot model."""
-    positions, velocities = (
-        {name: (value,) for name, value in part.items()} for part in (start.positions, start.velocities)
-    )
+    positions, velocities = ({name: (value,) for name, value in part.items()} for part in (start.positions, start.velocities))
     return RobotState(positions, velocities, {}, {})
 
 

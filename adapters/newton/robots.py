@@ -115,7 +115,9 @@ def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, 
         robot = imported(file, len(starts))
         model, state = robot.model, robot.state
         model.set_gravity((0.0, 0.0, 0.0))
-        single = [joint for joint in robot.joints[: len(robot.joints) // len(starts)] if joint.type in ("revolute", "prismatic")]
+        single = [
+            joint for joint in robot.joints[: len(robot.joints) // len(starts)] if joint.type in ("revolute", "prismatic")
+        ]
         q, qd = (array.numpy().reshape(len(starts), -1) for array in (model.joint_q, model.joint_qd))
         for row, start in enumerate(starts):
             for joint in single:

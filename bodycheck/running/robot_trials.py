@@ -196,7 +196,9 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
     moved moves alone.
     """
     rules = {
-        name: joint.mimic for name, joint in trial.joints.items() if joint.mimic is not None and joint.mimic.joint in trial.joints
+        name: joint.mimic
+        for name, joint in trial.joints.items()
+        if joint.mimic is not None and joint.mimic.joint in trial.joints
     }
     starts = []
     for name, mimic in rules.items():
