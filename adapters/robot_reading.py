@@ -145,7 +145,7 @@ class RobotReading:
         Facts that a user should know about this reading, such as a flag without which the engine ignores the inertia of the
         file.
     behaviours
-        The behaviour of joints in the steps of the engine, by the names of the joints; empty if the adapter has no `RobotSteps`.
+        The behaviour of joints in the steps of the engine, by the names of the joints; `running.robot_readings` adds it.
     """
 
     bodies: tuple[ReadBody, ...]

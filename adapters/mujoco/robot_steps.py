@@ -11,7 +11,7 @@ from bodycheck.adapters.robot_reading import JointStates, RobotFile
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 
-#: The flags of MuJoCo that are disabled. What the compiler makes of joints stays: limits, equality constraints, damping, friction.
+#: The flags of MuJoCo that are disabled. What the compiler makes of joints stays, as limits and equality constraints.
 OFF = ("CONTACT", "ACTUATION", "GRAVITY")
 
 

@@ -65,7 +65,7 @@ class Trial:
         return JointStates({**self.base, **positions}, {**dict.fromkeys(self.base, 0.0), **velocities})
 
     def together(self, name: str, position: float, velocity: float) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the positions and the velocities of a joint, of the joint that it follows, and of the joints that follow it."""
+        """Return positions and velocities of a joint, of the joint that it follows, and of the joints that follow it."""
         positions, velocities = {name: position}, {name: velocity}
         rule = self.rules.get(name)
         leader = name

@@ -91,8 +91,8 @@ class ParityRow:
         Source,
         Meaning(
             "Source",
-            "behaviour: the engine computes the value, or moves accordingly; told: it is in the engine's records of the model, and "
-            "was not tried",
+            "behaviour: the engine computes the value, or moves accordingly; told: it is in the engine's records of the model, "
+            "and was not tried",
         ),
     ] = ""
 
