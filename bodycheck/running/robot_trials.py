@@ -5,6 +5,7 @@ are compared with the motions that follow. A part of a joint for which the motio
 hardly moves, or a force that is lost in the rounding of the engine.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -29,8 +30,14 @@ NO_LIMIT = 1e9
 #: The relative difference of a measured number from a told one up to which the motion confirms it: steps are of first order.
 CONFIRMED = 0.03
 
+#: The part of a free way by which the ways of two motions of a joint from different positions may differ.
+SAME_MOTION = 0.15
+
 #: The size of a force, in roundings of the change of momentum in a step, from which on the force can be measured.
 ROUNDINGS = 100
+
+#: The inertia of a joint, relative to the largest one, below which it counts as none.
+LEAST = 1e-12
 
 #: A function that steps the robot from several states, as `RobotSteps.step_robot` does, by a number of steps.
 Step = Callable[[Sequence[JointStates], int], Sequence[JointStates]]
@@ -107,7 +114,8 @@ def behaviours(
         The relative rounding of the engine's numbers.
     """
     in_file = {joint.name: joint for joint in model.joints if joint.type in ("revolute", "prismatic")}
-    joints = {joint.name: joint for joint in reading.joints if joint.count == 1 and joint.name in in_file}
+    known = in_file.keys() - massless(model, state)
+    joints = {joint.name: joint for joint in reading.joints if joint.count == 1 and joint.name in known}
     of_file = {name: in_file[name] for name in joints}
     trial = Trial(step, joints, of_file, {name: middle(joint) for name, joint in of_file.items()})
     by_joint = {name: Behaviour() for name in joints}
@@ -124,6 +132,14 @@ def behaviours(
     return {name: behaviour for name, behaviour in by_joint.items() if behaviour.tried}
 
 
+def massless(model: RobotModel, state: RobotState) -> set[str]:
+    """Return the names of the joints that move no mass in the model of a file, so that no motion of theirs is determined."""
+    matrix = terms(model, state, (0.0, 0.0, 0.0)).mass_matrix
+    inertias = np.diagonal(matrix) if matrix is not None else np.ones(0)
+    names = [name for name, _ in velocity_labels(model)]
+    return {name for name, inertia in zip(names, inertias, strict=bool(len(inertias))) if not inertia > LEAST * max(inertias)}
+
+
 def _with(behaviour: Behaviour, part: Part, **numbers: float | Mimic | None) -> Behaviour:
     return replace(behaviour, tried=behaviour.tried | {part}, **numbers)  # type: ignore[arg-type]
 
@@ -132,7 +148,7 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
     """Return the limits at which joints stop, for the joints whose limits can be tried.
 
     A joint moves freely first, from the middle of its range, and then from a quarter of this distance before each limit
-    that the engine tells or the file states. It stops there if it gets at most a quarter of the distance beyond.
+    that the engine tells or the file states.
     """
     limited = {name: bounds for name in trial.joints if any(bounds := candidates(trial, name))}
     if not limited:
@@ -141,7 +157,7 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
     ways = [(name, sign) for name in limited for sign in (-1.0, 1.0)]
     starts = [trial.start(*trial.together(name, trial.base[name], sign * speeds[name])) for name, sign in ways]
     free = {
-        (name, sign): sign * (end.positions[name] - trial.base[name])
+        (name, sign): sign * (_position(end, name, speeds[name]) - trial.base[name])
         for (name, sign), end in zip(ways, trial.step(starts, TO_LIMIT), strict=True)
     }
     tries = [(name, sign, limit) for name, bounds in limited.items() for sign, limit in bounds]
@@ -150,17 +166,37 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
         for name, sign, limit in tries
     ]
     beyond = {
-        (name, sign, limit): sign * (end.positions[name] - limit)
+        (name, sign, limit): sign * (_position(end, name, speeds[name]) - limit)
         for (name, sign, limit), end in zip(tries, trial.step(starts, TO_LIMIT), strict=True)
     }
     results: dict[str, tuple[float | None, float | None]] = {}
     for name, bounds in limited.items():
-        moves = all(free[name, sign] > speeds[name] * TO_LIMIT * TIMESTEP_S / 2 for sign in (-1.0, 1.0))
-        if moves and all(trial.allows(name, limit) and np.isfinite(beyond[name, sign, limit]) for sign, limit in bounds):
-            stops = [(sign, limit) for sign, limit in bounds if beyond[name, sign, limit] <= free[name, sign] / 4]
-            lower = max((limit for sign, limit in stops if sign < 0), default=None)
-            results[name] = lower, min((limit for sign, limit in stops if sign > 0), default=None)
+        reach = speeds[name] * TO_LIMIT * TIMESTEP_S
+        if not all(reach / 2 < free[name, sign] <= (1 + SAME_MOTION) * reach for sign in (-1.0, 1.0)):
+            continue
+        stops = {
+            (sign, limit): _stops(beyond[name, sign, limit], free[name, sign]) if trial.allows(name, limit) else None
+            for sign, limit in bounds
+        }
+        if None not in stops.values():
+            lower = max((limit for (sign, limit), stop in stops.items() if stop and sign < 0), default=None)
+            results[name] = lower, min((limit for (sign, limit), stop in stops.items() if stop and sign > 0), default=None)
     return results
+
+
+def _position(end: JointStates, name: str, fastest: float) -> float:
+    """Return the position of a joint at the end of a motion; nan if it has become faster than it can in a stable motion."""
+    return end.positions[name] if abs(end.velocities[name]) <= (1 + SAME_MOTION) * fastest else math.nan
+
+
+def _stops(beyond: float, free: float) -> bool | None:
+    """Return whether a joint stops at a limit, from its way beyond the limit and its free way; None if neither is clear.
+
+    A joint that does not stop gets as far as it does freely from the same distance before the limit.
+    """
+    if abs(beyond) <= free / 4:
+        return True
+    return False if abs(beyond - free * 3 / 4) <= SAME_MOTION * free else None
 
 
 def middle(joint: RobotJoint) -> float:
@@ -212,9 +248,11 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
     for index, (name, mimic) in enumerate(rules.items()):
         three = range(3 * index, 3 * index + 3)
         leaders, followers = (np.array([ends[at].positions[one] for at in three]) for one in (mimic.joint, name))
-        before = starts[3 * index]
-        moved = abs(leaders[0] - leaders[1])
-        if np.all(np.isfinite([leaders, followers])) and moved > 1e-4 * max(1.0, abs(before.positions[mimic.joint])):
+        before, moved = starts[3 * index], abs(leaders[0] - leaders[1])
+        speeds = [abs(ends[at].velocities[one]) for at in three for one in (mimic.joint, name)]
+        ratio = max(abs(mimic.multiplier), 1 / abs(mimic.multiplier)) if mimic.multiplier else 1.0
+        calm = max(speeds) <= 2 * ratio * max(map(abs, before.velocities.values()))
+        if calm and np.all(np.isfinite([leaders, followers])) and moved > 1e-4 * max(1.0, abs(before.positions[mimic.joint])):
             results[name] = _rule(mimic, leaders, followers)
     return results
 
@@ -254,6 +292,8 @@ def resistances_of(
     after = np.array([[end.velocities[name] for name in names] for end in ends])
     before = np.abs(speeds[::2])[:, None] * np.ones(len(names))
     after = (after[::2] - after[1::2]) / 2
+    if not np.all(np.abs(after) <= 2 * before):  # the motion is not stable
+        return results
     force = (before - after) @ mass.T / TIMESTEP_S
     noise = ROUNDINGS * rounding * before @ np.abs(mass).T / TIMESTEP_S
     for name in chosen:
@@ -283,8 +323,11 @@ def mass_matrix(trial: Trial, reading: RobotReading, model: RobotModel, state: R
 def _resistance(joint: ReadJoint, force: Array, before: Array, after: Array, noise: float) -> dict[Part, float]:
     """Return the damping and the friction of a joint, as far as forces (2,) decide whether they act as the engine tells.
 
-    before, after: the speeds (2,) before and after a step. noise: the force that is lost in rounding.
+    before, after: the speeds (2,) before and after a step. noise: the force that is lost in rounding. Nothing is decided if
+    the speeds grow or change their sign, as with a damping for which the step is too long.
     """
+    if np.any(after < -CONFIRMED * before) or np.any(after > (1 + CONFIRMED) * before):
+        return {}
     damping, friction = joint.damping or 0.0, joint.friction or 0.0
     tolerance = CONFIRMED * (damping * before + friction) + noise
     stopped = np.abs(after) <= CONFIRMED * before
