@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, choice, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, Usage, choice, states
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
@@ -43,6 +43,12 @@ OPTIONS = {"settings": choice("engine")}
 SOLVERS = ("PGS", "TGS")
 
 
+#: The method of the example with which SAPIEN's tutorial begins, which sets a time step and nothing else.
+HELLO_WORLD = Usage(
+    "TGS:settings=engine", 0.01, "https://github.com/haosulab/SAPIEN/blob/3.0.0dev/python/py_package/example/hello_world.py"
+)
+
+
 def defaults() -> dict[str, str]:
     """Return the solver and the time step of a new PhysX scene."""
     solver = "TGS" if physx.get_scene_config().enable_tgs else "PGS"
@@ -58,6 +64,7 @@ engine = Engine(
     variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
     precision="float32",
     defaults=defaults(),
+    roles={"default": dict.fromkeys(sorted(KINDS), HELLO_WORLD)},
 )
 
 #: The functions of SAPIEN that steps call from Python.

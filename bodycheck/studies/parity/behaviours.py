@@ -61,6 +61,7 @@ def _of_joint(row: Compared, joint: ReadJoint, moving: ReadJoint, behaviour: Beh
         if behaviour.tried & claims.keys() and all(part in behaviour.tried for part, told in claims.items() if told):
             source = "behaviour"
         if (words := limits_and_rule(joint)) != limits_and_rule(moving):
+            source = "behaviour"
             value = f"{value}; not enforced, but told: {words}"
     elif row.quantity in ("damping", "friction") and row.quantity in behaviour.tried:
         source, told = "behaviour", getattr(joint, row.quantity)
