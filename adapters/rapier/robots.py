@@ -15,7 +15,7 @@ Rapier computes the poses. It has no function for the mass matrix, or for the ot
 a time step. Its reader of MJCF is not used.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,29 +100,31 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
     """Return the states after steps of Rapier, as `RobotSteps.step_robot` does. Bodies of a robot have no shapes."""
-    return [moved(file, start, timestep, steps) for start in starts]  # the positions of a robot can be set only once
-
-
-def moved(file: RobotFile, start: JointStates, timestep: float, steps: int) -> JointStates:
-    """Return the state of the joints with one velocity after steps from a state."""
     world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, 0.0))
     world.integration_parameters.dt = timestep
-    sets = (world.rigid_bodies, world.colliders, world.multibody_joints)
-    robot = loaded(file, sets, with_shapes=False)
-    single = {joint.name: joint.first + ROOT for joint in robot.joints if joint.count == 1}
-    positions, velocities = np.zeros(robot.tree.ndofs), np.zeros(robot.tree.ndofs)
-    for name, index in single.items():
-        positions[index], velocities[index] = start.positions.get(name, 0.0), start.velocities.get(name, 0.0)
+    robot = loaded(file, (world.rigid_bodies, world.colliders, world.multibody_joints), with_shapes=False)
     robot.tree.set_damping([0.0] * robot.tree.ndofs)
-    robot.tree.apply_displacements(positions.tolist())
+    before = robot.tree.ndofs
+    world.step()  # the first step removes the velocities of a fixed root
+    gone = before - robot.tree.ndofs
+    single = {joint.name: joint.first + ROOT - gone for joint in robot.joints if joint.count == 1}
+    return [moved(world, robot, single, start, steps) for start in starts]
+
+
+def moved(world: Any, robot: Loaded, joints: Mapping[str, int], start: JointStates, steps: int) -> JointStates:
+    """Return the state of joints, given with the indices of their velocities, after steps from a state."""
+    displacements, velocities = -np.array(robot.tree.generalized_position()), np.zeros(robot.tree.ndofs)
+    for name, index in joints.items():
+        displacements[index] += start.positions.get(name, 0.0)
+        velocities[index] = start.velocities.get(name, 0.0)
+    robot.tree.apply_displacements(displacements.tolist())
     robot.tree.set_generalized_velocity(velocities.tolist())
     robot.tree.forward_kinematics(world.rigid_bodies)
     robot.tree.update_rigid_bodies(world.rigid_bodies, False)
     for _ in range(steps):
         world.step()
     ends = robot.tree.generalized_position(), robot.tree.generalized_velocity()
-    gone = len(positions) - robot.tree.ndofs  # the first step removes the velocities of a fixed root
-    return JointStates(*({name: float(values[index - gone]) for name, index in single.items()} for values in ends))
+    return JointStates(*({name: float(values[index]) for name, index in joints.items()} for values in ends))
 
 
 def loaded(file: RobotFile, sets: tuple[Any, Any, Any] | None = None, with_shapes: bool = True) -> Loaded:
