@@ -17,9 +17,9 @@ from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 
-#: The time step (s), the steps of a motion to a limit, and the steps of a motion that shows whether joints follow each other,
-#: in which soft constraints with time constants of 20 ms come to rest.
-TIMESTEP_S, TO_LIMIT, FOLLOWING = 1e-3, 60, 300
+#: The time step (s), the steps of a motion to a limit, the steps in which a soft limit pushes a joint back, and the steps of a
+#: motion that shows whether joints follow each other, in which soft constraints with time constants of 20 ms come to rest.
+TIMESTEP_S, TO_LIMIT, PUSHED_BACK, FOLLOWING = 1e-3, 60, 500, 300
 
 #: The largest speed of a joint (rad/s or m/s), and the part of its range that a motion may cross.
 SPEED, PART_OF_RANGE = 1.0, 0.25
@@ -161,27 +161,39 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
         for (name, sign), end in zip(ways, trial.step(starts, TO_LIMIT), strict=True)
     }
     tries = [(name, sign, limit) for name, bounds in limited.items() for sign, limit in bounds]
-    starts = [
-        trial.start(*trial.together(name, limit - sign * free[name, sign] / 4, sign * speeds[name]))
+    starts = {
+        (name, sign, limit): trial.start(*trial.together(name, limit - sign * free[name, sign] / 4, sign * speeds[name]))
         for name, sign, limit in tries
-    ]
-    beyond = {
-        (name, sign, limit): sign * (_position(end, name, speeds[name]) - limit)
-        for (name, sign, limit), end in zip(tries, trial.step(starts, TO_LIMIT), strict=True)
     }
+    beyond = _beyond(trial, starts, speeds, TO_LIMIT)
+    stopping = {one: _stops(way, free[one[:2]]) for one, way in beyond.items()}
+    passing = {one: starts[one] for one, stops in stopping.items() if stops is False}
+    for one, way in _beyond(trial, passing, speeds, PUSHED_BACK).items():
+        if not way > free[one[:2]] / 2:  # a soft limit pushes the joint back, or the motion is not stable
+            stopping[one] = None
     results: dict[str, tuple[float | None, float | None]] = {}
     for name, bounds in limited.items():
         reach = speeds[name] * TO_LIMIT * TIMESTEP_S
         if not all(reach / 2 < free[name, sign] <= (1 + SAME_MOTION) * reach for sign in (-1.0, 1.0)):
             continue
-        stops = {
-            (sign, limit): _stops(beyond[name, sign, limit], free[name, sign]) if trial.allows(name, limit) else None
-            for sign, limit in bounds
-        }
+        stops = {(sign, limit): stopping[name, sign, limit] if trial.allows(name, limit) else None for sign, limit in bounds}
         if None not in stops.values():
             lower = max((limit for (sign, limit), stop in stops.items() if stop and sign < 0), default=None)
             results[name] = lower, min((limit for (sign, limit), stop in stops.items() if stop and sign > 0), default=None)
     return results
+
+
+#: A limit that is tried: the name of the joint, its side and its position.
+_Tried = tuple[str, float, float]
+
+
+def _beyond(trial: Trial, starts: Mapping[_Tried, JointStates], speeds: Mapping[str, float], steps: int) -> dict[_Tried, float]:
+    """Return how far joints get beyond limits in a number of steps."""
+    ends = trial.step(list(starts.values()), steps) if starts else []
+    return {
+        (name, sign, limit): sign * (_position(end, name, speeds[name]) - limit)
+        for (name, sign, limit), end in zip(starts, ends, strict=True)
+    }
 
 
 def _position(end: JointStates, name: str, fastest: float) -> float:

@@ -35,6 +35,12 @@ def test_limits_that_are_told_and_stop_no_joint_are_none() -> None:
     assert known["second"].tried == {"limits"}
 
 
+def test_a_soft_limit_that_gives_way_at_first_is_not_called_ignored() -> None:
+    """A spring of 50 N m/rad turns the joint back after a fifth of a second."""
+    known = tried(LIMITED, Does(springs=dict.fromkeys(NAMES, (-2.0, 3.0))))
+    assert known == {}
+
+
 def test_a_limit_that_is_told_for_a_joint_without_limits_in_the_file_is_tried() -> None:
     """As of a continuous joint, for which an engine keeps the numbers of the file."""
     continuous = file_model()

@@ -33,9 +33,13 @@ RULE = Mimic("first", 2.0, 0.1)
 
 @dataclass(frozen=True)
 class Does:
-    """What the joints of a miniature engine do: limits, rules, damping and friction, by the names of the joints."""
+    """What the joints of a miniature engine do: limits, rules, damping and friction, by the names of the joints.
+
+    springs: limits that are springs of 50 N m/rad.
+    """
 
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    springs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     rules: Mapping[str, Mimic] = field(default_factory=dict)
     damping: Mapping[str, float] = field(default_factory=dict)
     friction: Mapping[str, float] = field(default_factory=dict)
@@ -48,6 +52,8 @@ class Does:
         positions, velocities = dict(start.positions), dict(start.velocities)
         for _ in range(steps):
             for name in positions:
+                low, high = self.springs.get(name, (-np.inf, np.inf))
+                velocities[name] -= TIMESTEP_S * 50.0 * (positions[name] - min(max(positions[name], low), high))
                 velocities[name] -= TIMESTEP_S * self.damping.get(name, 0.0) * velocities[name]
                 braking = min(TIMESTEP_S * self.friction.get(name, 0.0), abs(velocities[name]))
                 velocities[name] -= braking * np.sign(velocities[name])
