@@ -33,6 +33,9 @@ CONFIRMED = 0.03
 #: The part of a free way by which the ways of two motions of a joint from different positions may differ.
 SAME_MOTION = 0.15
 
+#: The part of the way without resistance that a joint must move at least for its limits to be tried.
+LEAST_WAY = 0.1
+
 #: The size of a force, in roundings of the change of momentum in a step, from which on the force can be measured.
 ROUNDINGS = 100
 
@@ -174,7 +177,7 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
     results: dict[str, tuple[float | None, float | None]] = {}
     for name, bounds in limited.items():
         reach = speeds[name] * TO_LIMIT * TIMESTEP_S
-        if not all(reach / 2 < free[name, sign] <= (1 + SAME_MOTION) * reach for sign in (-1.0, 1.0)):
+        if not all(LEAST_WAY * reach < free[name, sign] <= (1 + SAME_MOTION) * reach for sign in (-1.0, 1.0)):
             continue
         stops = {(sign, limit): stopping[name, sign, limit] if trial.allows(name, limit) else None for sign, limit in bounds}
         if None not in stops.values():
