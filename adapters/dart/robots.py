@@ -4,7 +4,8 @@ The root of a URDF is welded to the world by an option of the loader; without it
 the name `world` is DART's world, and its inertia is ignored. A link without inertia has DART's default, 1 kg with moments of
 1 kg m^2. A joint whose limits exclude zero starts between its limits.
 
-DART has damping, dry friction, stiffness and effort limits of joints, but no armature. Dry friction is a constraint in each
+DART has damping, dry friction, stiffness and effort limits of joints, but no armature. It enforces limits of positions only
+after `setLimitEnforcement(True)`, which its loader of URDF does not set. Dry friction is a constraint in each
 step, so that DART computes neither passive forces nor forward dynamics of a robot with dry friction. A mimic joint has an
 actuator of the type MIMIC. DART's Python package does not report its numbers; they are read from the file. Three settings of
 the forward dynamics are changed here. DART evaluates damping and springs at the end of a time step: the step is so short that
@@ -66,6 +67,8 @@ COLOURS_AND_PLACES = re.compile(r"\x1b\[[0-9;]*m|Warning \[\S*\]|at line \d+ in 
 #: The beginning of the names of skeletons that DART makes from the shapes of an MJCF's world.
 SHAPES = "__geom_skel__"
 
+LIMITS = "DART does not enforce limits of positions until joint.setLimitEnforcement(True)"
+
 #: A time step (s) so short that its effect vanishes in rounding beside the mass matrix.
 NO_TIME = 1e-30
 
@@ -87,7 +90,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
             velocities=skeleton.getNumDofs(),
             gravity=standard,
             terms=tuple(terms(skeleton, state, frictionless=not any(joint.friction for joint in joints)) for state in states),
-            notes=tuple(dict.fromkeys(f"DART warns: {line}" for line in warnings)),
+            notes=(LIMITS, *dict.fromkeys(f"DART warns: {line}" for line in warnings)),
         )
 
 

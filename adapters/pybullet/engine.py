@@ -175,7 +175,8 @@ def step(world: World) -> World:
 def resisted_step(drag: float) -> Callable[[World], World]:
     """Return a function that takes a time step with the drag -c |v| v at the centre of mass.
 
-    `drag` is c (kg/m), and v is the velocity at the start of the step.
+    `drag` is c (kg/m), and v is the velocity at the start of the step: the order of a motion with drag is one, whatever
+    Bullet's order is.
     """
 
     def resisted(world: World) -> World:

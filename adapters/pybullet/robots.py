@@ -10,7 +10,8 @@ inertia has 1 kg and moments of 1 kg m^2.
 From an MJCF of one tree on the world PyBullet keeps masses, and centres of mass in single precision, but not the inertia of an
 `inertial`. A joint moves a link without mass, which PyBullet names, and the body is fixed to this link.
 
-PyBullet has damping and friction of a joint, but no armature and no mimic joints. A joint of the type "floating" becomes a
+PyBullet has damping of a joint, but no armature and no mimic joints. It tells the friction of a joint, and the limits that a file
+states for a continuous joint, and does not enforce them: trials by motion show this (`step_robot`). A joint of the type "floating" becomes a
 fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller passes, so that they do not
 contain the damping of links and the motors, which PyBullet applies in every step. PyBullet offers no forward dynamics, and no
 Jacobians of a robot with a spherical or planar joint. A robot with a spherical joint has no terms except poses, and a robot
@@ -139,7 +140,10 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
 
 
 def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
-    """Return the states after steps of Bullet, as `RobotSteps.step_robot` does. A server has no gravity unless it is set."""
+    """Return the states after steps of Bullet, as `RobotSteps.step_robot` does. Raises `ModelRefused`.
+
+    A server has no gravity unless it is set.
+    """
     with server() as client, overheard():
         robot, _ = loaded(client, file)
         pybullet.setTimeStep(timestep, physicsClientId=client)
@@ -148,7 +152,10 @@ def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, 
         for joint in robot.moving:
             motor = {"controlMode": pybullet.VELOCITY_CONTROL, "force": 0}
             pybullet.setJointMotorControl2(robot.body, joint.index, **motor, physicsClientId=client)
-        return [moved(robot, start, steps) for start in starts]
+        try:
+            return [moved(robot, start, steps) for start in starts]
+        except pybullet.error as error:  # PyBullet stores the states of at most 128 joints, including fixed joints
+            raise ModelRefused(refusal(file.path, str(error))) from error
 
 
 def moved(robot: Loaded, start: JointStates, steps: int) -> JointStates:

@@ -139,7 +139,7 @@ def step(world: World) -> World:
 def resisted_step(drag: float) -> Callable[[World], World]:
     """Return a function that takes a time step with the drag -c |v| v, c in kg/m, at the centre of mass.
 
-    The velocity v is the velocity at the start of the step.
+    The velocity v is the velocity at the start of the step: the order of a motion with drag is one, whatever PhysX's order is.
     """
 
     def resisted(world: World) -> World:
