@@ -6,8 +6,8 @@ Cameras in the file are left out, because they need a renderer. SAPIEN drops an 
 computes the inertia from the shapes of collision, or uses 1e-6 kg and 1e-6 kg m^2. Joints have damping, as PhysX's drive.
 Friction and effort limits in the file are dropped; PhysX's joints have their own friction, with a coefficient of 0.05. A mimic
 joint becomes a tendon of PhysX, but only if one of the two joints is on the other's child, or if both are on the same link. The
-rule of a mimic joint is that of the loader's record, because SAPIEN does not report tendons. Trials by motion (`step_robot`) show
-which rule PhysX enforces: on the same link it is the inverse.
+rule of a mimic joint is that of the loader's record, because SAPIEN does not report tendons. Trials by motion (`step_robot`)
+show which rule PhysX enforces: on the same link it is the inverse.
 
 Masses, frames and properties of joints are those of PhysX, in single precision, and so are poses and the forces of gravity and
 of Coriolis (`compute_passive_force`). The other terms are those of SAPIEN's `create_pinocchio_model`: SAPIEN writes the
@@ -161,7 +161,7 @@ def loaded(file: RobotFile) -> Loaded:
 
 
 def tendons(builder: Any, articulation: Any) -> Iterator[tuple[str, Mimic]]:
-    """Yield the names and the mimic elements of the mimic joints for which SAPIEN has made tendons, as its loader tells them."""
+    """Yield the names and mimic elements, as the loader tells them, of the joints for which SAPIEN has made tendons."""
     for record in builder.mimic_joint_records:
         joint, leader = articulation.find_joint_by_name(record.joint), articulation.find_joint_by_name(record.mimic)
         below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None

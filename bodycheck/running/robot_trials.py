@@ -164,13 +164,13 @@ def limits_of(trial: Trial) -> dict[str, tuple[float | None, float | None]]:
         for (name, sign), end in zip(ways, trial.step(starts, TO_LIMIT), strict=True)
     }
     tries = [(name, sign, limit) for name, bounds in limited.items() for sign, limit in bounds]
-    starts = {
+    towards = {
         (name, sign, limit): trial.start(*trial.together(name, limit - sign * free[name, sign] / 4, sign * speeds[name]))
         for name, sign, limit in tries
     }
-    beyond = _beyond(trial, starts, speeds, TO_LIMIT)
+    beyond = _beyond(trial, towards, speeds, TO_LIMIT)
     stopping = {one: _stops(way, free[one[:2]]) for one, way in beyond.items()}
-    passing = {one: starts[one] for one, stops in stopping.items() if stops is False}
+    passing = {one: towards[one] for one, stops in stopping.items() if stops is False}
     for one, way in _beyond(trial, passing, speeds, PUSHED_BACK).items():
         if not way > free[one[:2]] / 2:  # a soft limit pushes the joint back, or the motion is not stable
             stopping[one] = None
