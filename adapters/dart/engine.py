@@ -11,6 +11,7 @@ from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Meth
 from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.dart.robots import read_robot as read_robot
+from bodycheck.adapters.dart.robots import step_robot as step_robot
 from bodycheck.adapters.links import Link, links_of
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate

@@ -14,6 +14,7 @@ from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
+from bodycheck.adapters.drake.robots import step_robot as step_robot
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised, NormalisedControl
 from bodycheck.reference.kinematics import conjugate, normalise, rotate

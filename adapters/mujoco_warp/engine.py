@@ -75,7 +75,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-read_robot, contact_law = robots.read_robot, mujoco.contact_law
+read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:

@@ -14,6 +14,7 @@ from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
 from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
+from bodycheck.adapters.newton.robots import step_robot as step_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import InTurn, Loop, Normalised
 from bodycheck.adapters.touching import corners_of_brick, lying_shape

@@ -18,6 +18,7 @@ from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_or
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
+from bodycheck.adapters.rapier.robots import step_robot as step_robot
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.adapters.urdf import urdf
