@@ -11,6 +11,7 @@ import warp as wp
 from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
+from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
 from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
@@ -104,12 +105,15 @@ def stepper(
 ) -> Callable[[], None]:
     """Return a function that takes a step of `state` in place; `following` is a second state, used as workspace."""
     solver, control = solver_of_method.make(model, method), model.control()
+    if solver_of_method.own_passive_forces:
+        resist(solver.mjw_model, scene.drag)
+    pushed = scene.drag and not solver_of_method.own_passive_forces
     pipeline = newton.CollisionPipeline(model) if scene.plane is not None and solver_of_method.collides else None
     contacts = pipeline.contacts() if pipeline is not None else None
 
     def step() -> None:
         state.clear_forces()
-        if scene.drag:
+        if pushed:
             wp.launch(drag_kernel, dim=model.body_count, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
         if pipeline is not None:
             pipeline.collide(state, contacts)

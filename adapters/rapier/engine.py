@@ -32,15 +32,16 @@ NO_LIMIT = float(np.finfo(np.float32).max)
 
 #: The option that keeps Rapier's settings, and the option that selects a friction cone at each contact.
 OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
-ENGINE_SETTINGS, COULOMB = "symplectic-euler:settings=engine", "symplectic-euler:friction=coulomb"
+PLAIN, ENGINE_SETTINGS, COULOMB = (f"symplectic-euler{options}" for options in ("", ":settings=engine", ":friction=coulomb"))
 
 engine = Engine(
     name="rapier",
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
-    integrators=(Integrator("symplectic-euler", order=1, evaluations=1, options=OPTIONS),),
+    integrators=(Integrator(PLAIN, order=1, evaluations=1, options=OPTIONS),),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "plane": (COULOMB, ENGINE_SETTINGS)},
+    # Rapier's own settings come first: its contacts and joints are made for four substeps.
+    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS, PLAIN)), "plane": (ENGINE_SETTINGS, PLAIN, COULOMB)},
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
 )
