@@ -1,4 +1,4 @@
-"""Drag in MuJoCo Warp: a kernel that is added to its passive forces, so that every integrator evaluates it with all other forces."""
+"""Drag in MuJoCo Warp: a kernel added to its passive forces, so that every integrator evaluates it with all other forces."""
 
 from typing import Any
 

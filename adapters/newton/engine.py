@@ -8,7 +8,7 @@ import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Usage, single_bodies, states
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.mujoco_warp.drag import resist
@@ -26,6 +26,9 @@ from bodycheck.reference.trajectory import Array
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
 wp.config.enable_backward = False
 
+#: The solver of Newton's first tutorial, which takes ten steps in each of 60 frames in a second.
+TUTORIAL = Usage("XPBD:iterations=10", 1 / 600, "https://newton-physics.github.io/newton/stable/tutorials/00_introduction.html")
+
 engine = Engine(
     name="newton",
     distribution=INSTALLATION.distribution,
@@ -38,6 +41,7 @@ engine = Engine(
     precision="float32",
     device=graphs.DEVICE,
     batch=2,
+    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), TUTORIAL)},
 )
 
 #: The friction law of contacts.

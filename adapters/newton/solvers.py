@@ -104,7 +104,9 @@ SOLVERS: dict[str, Solver] = {
         xpbd,
         options={
             "iterations": Option("an integer of at least 1", numbers=((Range(1, whole=True),),)),
-            "relaxation": Option("a factor for the joints' impulses above 0 and at most 1", numbers=((Range(0, 1, above=True),),)),
+            "relaxation": Option(
+                "a factor for the joints' impulses above 0 and at most 1", numbers=((Range(0, 1, above=True),),)
+            ),
         },
         lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction"}),
     ),
@@ -120,10 +122,11 @@ SOLVERS: dict[str, Solver] = {
 }
 
 #: Spellings of methods with options that are run in addition to the integrators: the methods with Newton's damping (DAMPED),
-#: and all methods by kind of scene (VARIANTS).
+#: and all methods by kind of scene (VARIANTS), XPBD without relaxation of joints beside XPBD with it.
 DAMPED = ("SemiImplicit:settings=engine", "Steel:settings=engine")
 VARIANTS: dict[Kind, tuple[str, ...]] = {
     "flight": DAMPED,
     "drag": DAMPED,
     "plane": (*DAMPED, "Kamino-euler:dynamics_solver=dvi", "Kamino-euler:dynamics_solver=lox"),
+    "mechanism": ("XPBD:relaxation=1",),
 }

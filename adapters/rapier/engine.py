@@ -13,7 +13,17 @@ import rapier3d
 from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, EngineReset, Integrator, Method, Simulation, choice, states
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    EngineReset,
+    Integrator,
+    Method,
+    Simulation,
+    Usage,
+    choice,
+    states,
+)
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
@@ -34,6 +44,11 @@ NO_LIMIT = float(np.finfo(np.float32).max)
 OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
 PLAIN, ENGINE_SETTINGS, COULOMB = (f"symplectic-euler{options}" for options in ("", ":settings=engine", ":friction=coulomb"))
 
+#: The parameters of a world that sets none.
+PARAMETERS = Usage(
+    ENGINE_SETTINGS, 1 / 60, "https://docs.rs/rapier3d/latest/rapier3d/dynamics/struct.IntegrationParameters.html"
+)
+
 engine = Engine(
     name="rapier",
     distribution=INSTALLATION.distribution,
@@ -44,6 +59,7 @@ engine = Engine(
     variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS, PLAIN)), "plane": (ENGINE_SETTINGS, PLAIN, COULOMB)},
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
+    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), PARAMETERS)},
 )
 
 #: The functions of Rapier that steps call from Python.

@@ -58,5 +58,14 @@ print(f"newton {newton.__version__}")
 for name, solver_of in SOLVERS.items():
     for order, bodies in ORDERS.items():
         print(f"{name:14} bodies {order:15}", *(f"{number:9.5f}" for number in tips(solver_of, bodies)), flush=True)
-apart = [np.abs(tips(SOLVERS["Featherstone"], ORDERS["children first"], step) - tips(SOLVERS["Featherstone"], ORDERS["as the joints"], step)).max() for step in (0.002, 0.001, 0.0005)]
-print("Featherstone, children first against the order of the joints, at 2, 1 and 0.5 ms:", *(f"{number:.5f} m" for number in apart))
+apart = [
+    np.abs(
+        tips(SOLVERS["Featherstone"], ORDERS["children first"], step)
+        - tips(SOLVERS["Featherstone"], ORDERS["as the joints"], step)
+    ).max()
+    for step in (0.002, 0.001, 0.0005)
+]
+print(
+    "Featherstone, children first against the order of the joints, at 2, 1 and 0.5 ms:",
+    *(f"{number:.5f} m" for number in apart),
+)
