@@ -16,9 +16,8 @@ Simbody's row of OSRF's box benchmark of 2015.
 
 Nothing else has to be switched off: a free joint has no damping and no limits.
 
-Drag is a force on the joint's coordinates that is computed from the velocity at the start of a step and kept constant in the
-step, because OpenSim has no force of this form and accepts no force that is written in Python. All integrators have order 1
-with drag.
+Drag is a force of OpenSim that is evaluated wherever Simbody evaluates forces, so that every integrator keeps its order; see
+`models.add_drag`. Releases of OpenSim without expressions of several velocities do not model it.
 
 A brick touches the plane by OpenSim's `HuntCrossleyForce` on a small sphere at each of its four lower corners. OpenSim has no
 default for the stiffness: the spheres sink in by a hundredth of the body's half-height under its weight, and the damping is

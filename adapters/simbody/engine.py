@@ -1,7 +1,6 @@
 """The adapter of Simbody by OpenSim: the model of a scene, and the loop of its steps."""
 
 import ctypes
-import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -29,7 +28,7 @@ from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
-from bodycheck.adapters.simbody.models import described, started
+from bodycheck.adapters.simbody.models import DRAG, described, started
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
@@ -96,7 +95,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction"}) | DRAG | mechanisms.MODELS,
     variants=dict.fromkeys(
         ("flight", "mechanism"), tuple(f"{integrator.name}:settings=engine" for integrator in integrators())
     ),
@@ -128,10 +127,6 @@ class Simbody:
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     complains
         Whether the integrator's C code writes to stderr the same message that an exception contains.
-    drag
-        The coefficient of drag (kg/m).
-    actuators
-        The forces on the coordinates x, y and z; none without drag.
     taken
         The number of steps taken.
     """
@@ -142,8 +137,6 @@ class Simbody:
     seen: Callable[[Any], Array]
     rows: Callable[[Array], Array]
     complains: bool
-    drag: float = 0.0
-    actuators: Sequence[Any] = ()
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
@@ -158,7 +151,9 @@ class Simbody:
         seen: list[Array] = []
         for stride in strides.tolist():
             try:
-                self._stride(stride)
+                if stride:
+                    self.manager.integrate((self.taken + stride) * self.timestep)
+                    self.taken += stride
             except RuntimeError as error:
                 seen.append(self.seen(self.manager.getState()))
                 # The C++ function and the place in its source are before the message.
@@ -168,25 +163,6 @@ class Simbody:
                 raise signal from error
             seen.append(self.seen(self.manager.getState()))
         return single(self.rows(np.array(seen)))
-
-    def _stride(self, steps: int) -> None:
-        if steps and not self.actuators:
-            self.manager.integrate((self.taken + steps) * self.timestep)
-            self.taken += steps
-        for _ in range(steps if self.actuators else 0):
-            now = self.manager.getState()
-            self._hold_drag(now)
-            # Simbody adds up times in the same way. At any other time it would interpolate, and lose the drag in that state.
-            self.manager.integrate(now.getTime() + self.timestep)
-            self.taken += 1
-
-    def _hold_drag(self, now: Any) -> None:
-        """Apply the drag at the current state until it is set again."""
-        velocity = now.getU().to_numpy()[3:].tolist()
-        slowing = -self.drag * math.hypot(*velocity)
-        for actuator, speed in zip(self.actuators, velocity, strict=True):
-            actuator.setOverrideActuation(now, slowing * speed)
-        self.model.realizeAcceleration(now)  # the next step begins with these accelerations
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
@@ -212,18 +188,16 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
     """Return the simulation of a scene with its body, or with links in place of it. Raises `SceneUnsupported`."""
-    model, actuators = described(scene, links)
+    model = described(scene, links)
     quaternions = method.option("settings") != "engine"
     state = started(scene, model, quaternions)
-    for actuator in actuators:
-        actuator.overrideActuation(state, True)
 
     def rows(seen: Array) -> Array:
         position, attitude = poses(seen[:, :7], quaternions)
         return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
 
     manager = managed(model, state, method)
-    return Normalised(Simbody(manager, model, method.timestep, coordinates, rows, complains(method), scene.drag, actuators))
+    return Normalised(Simbody(manager, model, method.timestep, coordinates, rows, complains(method)))
 
 
 def coordinates(state: Any) -> Array:
