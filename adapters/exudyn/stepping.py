@@ -74,8 +74,12 @@ class Stepper:
         return f"Exudyn's solver fails: {' '.join(self.solver.GetErrorString().split())}"
 
 
-def settings(method: Method) -> "exudyn.SimulationSettings":
-    """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing."""
+def settings(method: Method, constrained: bool) -> "exudyn.SimulationSettings":
+    """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing.
+
+    `constrained` says whether the system has algebraic constraints. Exudyn's documentation requires a spectral radius below 1
+    for constraints on positions, so that it is 1 only without constraints.
+    """
     simulation = exudyn.SimulationSettings()
     simulation.solution.file.write = False
     time = simulation.timeIntegration
@@ -88,7 +92,8 @@ def settings(method: Method) -> "exudyn.SimulationSettings":
     time.newton.useModifiedNewton = False
     if method.option("settings") != "engine":
         time.adaptiveStep = False
-        time.generalizedAlpha.spectralRadius = 1.0
+        if not constrained:
+            time.generalizedAlpha.spectralRadius = 1.0
     time.solverType = getattr(exudyn.DynamicSolverType, method.integrator)
     if method.integrator == "TrapezoidalIndex2":
         # Exudyn's own function for this solver sets these flags.
@@ -124,7 +129,7 @@ def initialised(
         If Exudyn refuses the system.
     """
     system.Assemble()
-    chosen, engine_solver = settings(method), solver(method)
+    chosen, engine_solver = settings(method, len(system.systemData.GetAECoordinates()) > 0), solver(method)
     if redundant:
         chosen.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
         chosen.linearSolver.ignoreSingularJacobian = True
