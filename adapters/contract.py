@@ -204,16 +204,17 @@ class Work:
         for a number that the engine does not count.
     """
 
-    steps: int | None
+    steps: int
     rejected: int | None
     evaluations: int | None
 
 
 @runtime_checkable
-class ErrorControlled(Protocol):
+class ErrorControlled(Simulation, Protocol):
     """A simulation of one scene with a method that has the option `accuracy`: the engine chooses its own steps.
 
-    Its `Simulation.advance` reaches multiples of the largest step, so that it can be used as any other simulation.
+    Its `advance` reaches multiples of the largest step, so that it can be used as any other simulation; see
+    `bodycheck.adapters.stepping.Controlled`.
     """
 
     def reach(self, times: Array) -> Array:

@@ -84,6 +84,11 @@ class Method:
         value = self.option("accuracy")
         return None if value is None else float(value)
 
+    @property
+    def sampling(self) -> float:
+        """The time step (s) at whose multiples a run is sampled; 0 with error control: at the instants of the case exactly."""
+        return self.timestep if self.accuracy is None else 0.0
+
     def at(self, timestep: float) -> "Method":
         """Return the method with the same integrator and options, and another time step (s)."""
         return replace(self, timestep=timestep)

@@ -14,13 +14,16 @@ from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Work
 from bodycheck.adapters.drake.contact import add_contact, contact_of
 from bodycheck.adapters.links import Link, links_of
+from bodycheck.adapters.stepping import Controlled
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
 
-#: The integrator that Drake offers only for a plant of the name `PLANT`, in a diagram with a scene graph; and this name.
+#: The integrator that Drake offers only for a plant of the name `PLANT`, in a diagram with a scene graph; and this name. It
+#: does not count its evaluations.
 CENIC, PLANT = "cenic", "plant"
 
 #: The numbers of positions (quaternion w x y z, position) and of velocities (angular, then linear; world) of a free body.
@@ -161,10 +164,17 @@ def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: b
 
 
 def integrated(simulator: Any, method: Method, continuous: bool) -> None:
-    """Initialize a simulator at the state of its context, with an integrator of fixed steps for a continuous plant."""
+    """Initialize a simulator at the state of its context, with the method's integrator for a continuous plant.
+
+    The integrator takes steps of fixed size, or controls the error of its steps if the method has an accuracy.
+    """
     if continuous:
-        ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
-        simulator.get_mutable_integrator().set_fixed_step_mode(True)
+        largest = method.timestep if method.accuracy is not None else LARGEST_STEP * method.timestep
+        ResetIntegratorFromFlags(simulator, method.integrator, largest)
+        integrator = simulator.get_mutable_integrator()
+        integrator.set_fixed_step_mode(method.accuracy is None)
+        if method.accuracy is not None:
+            integrator.set_target_accuracy(method.accuracy)
     simulator.Initialize()
 
 
@@ -175,19 +185,51 @@ LARGEST_ENERGY_J = 1e200
 def stepper(model: Model, timestep: float) -> Callable[[int], int]:
     """Return a function that takes a time step of a model; its argument and its result are the numbers of steps taken so far.
 
+    The function raises `EngineDiverged` as that of `stepping_to` does.
+    """
+    step_to = stepping_to(model)
+
+    def step(taken: int) -> int:
+        step_to((taken + 1) * timestep)
+        return taken + 1
+
+    return step
+
+
+def controlled(model: Model, method: Method, seen: Callable[[], Array], rows: Callable[[Array], Array]) -> Controlled:
+    """Return the simulation of a model by a method with error control. seen, rows: as `at` and `rows` of `Controlled`."""
+    step_to, integrator = stepping_to(model), model.simulator.get_integrator()
+
+    def at(time: float) -> Array:
+        step_to(time)
+        return seen()
+
+    def work() -> Work:
+        rejected = integrator.get_num_step_shrinkages_from_error_control()
+        rejected += integrator.get_num_step_shrinkages_from_substep_failures()
+        evaluations = integrator.get_num_derivative_evaluations()
+        return Work(integrator.get_num_steps_taken(), rejected, None if method.integrator == CENIC else evaluations)
+
+    return Controlled(method.timestep, at, rows, work)
+
+
+def stepping_to(model: Model) -> Callable[[float], None]:
+    """Return a function that steps a model to a time (s), where a step ends.
+
     The function raises `EngineDiverged` if Drake fails, or if its next accelerations may overflow.
     """
     simulator, plant, context = model.simulator, model.plant, model.context
 
-    def step(taken: int) -> int:
+    def step_to(time: float) -> None:
+        if time <= context.get_time():  # a step of no length of `cenic` would end the process
+            return
         if not plant.CalcKineticEnergy(context) < LARGEST_ENERGY_J:
             raise EngineDiverged(f"Drake's accelerations overflow at t = {context.get_time():.6g} s")
         try:
-            simulator.AdvanceTo((taken + 1) * timestep)
+            simulator.AdvanceTo(time)
         except RuntimeError as error:
             # The number is different in each run, because Drake counts the sources of poses in a process.
             words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
             raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
-        return taken + 1
 
-    return step
+    return step_to

@@ -242,7 +242,7 @@ def _missing(
     first = [call for call in planned.probes if call.probe not in answers[call.engine, call.integrator]]
     second = [call for call in planned.elsewhere if call.probe not in answers[call.engine, call.integrator]]
     flips = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
-    truth = _truth(planned, flips[0].method.timestep, limit) if flips else None
+    truths = _truths(planned, flips, limit) if flips else {}
     passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
     for left in passes:
         with pool.Workers(make, jobs, limit, group=lambda one: one.engine, home=home) as workers:
@@ -255,14 +255,15 @@ def _missing(
                         lost = answer.outcome if isinstance(answer, Run) else answer
                         yield call, Fault(call.engine, call.integrator, call.probe, lost.reason)
                     case Run():
-                        yield call, Found(attitude_error=_attitude_error(truth, answer))
+                        yield call, Found(attitude_error=_attitude_error(truths.get(answer.method.sampling), answer))
 
 
-def _truth(planned: Plan, timestep: float, limit: float) -> Truth | None:
-    """Return the truth of the flip at the instants of runs with a time step (s); None if its computation failed."""
+def _truths(planned: Plan, flips: Sequence[Task], limit: float) -> dict[float, Truth]:
+    """Return the truths of the flip for its runs, by sampling; empty if their computation failed."""
+    samplings = tuple(dict.fromkeys(task.method.sampling for task in flips))
     with pool.Workers(perform, 1, limit) as workers:
-        computed = workers.call(TruthTask(planned.flip, (timestep,)))
-    return computed[timestep] if isinstance(computed, dict) else None
+        computed = workers.call(TruthTask(planned.flip, samplings))
+    return computed if isinstance(computed, dict) else {}
 
 
 def _attitude_error(truth: Truth | None, run: Run) -> float | None:

@@ -144,7 +144,7 @@ def _told(
     head = (run.engine, run.version, run.method.name, run.method.timestep, case.name, setting)
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return [ContactRow(*head, "", None, "", None, None, verdict.outcome.status)]
-    truth, values = truths(case.name, run.method.timestep), verdict.discrepancy.maxima()
+    truth, values = truths(case.name, run.method.sampling), verdict.discrepancy.maxima()
     rows = []
     for figure in figures:
         known = SUBJECTS[figure](case, truth) if isinstance(truth, Truth) else None

@@ -52,13 +52,13 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
     Failed
         If a run completed and there is no truth with which it can be compared.
     """
-    needed = tuple(campaign.truth_tasks(case, (task.method.timestep for task in tasks)))
+    needed = tuple(campaign.truth_tasks(case, (task.method.sampling for task in tasks)))
     answers = dict(workers.map([*needed, *tasks]))
     truths: dict[float, Truth | str] = {}
     for wanted in needed:
         answer = answers[wanted]
         assert not isinstance(answer, Run)
-        truths |= answer if isinstance(answer, dict) else dict.fromkeys(wanted.timesteps, answer.reason)
+        truths |= answer if isinstance(answer, dict) else dict.fromkeys(wanted.samplings, answer.reason)
     return [
         Probe(task.engine, version, task.method.name, task.method.timestep, *_measured(task, answers[task], truths, figure))
         for task, version in zip(tasks, versions, strict=True)
@@ -76,7 +76,7 @@ def _measured(
     outcome = answer.outcome if isinstance(answer, Run) else answer
     if not isinstance(answer, Run) or not isinstance(outcome, Completed):
         return outcome.status, None, None, outcome.reason
-    truth = truths[task.method.timestep]
+    truth = truths[task.method.sampling]
     if isinstance(truth, str):
         raise Failed(f"{task.case.name}: there is no truth from which errors could be measured: {truth}")
     return Completed.status, *figures_of(compare(truth, answer).maxima(), figure), ""

@@ -41,7 +41,7 @@ RUNS: Table[Mapping[str, Any]] = Table(
     "tradeoff",
     "errors and costs over time steps",
     None,
-    (*RESULTS.columns, *COSTS, *BATCHES),
+    (*(column for column in RESULTS.columns if column.name not in COST_COLUMNS), *COSTS, *BATCHES),
     key=(*RUN, "device", "precision", "batch"),
     filled=RUN_FILLED,
     shown=(

@@ -95,6 +95,7 @@ def price(
     for row, verdict in zip(rows, verdicts, strict=True):
         cost = costs.get(_task(results.cases[verdict.run.case], verdict))
         claims = _claims(engines[verdict.run.engine], verdict.run.key)
+        row.pop("evaluations")  # the column of this name in the table of the study is per step
         row |= _costs(row, cost if isinstance(cost, Measured) else None, claims.evaluations)
         engine = engines[verdict.run.engine]
         row |= dict.fromkeys(BATCH_COLUMNS) | {"device": engine.device, "precision": engine.precision}
@@ -194,7 +195,7 @@ def orders(
 def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine: Engine) -> Iterator[Order]:
     """Yield the orders of one method. verdicts: those on its completed runs, sorted by time step, the largest first."""
     coarsest = verdicts[0].run
-    truth = results.truth(case.name, coarsest.method.timestep)
+    truth = results.truth(case.name, coarsest.method.sampling)
     assert isinstance(truth, Truth)  # a run without a truth has no discrepancy
     roundoff = ROUNDOFF[engine.precision]
     named = identify(case, coarsest, truth, roundoff)
