@@ -49,7 +49,9 @@ def test_constraints_on_balls_are_of_second_order(spelling: str) -> None:
 def test_generalized_alpha_has_numerical_damping_where_exudyn_requires_it() -> None:
     """Exudyn's documentation requires a spectral radius below 1 for constraints on positions, and its default is 0.9."""
     alpha = Method.parse("GeneralizedAlpha", 1e-3)
-    radii = [stepping.settings(alpha, constrained).timeIntegration.generalizedAlpha.spectralRadius for constrained in (True, False)]
+    radii = [
+        stepping.settings(alpha, constrained).timeIntegration.generalizedAlpha.spectralRadius for constrained in (True, False)
+    ]
     assert radii == [0.9, 1.0]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Integrator, Method
+from bodycheck.adapters.contract import ErrorControlled, Integrator, Method
 from bodycheck.reference import truth as reference
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import geodesic_angle
@@ -101,3 +101,29 @@ def test_spheres_sink_in_as_far_as_they_are_made_to() -> None:
     assert depths[-1] == pytest.approx(5e-4, rel=1e-9)
     # The spheres are softer where they begin to touch, where the damping is not critical yet.
     assert depths.max() < 5e-4 * 1.2
+
+
+@pytest.mark.parametrize("integrator", [own.name for own in SIMBODY.engine.integrators])
+def test_every_integrator_controls_its_error_and_counts_its_work(integrator: str) -> None:
+    """A tolerance that is a hundred times smaller gives a smaller error for more work."""
+    exact, work, errors = reference.truth(TUMBLE, np.array([0.0, 1.0])).trajectory.quaternion[-1], [], []
+    for accuracy in ("1e-3", "1e-5"):
+        simulation = SIMBODY.prepare([TUMBLE], Method.parse(f"{integrator}:accuracy={accuracy}", 1.0))
+        assert isinstance(simulation, ErrorControlled)
+        errors.append(geodesic_angle(simulation.reach(np.array([1.0]))[0, 0, 0, 3:7], exact))
+        work.append(simulation.work)
+    coarse, fine = work
+    assert errors[1] < errors[0] < 1
+    assert 0 < coarse.steps < fine.steps
+    assert coarse.rejected is not None
+    assert coarse.evaluations is not None
+    assert fine.evaluations is not None
+    # Each step needs an evaluation, and each rejected one another.
+    assert coarse.steps + coarse.rejected <= coarse.evaluations < fine.evaluations
+
+
+def test_the_largest_step_limits_error_control() -> None:
+    simulation = SIMBODY.prepare([TUMBLE], Method.parse("RungeKuttaMerson:accuracy=0.1", 0.01))
+    assert isinstance(simulation, ErrorControlled)
+    simulation.reach(np.array([1.0]))
+    assert 100 <= simulation.work.steps <= 103  # it begins with shorter steps
