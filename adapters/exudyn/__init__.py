@@ -6,13 +6,13 @@ the loop of the solvers, and `contact` has the contacts of a brick. A call takes
 The integrators are Exudyn's dynamic solvers: explicit Runge-Kutta methods (`ExplicitEuler`, `ExplicitMidpoint`, `RK33`, `RK44`,
 `RK67`, `ODE23`, `DOPRI5`) and `VelocityVerlet`, and the implicit `GeneralizedAlpha`, which is Exudyn's default, and
 `TrapezoidalIndex2`. `ODE23` and `DOPRI5` choose their steps by default, and here with the option `accuracy`, which is both the
-relative and the absolute tolerance, since Exudyn's defaults of the two are equal (1e-8). The time step is then the largest step,
-and a step ends at each sample. Exudyn does not count evaluations. No implicit solver has error control ("no automatic step size
-for implicit solvers available"). On a plane the option is missing, because the stiffness of contacts depends on the time step; so
-does the speed below which dry friction of a joint is proportional to the velocity. `DVERK6` is in Exudyn's list, but no solver
-of 1.13 accepts it. Generalized alpha with `useNewmark` is the trapezoidal rule, and so is generalized alpha with a spectral
-radius of 1: their states were the same, so that Newmark is not a separate method. Exudyn calls `VelocityVerlet` a method of order
-2 under development; rotation and drag depend on velocities, and with them its order is 1.
+relative and the absolute tolerance, since Exudyn's defaults of the two are equal (1e-8). The time step is then the largest
+step, and a step ends at each sample. Exudyn does not count evaluations. No implicit solver has error control ("no automatic
+step size for implicit solvers available"). On a plane the option is missing, because the stiffness of contacts depends on the
+time step; so does the speed below which dry friction of a joint is proportional to the velocity. `DVERK6` is in Exudyn's list,
+but no solver of 1.13 accepts it. Generalized alpha with `useNewmark` is the trapezoidal rule, and so is generalized alpha with
+a spectral radius of 1: their states were the same, so that Newmark is not a separate method. Exudyn calls `VelocityVerlet` a
+method of order 2 under development; rotation and drag depend on velocities, and with them its order is 1.
 
 The option `formulation` selects the coordinates of the rotation:
 
@@ -30,8 +30,8 @@ it, which takes most of the time of a step.
 
 The halving of steps in which Newton's method fails and adaptive steps are switched off. Numerical damping of `GeneralizedAlpha`
 is switched off (the spectral radius is 1) if the system has no algebraic constraints. With them it is Exudyn's default (0.9),
-because Exudyn's documentation says: "for position-level constraints (index 3), spectralRadius must be < 1". Such constraints are
-links that are welded, jointed bodies, loops, and the norm of Euler parameters. `GeneralizedAlpha:settings=engine` has
+because Exudyn's documentation says: "for position-level constraints (index 3), spectralRadius must be < 1". Such constraints
+are links that are welded, jointed bodies, loops, and the norm of Euler parameters. `GeneralizedAlpha:settings=engine` has
 Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved steps, and on a plane friction that is proportional to the
 velocity below 1 mm/s. In all other methods this speed is the smallest speed for which no step reverses the sliding. Newton's
 method is full instead of modified in all methods, so that states do not depend on where they are sampled; its tolerances are
