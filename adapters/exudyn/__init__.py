@@ -32,10 +32,11 @@ The halving of steps in which Newton's method fails and adaptive steps are switc
 is switched off (the spectral radius is 1) if the system has no algebraic constraints. With them it is Exudyn's default (0.9),
 because Exudyn's documentation says: "for position-level constraints (index 3), spectralRadius must be < 1". Such constraints
 are links that are welded, jointed bodies, loops, and the norm of Euler parameters. `GeneralizedAlpha:settings=engine` has
-Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved steps, and on a plane friction that is proportional to the
-velocity below 1 mm/s. In all other methods this speed is the smallest speed for which no step reverses the sliding. Newton's
-method is full instead of modified in all methods, so that states do not depend on where they are sampled; its tolerances are
-Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
+Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved steps, modified Newton, and on a plane friction that is
+proportional to the velocity below 1 mm/s. In all other methods this speed is the smallest speed for which no step reverses the
+sliding, and Newton's method is full instead of modified. Exudyn computes the Jacobian of the modified method again whenever it
+is called again, so that states depend on where they are sampled, by 3e-4 rad in 10 s of the flip at 10 ms. The tolerances of
+Newton's method are Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
 
 Each link has a node at the origin of its frame. Links are welded by Exudyn's generic joint with all axes locked, which is a
 constraint: explicit solvers refuse it. `GeneralizedAlpha` applies it to positions, and `TrapezoidalIndex2` to velocities. In

@@ -116,9 +116,9 @@ def settings(method: Method, constrained: bool) -> "exudyn.SimulationSettings":
     tolerance = NO_TOLERANCE if method.accuracy is None else method.accuracy
     time.absoluteTolerance = time.relativeTolerance = tolerance  # equal, as Exudyn's defaults are
     time.explicit.computeEndOfStepAccelerations = False  # no step depends on them
-    # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
-    time.newton.useModifiedNewton = False
     if method.option("settings") != "engine":
+        # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
+        time.newton.useModifiedNewton = False
         time.adaptiveStep = False
         if not constrained:
             time.generalizedAlpha.spectralRadius = 1.0

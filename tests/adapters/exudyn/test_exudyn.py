@@ -9,7 +9,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters.contract import EngineDiverged, ErrorControlled, Method, SceneUnsupported
-from bodycheck.adapters.exudyn import contact
+from bodycheck.adapters.exudyn import contact, stepping
 from bodycheck.adapters.exudyn import engine as adapter
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.kinematics import geodesic_angle
@@ -78,8 +78,8 @@ def test_the_loop_over_strides_is_exudyns_own(scene: Scene, method: str) -> None
     here.advance(np.array([100, 0, 500]))
     data = here.system.systemData
     ours = np.concatenate([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()])
-    # Explicit steps differ by the rounding of the time step, which Exudyn gets from a sum. Modified Newton and the full one
-    # here stop at different errors below the tolerance 1e-8 of each step.
+    # Explicit steps differ by the rounding of the time step, which Exudyn gets from a sum. Modified Newton begins again with
+    # each stride, and stops at another error below the tolerance 1e-8 of each step.
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 if method == "RK44" else 2e-5)
 
 
@@ -157,3 +157,12 @@ def test_samples_end_steps_with_error_control_and_change_no_more() -> None:
     assert isinstance(free, ErrorControlled)
     free.reach(times[-1:])
     assert free.work.steps < simulation.work.steps < free.work.steps + 3 * len(times)
+
+
+def test_the_engines_own_settings_are_those_of_exudyn() -> None:
+    """Only the step and what is written differ from the settings that a user gets."""
+    own, plain = exudyn.SimulationSettings().timeIntegration, Method.parse("GeneralizedAlpha:settings=engine", 1e-3)
+    here = stepping.settings(plain, constrained=True).timeIntegration
+    assert here.newton.useModifiedNewton == own.newton.useModifiedNewton
+    assert here.adaptiveStep == own.adaptiveStep
+    assert here.generalizedAlpha.spectralRadius == own.generalizedAlpha.spectralRadius
