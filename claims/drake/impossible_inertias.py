@@ -5,7 +5,8 @@ import logging
 from pydrake.all import MultibodyPlant, Parser, Simulator
 
 ROBOT = """<robot name="robot"><link name="base"/>
-<link name="impossible"><inertial><mass value="0.1"/><inertia ixx="1" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="impossible"><inertial><mass value="0.1"/>
+<inertia ixx="1" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="massless"><inertial><mass value="0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="base"/><child link="impossible"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="1" velocity="100"/></joint>
