@@ -1,6 +1,6 @@
 """Simulations that adapters share: loops in Python, error control, normalised quaternions, and simulations stepped in turn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
@@ -69,6 +69,9 @@ class Controlled:
         bodies, to rows (n, bodies, 13).
     counts
         Returns the work of the engine since the start.
+    between
+        Returns the numbers (k,) at each of some ascending times (n,), in s, without ending a step of the engine there; None if
+        the engine can only end a step at each time.
     taken
         The number of largest steps up to the current time, if `advance` reached it.
     """
@@ -77,14 +80,22 @@ class Controlled:
     at: Callable[[float], Array]
     rows: Callable[[Array], Array]
     counts: Callable[[], Work]
+    between: Callable[[Array], Iterator[Array]] | None = None
     taken: int = 0
 
     def reach(self, times: Array) -> Array:
         """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
+        return self._states(map(self.at, times.tolist()) if self.between is None else self.between(times))
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), as `ErrorControlled.finish` does."""
+        self.at(time)
+
+    def _states(self, numbers: Iterator[Array]) -> Array:
+        """Return the states (1, n, bodies, 13) that some numbers describe, up to an `EngineDiverged`."""
         seen: list[Array] = []
         try:
-            for time in times.tolist():
-                seen.append(self.at(time))
+            seen.extend(numbers)
         except EngineDiverged as signal:
             if seen:
                 signal.states = single(self.rows(np.array([*seen, np.full_like(seen[0], np.nan)])))
@@ -94,7 +105,7 @@ class Controlled:
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, bodies, 13) after each of n strides of largest steps, as `Simulation.advance` does."""
         ends = self.taken + np.cumsum(strides)
-        states = self.reach(ends.astype(np.float64) * self.timestep)
+        states = self._states(map(self.at, (ends.astype(np.float64) * self.timestep).tolist()))
         self.taken = int(ends[-1])
         return states
 
@@ -155,6 +166,10 @@ class NormalisedControl(Normalised):
     def reach(self, times: Array) -> Array:
         """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
         return self._normalised_of(lambda: self.simulation.reach(times))
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), as `ErrorControlled.finish` does."""
+        self.simulation.finish(time)
 
     @property
     def work(self) -> Work:

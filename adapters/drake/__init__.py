@@ -8,8 +8,9 @@ bodies. The plant is stepped in two ways.
   radau1, radau3, and cenic in releases that have it. The two implicit Euler integrators take two half steps in each step and
   keep their result. If Newton's method does not converge, Drake divides a step. Without the option `accuracy`, steps have a
   fixed size. With it, all integrators that estimate the error of a step choose their steps as Drake's simulator does by
-  default: the accuracy is the target accuracy, and the time step the largest step, which is 0.1 s by default as in Drake. A
-  step ends at each sample. explicit_euler, semi_explicit_euler and runge_kutta2 estimate no error. cenic does not count its
+  default: the accuracy is the target accuracy, and the time step the largest step, which is 0.1 s by default as in Drake.
+  Samples end no step: the state at a sample is computed in another copy of the plant, from the end of the last step before it.
+  explicit_euler, semi_explicit_euler and runge_kutta2 estimate no error. cenic does not count its
   evaluations. The explicit integrators are offered in flight
   only: with Drake's default stiffness of contact, they need steps well below 0.5 ms.
 - The discrete plant steps itself, by one step in each of its updates. Its methods are named after its approximations of

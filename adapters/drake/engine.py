@@ -1,7 +1,7 @@
 """The adapter of Drake: its integrators, its approximations of contact, and the loop of its steps."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
 
@@ -146,19 +146,24 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     (scene,) = scenes
     if isinstance(scene, Mechanism):
         return mechanisms.prepare(scene, method, APPROXIMATIONS)
-    return simulated(build(scene, method, APPROXIMATIONS), method)
+    return simulated(lambda: build(scene, method, APPROXIMATIONS), method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    return simulated(build(scene, method, APPROXIMATIONS, links), method)
+    return simulated(lambda: build(scene, method, APPROXIMATIONS, links), method)
 
 
-def simulated(model: Model, method: Method) -> Normalised:
-    """Return the simulation of a model by a method, with unit quaternions."""
-    if method.accuracy is not None:
-        return NormalisedControl(controlled(model, method, lambda: seen(model), rows))
-    return Normalised(loop(model, method.timestep))
+def simulated(built: Callable[[], Model], method: Method) -> Normalised:
+    """Return the simulation of a model that a function builds by a method, with unit quaternions."""
+    if method.accuracy is None:
+        return Normalised(loop(built(), method.timestep))
+
+    def with_state() -> tuple[Model, Callable[[], Array]]:
+        model = built()
+        return model, lambda: seen(model)
+
+    return NormalisedControl(controlled(with_state, method, rows))
 
 
 def loop(model: Model, timestep: float) -> Loop[int]:

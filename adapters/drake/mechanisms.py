@@ -78,6 +78,18 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     SceneUnsupported
         If Drake refuses a body, or has no loops with this method.
     """
+
+    def in_bodies(numbers: Array) -> Array:
+        return rows(mechanism, numbers)
+
+    if method.accuracy is not None:
+        return controlled(lambda: built(mechanism, method, approximations), method, in_bodies)
+    model, seen = built(mechanism, method, approximations)
+    return Loop(0, stepper(model, method.timestep), lambda _: seen(), in_bodies)
+
+
+def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array]]:
+    """Return the model of a mechanism, and the function that `seer` returns. Raises `SceneUnsupported` as `prepare` does."""
     if mechanism.loops and method.integrator not in CONSTRAINED:
         raise SceneUnsupported("Drake has constraints for loops in its discrete plant with the solver SAP only")
     config = configured(method, approximations)
@@ -107,10 +119,7 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     start(mechanism, plant, context, bodies, joints)
     integrated(simulator, method, continuous=method.integrator not in approximations)
     model = Model(simulator, plant, context)
-    seen = seer(model, bodies)
-    if method.accuracy is not None:
-        return controlled(model, method, seen, lambda numbers: rows(mechanism, numbers))
-    return Loop(0, stepper(model, method.timestep), lambda _: seen(), lambda numbers: rows(mechanism, numbers))
+    return model, seer(model, bodies)
 
 
 def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:

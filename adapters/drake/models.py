@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlant, ApplyMultibodyPlantConfig, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-from pydrake.systems.framework import DiagramBuilder, LeafSystem
+from pydrake.systems.framework import DiagramBuilder, EventStatus, LeafSystem
 
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Work
 from bodycheck.adapters.drake.contact import add_contact, contact_of
@@ -178,6 +178,9 @@ def integrated(simulator: Any, method: Method, continuous: bool) -> None:
     simulator.Initialize()
 
 
+#: A time (s) that no run reaches, so that it shortens no step.
+NEVER = 1e9
+
 #: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process above it.
 LARGEST_ENERGY_J = 1e200
 
@@ -196,8 +199,13 @@ def stepper(model: Model, timestep: float) -> Callable[[int], int]:
     return step
 
 
-def controlled(model: Model, method: Method, seen: Callable[[], Array], rows: Callable[[Array], Array]) -> Controlled:
-    """Return the simulation of a model by a method with error control. seen, rows: as `at` and `rows` of `Controlled`."""
+#: Builds a model, and returns it with a function that returns a copy of the numbers (k,) that describe its current state.
+Built = Callable[[], tuple[Model, Callable[[], Array]]]
+
+
+def controlled(built: Built, method: Method, rows: Callable[[Array], Array]) -> Controlled:
+    """Return the simulation of a model by a method with error control. rows: as `Controlled.rows`."""
+    model, seen = built()
     step_to, integrator = stepping_to(model), model.simulator.get_integrator()
 
     def at(time: float) -> Array:
@@ -210,7 +218,50 @@ def controlled(model: Model, method: Method, seen: Callable[[], Array], rows: Ca
         evaluations = integrator.get_num_derivative_evaluations()
         return Work(integrator.get_num_steps_taken(), rejected, None if method.integrator == CENIC else evaluations)
 
-    return Controlled(method.timestep, at, rows, work)
+    return Controlled(method.timestep, at, rows, work, lambda times: between(model, built, times))
+
+
+def between(model: Model, built: Built, times: Array) -> Iterator[Array]:
+    """Yield the numbers that describe the states at ascending times (n,), in s, without ending a step of the model there.
+
+    Each state is computed in another model of the same kind: from the end of the last own step before its time.
+    """
+    side, seen = built()
+    step_to, own_steps_to = stepping_to(side), own_steps(model)
+    for time in times.tolist():
+        start, state = own_steps_to(time)
+        side.simulator.get_mutable_context().SetTime(start)
+        side.plant.SetPositionsAndVelocities(side.context, state)
+        side.simulator.Initialize()
+        step_to(time)
+        yield seen()
+
+
+def own_steps(model: Model) -> Callable[[float], tuple[float, Array]]:
+    """Return a function that takes own steps of a model until one ends after a time (s), which is not before the last one.
+
+    It returns the time (s) and the state of the plant at the end of the last step that ends at this time or before it.
+    """
+    simulator, plant, context = model.simulator, model.plant, model.context
+    ends = [(context.get_time(), np.array(plant.GetPositionsAndVelocities(context)))] * 2
+    wanted = 0.0
+
+    def monitor(_: Any) -> EventStatus:
+        if context.get_time() > ends[-1][0]:
+            ends[:] = [ends[-1], (context.get_time(), np.array(plant.GetPositionsAndVelocities(context)))]
+        return EventStatus.ReachedTermination(plant, "reached") if ends[-1][0] > wanted else EventStatus.DidNothing()
+
+    simulator.set_monitor(monitor)
+    step_to = stepping_to(model)
+
+    def own_steps_to(time: float) -> tuple[float, Array]:
+        nonlocal wanted
+        wanted = time
+        if ends[-1][0] <= time:
+            step_to(NEVER)
+        return ends[0]
+
+    return own_steps_to
 
 
 def stepping_to(model: Model) -> Callable[[float], None]:

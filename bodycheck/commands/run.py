@@ -144,7 +144,6 @@ def export(
     out
         The file for the script. Default: standard output.
     """
-    from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.adapters.registry import EngineMissing
     from bodycheck.files import writing
     from bodycheck.running import exporting
@@ -153,7 +152,7 @@ def export(
     arguments.check_writable("--out", out)
     loaded = arguments.load_case(case)
     try:
-        script = exporting.script(loaded, engine, integrator, DEFAULT_TIMESTEP if timestep is None else timestep)
+        script = exporting.script(loaded, engine, integrator, timestep)
     except EngineMissing as error:
         raise BadInput(str(error)) from error
     if out is None:

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from bodycheck import conversion
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.registry import EngineMissing
 from bodycheck.console.arguments import check_engine, check_writable
 from bodycheck.errors import BadInput
@@ -32,7 +31,7 @@ def export(
     integrator
         The integrator. By default, the first one that the engine offers for the case.
     timestep
-        The time step (s). By default, 2 ms.
+        The time step (s). By default, 2 ms, or the usual largest step of a method with error control.
     out
         A file to which the script is also written.
 
@@ -47,7 +46,7 @@ def export(
     path = arguments.path("--out", out)
     check_writable("--out", path)
     method = None if integrator is None else conversion.name("--integrator", integrator)
-    step = DEFAULT_TIMESTEP if timestep is None else conversion.number("--timestep", timestep)
+    step = None if timestep is None else conversion.number("--timestep", timestep)
     loaded = arguments.one_case(case)
     try:
         script = exporting.script(loaded, name, method, step)

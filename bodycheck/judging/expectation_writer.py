@@ -22,7 +22,6 @@ from tomlkit.items import Item
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.mechanisms.model import file_text
@@ -36,6 +35,7 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.store import Results
 from bodycheck.running import plan as planned
+from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task
 from bodycheck.suggestion import did_you_mean
 
@@ -163,7 +163,7 @@ def plan(
     return tuple(
         task
         for task in planned.plan(cases, engines, integrators, timesteps)
-        if task.method.timestep in (timesteps or (DEFAULT_TIMESTEP,))
+        if task.method.timestep in (timesteps or (default_timestep(engines[task.engine], task.case, task.method),))
         or any(e.concerns(task.engine, task.method) for e in task.case.expectations)
     )
 

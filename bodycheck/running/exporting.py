@@ -6,13 +6,12 @@ from importlib.metadata import version
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import engines
-from bodycheck.running.instants import check_timestep
+from bodycheck.running.instants import check_timestep, method_of
 
 #: Time limit (s) for writing a script, which takes as long as building the model.
 TIME_LIMIT_S = 120.0
@@ -41,7 +40,7 @@ class NoScript:
     reason: str
 
 
-def script(case: Case, engine: str, integrator: str | None, timestep: float = DEFAULT_TIMESTEP) -> str:
+def script(case: Case, engine: str, integrator: str | None, timestep: float | None = None) -> str:
     """Return a Python script that makes the same steps as a run of a case, and needs only the engine and NumPy.
 
     The script is written in a worker process, which imports the engine.
@@ -55,7 +54,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
     integrator
         The spelling of a method; None for the first method that the engine offers for the scene.
     timestep
-        The time step (s).
+        The time step (s); None for the default time step of the method.
 
     Raises
     ------
@@ -72,9 +71,9 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
         if not names:
             raise Failed(f"{case.name}: {engine} has no integrator for this scene")
         integrator = names[0]
-    method = Method.parse(integrator, timestep)
+    method = method_of(record, case, integrator, timestep)
     offers.check(record, method)
-    check_timestep(case, timestep)
+    check_timestep(case, method.timestep)
     question = Question(case, engine, method)
     with pool.Workers(written, 1, TIME_LIMIT_S, group=_engine_of, home=engines.home) as workers:
         answer = workers.call(question)

@@ -39,3 +39,9 @@ def default_timestep(engine: Engine, case: Case, method: Method) -> float:
         return DEFAULT_TIMESTEP
     largest = engine.largest_step or case.duration / (case.samples - 1)
     return min(largest, case.duration)
+
+
+def method_of(engine: Engine, case: Case, spelling: str, timestep: float | None = None) -> Method:
+    """Return the method with a spelling, at a time step (s), or at its default time step in a case if none is named."""
+    method = Method.parse(spelling, 0.0)
+    return method.at(default_timestep(engine, case, method) if timestep is None else timestep)

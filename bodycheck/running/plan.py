@@ -9,7 +9,7 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import REFINEMENTS
 from bodycheck.errors import BadInput
-from bodycheck.running.instants import check_timestep, default_timestep
+from bodycheck.running.instants import check_timestep, method_of
 from bodycheck.running.tasks import Task as Task
 from bodycheck.suggestion import did_you_mean
 
@@ -109,8 +109,7 @@ def without_method(cases: Sequence[Case], engines: Mapping[str, Engine], tasks: 
 
 def _methods(case: Case, name: str, engine: Engine, integrators: Sequence[str], timesteps: Sequence[float]) -> Iterator[Method]:
     for spelling in offers.chosen(engine, case.scene, integrators):
-        method = Method.parse(spelling, 0.0)
-        yield from (method.at(timestep) for timestep in timesteps or (default_timestep(engine, case, method),))
+        yield from (method_of(engine, case, spelling, timestep) for timestep in timesteps or (None,))
     if timesteps:
         return
     asked = {Method.parse(spelling, 0.0).name for spelling in integrators}

@@ -37,7 +37,7 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.results.outcome import AdapterFault as AdapterFault
-from bodycheck.running.instants import check_timestep, default_timestep, sampling_times
+from bodycheck.running.instants import check_timestep, method_of, sampling_times
 from bodycheck.running.state_checks import check_start, divergence, standstill
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
@@ -79,11 +79,11 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float | None = 
     """
     check_case(case)
     engine = conversion.name("--engine", engine)
-    method, record = Method.parse(conversion.name("--integrator", integrator), 0.0), registry.load(engine).engine
+    record, step = registry.load(engine).engine, None if timestep is None else conversion.number("--timestep", timestep)
+    method = method_of(record, case, conversion.name("--integrator", integrator), step)
     offers.check(record, method)
-    step = default_timestep(record, case, method) if timestep is None else conversion.number("--timestep", timestep)
-    check_timestep(case, step)
-    return run(case, engine, method.at(step))
+    check_timestep(case, method.timestep)
+    return run(case, engine, method)
 
 
 def run(case: Case, engine: str, method: Method) -> Run:
@@ -210,7 +210,7 @@ def _reach(simulation: Simulation, unsampled: Simulation, scene: AnyScene, metho
         return outcome
     with np.errstate(all="ignore"):
         start = time.perf_counter()
-        unsampled.reach(times[-1:])
+        unsampled.finish(float(times[-1]))
         wall_time = time.perf_counter() - start
     work = unsampled.work
     return replace(outcome, steps=work.steps, wall_time=wall_time, rejected=work.rejected, evaluations=work.evaluations)

@@ -14,7 +14,7 @@ from bodycheck.console.options import AS_USUAL, Integrators, Jobs, Json, Out, Qu
 def audit(
     *engines: Annotated[str, Parameter(help="Engines to audit. Default: all installed engines.")],
     integrator: Integrators = (),
-    timestep: Annotated[float, Parameter(help="The time step in s. Default: 0.002.")] = 0.002,
+    timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002.")] = None,
     out: Out = None,
     jobs: Jobs = None,
     json: Json = False,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck import conversion
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.console.arguments import Engines, load_engines
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Names
@@ -65,7 +64,7 @@ def audit(
     engines: Names = (),
     *,
     integrator: Names = (),
-    timestep: float = DEFAULT_TIMESTEP,
+    timestep: float | None = None,
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> AuditResults:
@@ -78,7 +77,7 @@ def audit(
     integrator, jobs
         The same as the parameters of `bodycheck.run`.
     timestep
-        The time step (s).
+        The time step (s). By default, 2 ms, or the usual largest step of a method with error control.
     out
         A folder for the tables and the report. An interrupted audit in it is resumed.
 
@@ -88,7 +87,7 @@ def audit(
         In the same cases as by `bodycheck.run`.
     """
     named, spellings = arguments.names("ENGINE", engines), arguments.names("--integrator", integrator)
-    step = conversion.number("--timestep", timestep)
+    step = None if timestep is None else conversion.number("--timestep", timestep)
     processes, folder = arguments.jobs_of(jobs), arguments.path("--out", out)
     loaded = load_engines(named, integrators=spellings)
     planned = study.prepare(loaded.records, spellings, step)

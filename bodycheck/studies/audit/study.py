@@ -23,6 +23,7 @@ from bodycheck.results import resumption
 from bodycheck.results.header import Header
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.engines import home
+from bodycheck.running.instants import method_of
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
@@ -107,7 +108,7 @@ class Audit:
 Answers = dict[str, Found | Fault]
 
 
-def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float) -> Plan:
+def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float | None) -> Plan:
     """Return the methods to audit.
 
     Parameters
@@ -117,7 +118,7 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
     integrators
         Spellings of methods; all that the engines offer in free flight if it is empty.
     timestep
-        The time step (s).
+        The time step (s); None for the default time step of each method.
 
     Raises
     ------
@@ -125,9 +126,9 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
         If no engine has an integrator, the time step is not possible, or there is nothing to audit.
     """
     flip = load(FLIP)
-    check([flip], engines, integrators, (timestep,))
+    check([flip], engines, integrators, () if timestep is None else (timestep,))
     methods = tuple(
-        (name, Method.parse(integrator, timestep))
+        (name, method_of(engine, flip, integrator, timestep))
         for name, engine in engines.items()
         for integrator in chosen(engine, flip.scene, integrators)
     )

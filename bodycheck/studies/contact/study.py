@@ -14,6 +14,7 @@ from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
+from bodycheck.running.instants import method_of
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.studies.contact.rows import ContactRow, Setting
 from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
@@ -45,6 +46,11 @@ def default_method(engine: Engine, case: Case) -> Method | None:
         return None
     preferred = engine.defaults.get("integrator", "")
     return Method.parse(preferred if preferred in names else names[0], default_step(engine))
+
+
+def _controlled(spelling: str) -> bool:
+    """Return whether a method has error control, and is tried with its usual largest step alone if no step is named."""
+    return Method.parse(spelling, 0.0).accuracy is not None
 
 
 def with_contact(engine: Engine, case: Case) -> list[str]:
@@ -84,7 +90,8 @@ def plan(
             usual = default_method(engine, case)
             methods = [
                 *([usual] if usual is not None else []),
-                *(Method.parse(one, step) for step in steps for one in spellings),
+                *(Method.parse(one, step) for step in steps for one in spellings if timesteps or not _controlled(one)),
+                *(method_of(engine, case, one) for one in spellings if _controlled(one) and not timesteps),
             ]
             tasks |= dict.fromkeys(Task(case, name, method) for method in methods)
     refuse_nothing(tuple(tasks), engines, integrators)

@@ -31,6 +31,7 @@ from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.results.records import is_lost
 from bodycheck.running import plan
 from bodycheck.running.engines import home
+from bodycheck.running.instants import method_of
 from bodycheck.running.simulation import run
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, drifts
 from bodycheck.studies.extremes.rows import NOTHING, RECORDS, Limit, Row
@@ -159,7 +160,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         )
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
-        Trial(point, name, Method.parse(integrator, point.timestep))
+        Trial(point, name, _method(engine, point, integrator))
         for case in cases
         for point in points(case)
         for name, engine in engines.items()
@@ -172,9 +173,16 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         for spin in dict(case.extremes).get("spin", ())
         for name, engine in engines.items()
         for integrator in chosen(engine, case.scene, integrators)
+        if Method.parse(integrator, 0.0).accuracy is None  # with error control, the engine chooses stable steps
     )
     plan.refuse_nothing(trials, engines, integrators)
     return Study(trials, searches)
+
+
+def _method(engine: Engine, point: Point, integrator: str) -> Method:
+    """Return the method of a trial: at the time step of the point if an axis has it, and else at its default time step."""
+    on_axis = point.axis == "timestep" or (point.axis == "spin" and "timestep" in dict(point.case.extremes))
+    return method_of(engine, point.case, integrator, point.timestep if on_axis else None)
 
 
 def suits(case: Case) -> bool:
@@ -298,7 +306,7 @@ def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of:
             diagnosis = replace(diagnosis, detail="; ".join([diagnosis.detail, *drifts(scene, answer.outcome)]))
     else:
         diagnosis = Diagnosis(answer.status, NOTHING, answer.reason)
-    method = (trial.engine, version, trial.method.name, point.timestep)
+    method = (trial.engine, version, trial.method.name, trial.method.timestep)
     return Row(point.case.name, *method, point.axis, point.value, diagnosis.status, diagnosis.engine_said, diagnosis.detail)
 
 
