@@ -1,4 +1,4 @@
-"""Print how far a spinning brick may turn in a step of MuJoCo such that its energy stays below twice the first for 100 turns."""
+"""Print how far a brick may turn in a step of MuJoCo such that its energy stays below twice the first for 100 turns."""
 
 import math
 
