@@ -23,8 +23,9 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts.
-OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "pads"}
+#: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts, and `noslip`, because
+#: MuJoCo Warp has no noslip solver.
+OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key not in ("pads", "noslip")}
 
 
 def integrators() -> tuple[Integrator, ...]:
