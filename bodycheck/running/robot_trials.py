@@ -27,7 +27,7 @@ SPEED, PART_OF_RANGE = 1.0, 0.25
 #: The size from which on a limit counts as none.
 NO_LIMIT = 1e9
 
-#: The relative difference of a measured number from that of the records up to which the motion confirms it: steps are of first order.
+#: The relative difference of a measured number from the records up to which the motion confirms it: steps are of first order.
 CONFIRMED = 0.03
 
 #: The part of a free way by which the ways of two motions of a joint from different positions may differ.
