@@ -12,7 +12,7 @@ From an MJCF of one tree on the world PyBullet keeps masses, and centres of mass
 
 PyBullet has damping of a joint, but no armature and no mimic joints. It tells the friction of a joint, and the limits that a
 file states for a continuous joint, and enforces neither, as trials by motion show (`step_robot`). A joint of the type
-"floating" becomes a fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller passes,
+"floating" becomes a fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller gives,
 so that they do not contain the damping of links and the motors, which PyBullet applies in every step. PyBullet offers no
 forward dynamics, and no Jacobians of a robot with a spherical or planar joint. A robot with a spherical joint has no terms
 except poses, and a robot with a planar joint has no terms.

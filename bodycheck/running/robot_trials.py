@@ -27,7 +27,7 @@ SPEED, PART_OF_RANGE = 1.0, 0.25
 #: The size from which on a limit counts as none.
 NO_LIMIT = 1e9
 
-#: The relative difference of a measured number from a told one up to which the motion confirms it: steps are of first order.
+#: The relative difference of a measured number from the records up to which the motion confirms it: steps are of first order.
 CONFIRMED = 0.03
 
 #: The part of a free way by which the ways of two motions of a joint from different positions may differ.
@@ -223,8 +223,8 @@ def middle(joint: RobotJoint) -> float:
 
 def candidates(trial: Trial, name: str) -> list[tuple[float, float]]:
     """Return the limits of a joint that the engine tells or the file states, each with its side: -1 is below and 1 above."""
-    told, stated = trial.joints[name], trial.of_file[name]
-    pairs = [(-1.0, told.lower), (-1.0, stated.lower), (1.0, told.upper), (1.0, stated.upper)]
+    recorded, stated = trial.joints[name], trial.of_file[name]
+    pairs = [(-1.0, recorded.lower), (-1.0, stated.lower), (1.0, recorded.upper), (1.0, stated.upper)]
     distinct: list[tuple[float, float]] = []
     for sign, limit in pairs:
         known = [other for side, other in distinct if side == sign]
@@ -272,16 +272,16 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
     return results
 
 
-def _rule(told: Mimic, leaders: Array, followers: Array) -> Mimic | None:
-    """Return the rule that three pairs of positions obey; None if there is none. told: the rule that the engine tells."""
+def _rule(recorded: Mimic, leaders: Array, followers: Array) -> Mimic | None:
+    """Return the rule that three pairs of positions obey; None if there is none. recorded: the rule that the engine tells."""
     multiplier = float((followers[0] - followers[1]) / (leaders[0] - leaders[1]))
     offset = float(followers[0] - multiplier * leaders[0])
     span = float(np.ptp(followers) + abs(multiplier) * np.ptp(leaders))
     if abs(followers[2] - multiplier * leaders[2] - offset) > 5 * CONFIRMED * span:
         return None
-    if np.all(np.abs(followers - told.multiplier * leaders - told.offset) <= CONFIRMED * span):
-        return told
-    return Mimic(told.joint, float(f"{multiplier:.3g}"), float(f"{offset:.2f}"))
+    if np.all(np.abs(followers - recorded.multiplier * leaders - recorded.offset) <= CONFIRMED * span):
+        return recorded
+    return Mimic(recorded.joint, float(f"{multiplier:.3g}"), float(f"{offset:.2f}"))
 
 
 def resistances_of(

@@ -20,7 +20,6 @@ from bodycheck.reports.quantities import count
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
 from bodycheck.running.robot_readings import Answer, AtFault, Compile, FormatMissing, Reader
-from bodycheck.studies.parity.behaviours import as_moving, with_sources
 from bodycheck.studies.parity.comparing import Asked, asked, compare
 from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
@@ -29,6 +28,7 @@ from bodycheck.studies.parity.models import Robot, Unreadable, read
 from bodycheck.studies.parity.motion import sentence
 from bodycheck.studies.parity.quantities import FILE, MODEL, QUANTITIES, Quantity
 from bodycheck.studies.parity.rows import Compared, ParityRow, row
+from bodycheck.studies.parity.tree import as_moving, with_sources
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
