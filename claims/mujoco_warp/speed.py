@@ -1,4 +1,4 @@
-"""Print the attitude error of MuJoCo Warp's RK4 (10 ms) after 5 s of NASA's tumbling brick in flight, with its mass and with 2 kg."""
+"""Print the attitude error of MuJoCo Warp's RK4 (10 ms) after 5 s of NASA's brick in flight, with its mass and with 2 kg."""
 
 import mujoco
 import mujoco_warp as mjw
