@@ -1,4 +1,4 @@
-"""Print the attitude error of MuJoCo Warp's RK4 (10 ms) after 5 s of NASA's tumbling brick, in flight and at rest."""
+"""Print the attitude error of MuJoCo Warp's RK4 (10 ms) after 5 s of NASA's brick in flight, with its mass and with 2 kg."""
 
 import mujoco
 import mujoco_warp as mjw
@@ -25,6 +25,6 @@ def attitude(mass, speed, gravity, engine):
 
 
 exact = attitude(2.0, 0.0, 0.0, mujoco)  # at rest MuJoCo's own RK4 is right to 1.1e-11 rad
-for name, mass, speed in (("flight", 2.26796189585643, 465.76787589315), ("two_kg", 2.0, 465.76787589315), ("rest", 2.0, 0.0)):
+for name, mass, speed in (("flight", 2.26796189585643, 465.76787589315), ("two_kg", 2.0, 465.76787589315)):
     ended = attitude(mass, speed, -0.021 * speed, mjw).astype(float)
     print(name, 4 * np.arcsin(min(np.linalg.norm(ended - exact), np.linalg.norm(ended + exact)) / 2))
