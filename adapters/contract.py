@@ -200,8 +200,7 @@ class Work:
     Parameters
     ----------
     steps, rejected, evaluations
-        The numbers of steps taken, of attempted steps whose error was too large, and of evaluations of the accelerations. None
-        for a number that the engine does not count.
+        The numbers of steps taken, of rejected steps, and of evaluations of the accelerations; None for what is not counted.
     """
 
     steps: int
