@@ -204,29 +204,32 @@ class Work:
         for a number that the engine does not count.
     """
 
-    steps: int | None
+    steps: int
     rejected: int | None
     evaluations: int | None
 
 
 @runtime_checkable
-class ErrorControlled(Protocol):
-    """A simulation of one scene with a method that has the option `accuracy`: the engine chooses its own steps.
+class ErrorControlled(Simulation, Protocol):
+    """A simulation of one scene with a method that has the option `accuracy`; see `bodycheck.adapters.stepping.Controlled`.
 
-    Its `Simulation.advance` reaches multiples of the largest step, so that it can be used as any other simulation.
+    The engine chooses its own steps. `advance` reaches multiples of the largest step.
     """
 
     def reach(self, times: Array) -> Array:
-        """Return the states (1, n, bodies, 13) at ascending times (n,), in s, in the columns of `Simulation.advance`.
+        """Return the states (1, n, bodies, 13) at ascending times (n,), in s, exactly, in the columns of `Simulation.advance`.
 
-        The states are at these times exactly. The engine interpolates where it can, and else ends a step at each time. Raises
-        `EngineDiverged` if the engine gives up.
+        The samples leave the engine's own steps alone where that is possible. Raises `EngineDiverged` if the engine gives up.
         """
+        ...
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), where a step ends, without samples between. Raises `EngineDiverged`."""
         ...
 
     @property
     def work(self) -> Work:
-        """The work of the engine since the start."""
+        """The work since the start."""
         ...
 
 

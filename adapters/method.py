@@ -26,6 +26,10 @@ FORMER_SPELLINGS = {
 }
 
 
+#: The value of the option `accuracy` that stands for all accuracies, in tables and charts over them.
+ANY = "any"
+
+
 @dataclass(frozen=True)
 class Method:
     """An integrator by the engine's own name, its options, and the time step (s).
@@ -64,6 +68,8 @@ class Method:
             if key in options:
                 raise BadInput(f"{spelling!r}: the option {key} is given twice")
             options[key] = " ".join(map(_shortest, value.split()))
+            if key == "accuracy" and not (ACCURACY.accepts(value) or value == ANY):
+                raise BadInput(f"{spelling!r}: read {value!r}; allowed: {ACCURACY.allowed}")
         if not integrator:
             raise BadInput(f"{spelling!r} names no integrator; allowed: INTEGRATOR or INTEGRATOR:KEY=VALUE,KEY=VALUE")
         return cls(checked_name(integrator, "integrator"), timestep, tuple(sorted(options.items())))
@@ -80,13 +86,30 @@ class Method:
 
     @property
     def accuracy(self) -> float | None:
-        """The relative tolerance of a method with error control; None if its steps are fixed."""
+        """The relative tolerance of a method with error control, 0 for any; None if its steps are fixed."""
         value = self.option("accuracy")
-        return None if value is None else float(value)
+        return None if value is None else 0.0 if value == ANY else float(value)
+
+    @property
+    def sampling(self) -> float:
+        """The time step (s) at whose multiples a run is sampled; 0 with error control: at the instants of the case exactly."""
+        return self.timestep if self.accuracy is None else 0.0
 
     def at(self, timestep: float) -> "Method":
         """Return the method with the same integrator and options, and another time step (s)."""
         return replace(self, timestep=timestep)
+
+    def with_accuracy(self, accuracy: float) -> "Method":
+        """Return the method with the same integrator, other options and time step, and another relative tolerance."""
+        return self._with_accuracy(_shortest(repr(accuracy)))
+
+    @property
+    def over_accuracies(self) -> "Method":
+        """The spelling that stands for all accuracies of a method with error control; the method itself if steps are fixed."""
+        return self if self.accuracy is None else self._with_accuracy(ANY)
+
+    def _with_accuracy(self, value: str) -> "Method":
+        return replace(self, options=tuple(sorted((dict(self.options) | {"accuracy": value}).items())))
 
     def is_at(self, timestep: float) -> bool:
         """Return whether the method's time step equals `timestep` (s) to within the rounding of a product or quotient."""

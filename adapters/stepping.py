@@ -1,12 +1,12 @@
-"""Simulations that adapters share: a loop in Python, normalised quaternions, and several simulations stepped one by one."""
+"""Simulations that adapters share: loops in Python, error control, normalised quaternions, and simulations stepped in turn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Normalising, Signals, Simulation, Strides, single
+from bodycheck.adapters.contract import EngineDiverged, ErrorControlled, Normalising, Signals, Simulation, Strides, Work, single
 from bodycheck.reference.trajectory import Array
 
 State = TypeVar("State")
@@ -54,6 +54,68 @@ class Loop(Generic[State]):
 
 
 @dataclass
+class Controlled:
+    """A simulation of one scene by a method with error control, which reaches one time after another.
+
+    Parameters
+    ----------
+    timestep
+        The largest step (s).
+    at
+        Steps to a time (s), not before the current one, and returns a copy of the numbers (k,) that describe the state at this
+        time; it may raise `EngineDiverged`.
+    rows
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`; if the scene has several
+        bodies, to rows (n, bodies, 13).
+    counts
+        Returns the work of the engine since the start.
+    between
+        Returns the numbers (k,) at each of some ascending times (n,), in s, without ending a step of the engine there; None if
+        the engine can only end a step at each time.
+    taken
+        The number of largest steps up to the current time, if `advance` reached it.
+    """
+
+    timestep: float
+    at: Callable[[float], Array]
+    rows: Callable[[Array], Array]
+    counts: Callable[[], Work]
+    between: Callable[[Array], Iterator[Array]] | None = None
+    taken: int = 0
+
+    def reach(self, times: Array) -> Array:
+        """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
+        return self._states(map(self.at, times.tolist()) if self.between is None else self.between(times))
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), as `ErrorControlled.finish` does."""
+        self.at(time)
+
+    def _states(self, numbers: Iterator[Array]) -> Array:
+        """Return the states (1, n, bodies, 13) that some numbers describe, up to an `EngineDiverged`."""
+        seen: list[Array] = []
+        try:
+            seen.extend(numbers)
+        except EngineDiverged as signal:
+            if seen:
+                signal.states = single(self.rows(np.array([*seen, np.full_like(seen[0], np.nan)])))
+            raise
+        return single(self.rows(np.array(seen)))
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, bodies, 13) after each of n strides of largest steps, as `Simulation.advance` does."""
+        ends = self.taken + np.cumsum(strides)
+        states = self._states(map(self.at, (ends.astype(np.float64) * self.timestep).tolist()))
+        self.taken = int(ends[-1])
+        return states
+
+    @property
+    def work(self) -> Work:
+        """The work of the engine since the start."""
+        return self.counts()
+
+
+@dataclass
 class Normalised:
     """A simulation whose quaternions are divided by their norms, for an engine that lets them drift from 1.
 
@@ -74,8 +136,12 @@ class Normalised:
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        return self._normalised_of(lambda: self.simulation.advance(strides))
+
+    def _normalised_of(self, stepped: Callable[[], Array]) -> Array:
+        """Return the states that a function returns, or that its `EngineDiverged` holds, with unit quaternions."""
         try:
-            return self._normalised(self.simulation.advance(strides))
+            return self._normalised(stepped())
         except EngineDiverged as signal:
             signal.states = self._normalised(signal.states)
             raise
@@ -89,6 +155,26 @@ class Normalised:
         self.quaternion_norm_errors = np.maximum(self.quaternion_norm_errors, each)
         states[..., 3:7] /= norms
         return states
+
+
+@dataclass
+class NormalisedControl(Normalised):
+    """A simulation with error control whose quaternions are divided by their norms, as `Normalised` does."""
+
+    simulation: ErrorControlled
+
+    def reach(self, times: Array) -> Array:
+        """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
+        return self._normalised_of(lambda: self.simulation.reach(times))
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), as `ErrorControlled.finish` does."""
+        self.simulation.finish(time)
+
+    @property
+    def work(self) -> Work:
+        """The work of the engine since the start."""
+        return self.simulation.work
 
 
 @runtime_checkable

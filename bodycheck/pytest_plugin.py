@@ -347,9 +347,9 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
         return answer if isinstance(answer, Run) else Run(case.name, engine, engines.record(engine).version, method, answer)
 
     # All tests of a case need the same truths, which are computed once.
-    timesteps = [expectation.method.timestep for expectation in case.expectations]
-    truths = perform(next(task for task in truth_tasks(case, timesteps) if method.timestep in task.timesteps))
-    truth = truths[method.timestep] if isinstance(truths, dict) else no_truth(truths)
+    samplings = [expectation.method.sampling for expectation in case.expectations]
+    truths = perform(next(task for task in truth_tasks(case, samplings) if method.sampling in task.samplings))
+    truth = truths[method.sampling] if isinstance(truths, dict) else no_truth(truths)
     concerned = [e for e in case.expectations if e.concerns(engine, method)]
     finer = REFINEMENTS if any(expectation.needs_order for expectation in concerned) else ()
     return verdict(

@@ -3,10 +3,15 @@
 A body is the only body of a `MultibodyPlant`, at the origin of its frame, on the quaternion joint that Drake gives to free
 bodies. The plant is stepped in two ways.
 
-- Drake's integrators step the continuous plant, in the mode of fixed steps. The methods have Drake's names: explicit_euler,
+- Drake's integrators step the continuous plant. The methods have Drake's names: explicit_euler,
   semi_explicit_euler, runge_kutta2, runge_kutta3, bogacki_shampine3, runge_kutta5, implicit_euler, velocity_implicit_euler,
   radau1, radau3, and cenic in releases that have it. The two implicit Euler integrators take two half steps in each step and
-  keep their result. If Newton's method does not converge, Drake divides a step. The explicit integrators are offered in flight
+  keep their result. If Newton's method does not converge, Drake divides a step. Without the option `accuracy`, steps have a
+  fixed size. With it, all integrators that estimate the error of a step choose their steps as Drake's simulator does by
+  default: the accuracy is the target accuracy, and the time step the largest step, which is 0.1 s by default as in Drake.
+  Samples end no step: the state at a sample is computed in another copy of the plant, from the end of the last step before it.
+  explicit_euler, semi_explicit_euler and runge_kutta2 estimate no error. cenic does not count its
+  evaluations. The explicit integrators are offered in flight
   only: with Drake's default stiffness of contact, they need steps well below 0.5 ms.
 - The discrete plant steps itself, by one step in each of its updates. Its methods are named after its approximations of
   contact: lagged (Drake's default), similar, sap and tamsi (deprecated). Without contact all four are the same scheme,
@@ -37,8 +42,8 @@ springs and efforts. The discrete plant evaluates damping at the end of a step, 
 spherical joint has roll, pitch and yaw as coordinates: it fails at a pitch of a right angle, and near this pitch its errors are
 a hundred times the errors of quaternions.
 Drake has no dry friction of joints, and loops only in the discrete plant with the solver SAP. Two faults of 1.51 are avoided: a
-ball constraint on the body of the world itself ends the process, and `cenic` leaves the poses before its last step in the cache
-of the context, so that states are read from a separate context.
+ball constraint on the body of the world itself ends the process, and `cenic` in the mode of fixed steps, but not with error
+control, leaves the poses before its last step in the cache of the context, so that states are read from a separate context.
 
 Drake's integrators treat a quaternion as four numbers and never normalise it, except cenic, which does so in every step. Drake
 divides by the norm where it uses a quaternion, and the velocities do not depend on it. The adapter hands over unit quaternions,

@@ -1,7 +1,7 @@
 """The adapter of Drake: its integrators, its approximations of contact, and the loop of its steps."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
 
@@ -9,13 +9,13 @@ import numpy as np
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
 from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, states
+from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Method, Simulation, states
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
-from bodycheck.adapters.drake.models import Model, build, stepper
+from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.stepping import Loop, Normalised, NormalisedControl
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene
@@ -45,6 +45,9 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
 #: steps are well below 0.5 ms, so these integrators are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
 
+#: The integrators that do not estimate the error of a step, and have no error control.
+WITHOUT_ESTIMATE = {"explicit_euler", "semi_explicit_euler", "runge_kutta2"}
+
 #: The approximation of contact that Drake uses by default.
 DEFAULT = "lagged"
 
@@ -62,7 +65,11 @@ def integrators() -> tuple[Integrator, ...]:
     names = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
     claims = [(name, *CLAIMS.get(name, (None, None))) for name in names]
     return tuple(
-        Integrator(name, order, count, KINDS - ON_PLANE if name in EXPLICIT else KINDS, OPTIONS)
+        Integrator(
+            *(name, order, count),
+            KINDS - ON_PLANE if name in EXPLICIT else KINDS,
+            OPTIONS if name in WITHOUT_ESTIMATE else OPTIONS | {"accuracy": ACCURACY},
+        )
         for name, order, count in claims
     ) + tuple(Integrator(name, 1, None, KINDS if name == DEFAULT else ON_PLANE, OPTIONS) for name in APPROXIMATIONS)
 
@@ -85,6 +92,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
     defaults=defaults(),
+    largest_step=SimulatorConfig().max_step_size,
 )
 
 
@@ -123,21 +131,37 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     (scene,) = scenes
     if isinstance(scene, Mechanism):
         return mechanisms.prepare(scene, method, APPROXIMATIONS)
-    return Normalised(loop(build(scene, method, APPROXIMATIONS), method.timestep))
+    return simulated(lambda: build(scene, method, APPROXIMATIONS), method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    return Normalised(loop(build(scene, method, APPROXIMATIONS, links), method.timestep))
+    return simulated(lambda: build(scene, method, APPROXIMATIONS, links), method)
+
+
+def simulated(built: Callable[[], Model], method: Method) -> Normalised:
+    """Return the simulation of a model that a function builds by a method, with unit quaternions."""
+    if method.accuracy is None:
+        return Normalised(loop(built(), method.timestep))
+
+    def with_state() -> tuple[Model, Callable[[], Array]]:
+        model = built()
+        return model, lambda: seen(model)
+
+    return NormalisedControl(controlled(with_state, method, rows))
 
 
 def loop(model: Model, timestep: float) -> Loop[int]:
     """Return the simulation of a model, whose state is the number of steps taken. Its quaternions may have any norm."""
-    plant, context = model.plant, model.context
-    return Loop(0, stepper(model, timestep), lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
+    return Loop(0, stepper(model, timestep), lambda _: seen(model), rows)
 
 
-def rows(seen: Array) -> Array:
+def seen(model: Model) -> Array:
+    """Return a copy of Drake's current state (13,) of a model."""
+    return np.array(model.plant.GetPositionsAndVelocities(model.context))
+
+
+def rows(numbers: Array) -> Array:
     """Return the rows (n, 13) of the contract from Drake's states (n, 13). Quaternions may have any norm, which they keep."""
-    attitude, position, spin, velocity = np.split(seen, (4, 7, 10), axis=1)
+    attitude, position, spin, velocity = np.split(numbers, (4, 7, 10), axis=1)
     return states(position, attitude, velocity, rotate(conjugate(normalise(attitude)), spin))

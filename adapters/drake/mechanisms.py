@@ -30,7 +30,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
-from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated, stepper
+from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, controlled, integrated, stepper
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mechanisms import centred, frames, in_body_axes, link_of, starts
 from bodycheck.adapters.stepping import Loop
@@ -78,6 +78,18 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     SceneUnsupported
         If Drake refuses a body, or has no loops with this method.
     """
+
+    def in_bodies(numbers: Array) -> Array:
+        return rows(mechanism, numbers)
+
+    if method.accuracy is not None:
+        return controlled(lambda: built(mechanism, method, approximations), method, in_bodies)
+    model, seen = built(mechanism, method, approximations)
+    return Loop(0, stepper(model, method.timestep), lambda _: seen(), in_bodies)
+
+
+def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array]]:
+    """Return the model of a mechanism, and the function that `seer` returns. Raises `SceneUnsupported` as `prepare` does."""
     if mechanism.loops and method.integrator not in CONSTRAINED:
         raise SceneUnsupported("Drake has constraints for loops in its discrete plant with the solver SAP only")
     config = configured(method, approximations)
@@ -107,7 +119,7 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     start(mechanism, plant, context, bodies, joints)
     integrated(simulator, method, continuous=method.integrator not in approximations)
     model = Model(simulator, plant, context)
-    return Loop(0, stepper(model, method.timestep), seer(model, bodies), lambda seen: rows(mechanism, seen))
+    return model, seer(model, bodies)
 
 
 def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
@@ -179,13 +191,14 @@ def in_drake(joint: Joint, position: Array, velocity: Array) -> tuple[Array, Arr
     return position, velocity
 
 
-def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
+def seer(model: Model, bodies: list[Any]) -> Callable[[], Array]:
     """Return a function that returns the poses and velocities (13 k,) of k bodies, along the axes of the world."""
     plant, context = model.plant, model.context
-    # `cenic` leaves the poses before its last step in the cache of the context that is stepped, so poses need another context.
+    # In steps of fixed size, `cenic` leaves the poses before its last step in the cache of the context that is stepped, so that
+    # poses need another context.
     own_context = plant.CreateDefaultContext()
 
-    def seen(_: int) -> Array:
+    def seen() -> Array:
         plant.SetPositionsAndVelocities(own_context, plant.GetPositionsAndVelocities(context))
         parts = []
         for body in bodies:

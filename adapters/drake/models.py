@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +12,18 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlant, ApplyMultibodyPlantConfig, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-from pydrake.systems.framework import DiagramBuilder, LeafSystem
+from pydrake.systems.framework import DiagramBuilder, EventStatus, LeafSystem
 
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Work
 from bodycheck.adapters.drake.contact import add_contact, contact_of
 from bodycheck.adapters.links import Link, links_of
+from bodycheck.adapters.stepping import Controlled
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
 
-#: The integrator that Drake offers only for a plant of the name `PLANT`, in a diagram with a scene graph; and this name.
+#: The integrator that Drake offers only for a plant of the name `PLANT`, in a diagram with a scene graph; and this name. It
+#: does not count its evaluations.
 CENIC, PLANT = "cenic", "plant"
 
 #: The numbers of positions (quaternion w x y z, position) and of velocities (angular, then linear; world) of a free body.
@@ -161,12 +164,22 @@ def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: b
 
 
 def integrated(simulator: Any, method: Method, continuous: bool) -> None:
-    """Initialize a simulator at the state of its context, with an integrator of fixed steps for a continuous plant."""
+    """Initialize a simulator at the state of its context, with the method's integrator for a continuous plant.
+
+    The integrator takes steps of fixed size, or controls the error of its steps if the method has an accuracy.
+    """
     if continuous:
-        ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
-        simulator.get_mutable_integrator().set_fixed_step_mode(True)
+        largest = method.timestep if method.accuracy is not None else LARGEST_STEP * method.timestep
+        ResetIntegratorFromFlags(simulator, method.integrator, largest)
+        integrator = simulator.get_mutable_integrator()
+        integrator.set_fixed_step_mode(method.accuracy is None)
+        if method.accuracy is not None:
+            integrator.set_target_accuracy(method.accuracy)
     simulator.Initialize()
 
+
+#: A time (s) that no run reaches, so that it shortens no step.
+NEVER = 1e9
 
 #: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process above it.
 LARGEST_ENERGY_J = 1e200
@@ -175,19 +188,99 @@ LARGEST_ENERGY_J = 1e200
 def stepper(model: Model, timestep: float) -> Callable[[int], int]:
     """Return a function that takes a time step of a model; its argument and its result are the numbers of steps taken so far.
 
+    The function raises `EngineDiverged` as that of `stepping_to` does.
+    """
+    step_to = stepping_to(model)
+
+    def step(taken: int) -> int:
+        step_to((taken + 1) * timestep)
+        return taken + 1
+
+    return step
+
+
+#: Builds a model, and returns it with a function that returns a copy of the numbers (k,) that describe its current state.
+Built = Callable[[], tuple[Model, Callable[[], Array]]]
+
+
+def controlled(built: Built, method: Method, rows: Callable[[Array], Array]) -> Controlled:
+    """Return the simulation of a model by a method with error control. rows: as `Controlled.rows`."""
+    model, seen = built()
+    step_to, integrator = stepping_to(model), model.simulator.get_integrator()
+
+    def at(time: float) -> Array:
+        step_to(time)
+        return seen()
+
+    def work() -> Work:
+        rejected = integrator.get_num_step_shrinkages_from_error_control()
+        rejected += integrator.get_num_step_shrinkages_from_substep_failures()
+        evaluations = integrator.get_num_derivative_evaluations()
+        return Work(integrator.get_num_steps_taken(), rejected, None if method.integrator == CENIC else evaluations)
+
+    return Controlled(method.timestep, at, rows, work, lambda times: between(model, built, times))
+
+
+def between(model: Model, built: Built, times: Array) -> Iterator[Array]:
+    """Yield the numbers that describe the states at ascending times (n,), in s, without ending a step of the model there.
+
+    Each state is computed in another model of the same kind: from the end of the last own step before its time.
+    """
+    side, seen = built()
+    step_to, own_steps_to = stepping_to(side), own_steps(model)
+    for time in times.tolist():
+        start, state = own_steps_to(time)
+        side.simulator.get_mutable_context().SetTime(start)
+        side.plant.SetPositionsAndVelocities(side.context, state)
+        side.simulator.Initialize()
+        step_to(time)
+        yield seen()
+
+
+def own_steps(model: Model) -> Callable[[float], tuple[float, Array]]:
+    """Return a function that takes own steps of a model until one ends after a time (s), which is not before the last one.
+
+    It returns the time (s) and the state of the plant at the end of the last step that ends at this time or before it.
+    """
+    simulator, plant, context = model.simulator, model.plant, model.context
+    ends = [(context.get_time(), np.array(plant.GetPositionsAndVelocities(context)))] * 2
+    wanted = 0.0
+
+    def monitor(_: Any) -> EventStatus:
+        if context.get_time() > ends[-1][0]:
+            ends[:] = [ends[-1], (context.get_time(), np.array(plant.GetPositionsAndVelocities(context)))]
+        return EventStatus.ReachedTermination(plant, "reached") if ends[-1][0] > wanted else EventStatus.DidNothing()
+
+    simulator.set_monitor(monitor)
+    step_to = stepping_to(model)
+
+    def own_steps_to(time: float) -> tuple[float, Array]:
+        nonlocal wanted
+        wanted = time
+        if ends[-1][0] <= time:
+            step_to(NEVER)
+        return ends[0]
+
+    return own_steps_to
+
+
+def stepping_to(model: Model) -> Callable[[float], None]:
+    """Return a function that steps a model to a time (s), where a step ends.
+
     The function raises `EngineDiverged` if Drake fails, or if its next accelerations may overflow.
     """
     simulator, plant, context = model.simulator, model.plant, model.context
 
-    def step(taken: int) -> int:
+    def step_to(time: float) -> None:
+        if time <= context.get_time():  # a step of no length of `cenic` would end the process
+            return
         if not plant.CalcKineticEnergy(context) < LARGEST_ENERGY_J:
             raise EngineDiverged(f"Drake's accelerations overflow at t = {context.get_time():.6g} s")
         try:
-            simulator.AdvanceTo((taken + 1) * timestep)
+            simulator.AdvanceTo(time)
         except RuntimeError as error:
             # The number is different in each run, because Drake counts the sources of poses in a process.
             words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
             raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
-        return taken + 1
 
-    return step
+    return step_to

@@ -71,6 +71,24 @@ COST_COLUMNS = (
     ),
 )
 
+WORK_COLUMNS = (
+    Column("steps_taken", "integer", "Steps taken", "number of steps that the engine took to the end", counts="steps"),
+    Column(
+        "steps_rejected",
+        "integer",
+        "Steps rejected",
+        "number of attempted steps whose error was too large; empty for steps of fixed size, and if the engine does not count",
+        counts="steps",
+    ),
+    Column(
+        "evaluations",
+        "integer",
+        "Evaluations",
+        "number of evaluations of the accelerations; empty for steps of fixed size, and if the engine does not count",
+        counts="evaluations",
+    ),
+)
+
 CASE_COLUMNS = (
     Column("kind", "string", "Kind", "kind of the scene: turning, translation, drag, contact or mechanism"),
     Column("tags", "string", "Tags", "tags of the case, with semicolons between them"),
@@ -116,6 +134,7 @@ COLUMNS: dict[str, Column] = {
         *(FIGURES[name] for name in FURTHER),
         *CASE_COLUMNS,
         *LIMIT_COLUMNS,
+        *WORK_COLUMNS,
         *METHOD_COLUMNS,
     )
 }

@@ -94,7 +94,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     these records; their stops are computed here, once for each case and law.
 
     The limit for vanishing time steps is extrapolated from a method's two smallest steps by Richardson's method for errors of
-    first order.
+    first order. There is none with error control, where the largest step does not determine the steps.
     """
     stops = dict(results.stops)
     methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
@@ -117,7 +117,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
         steps = sorted(seen)
         for quantity in QUANTITIES:
             limit = None
-            if len(steps) > 1:
+            if len(steps) > 1 and key.method.accuracy is None:
                 fine, coarse = steps[:2]
                 slope = (seen[coarse][quantity] - seen[fine][quantity]) / (coarse - fine)
                 limit = seen[fine][quantity] - slope * fine

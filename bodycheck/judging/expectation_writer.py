@@ -185,7 +185,7 @@ def write(
     for name, case in results.cases.items():
         file, verdicts_of_case = places[name], by_case[name]
         measurements = [
-            measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in verdicts_of_case
+            measure(verdict, results.truth(name, verdict.run.method.sampling), figures) for verdict in verdicts_of_case
         ]
         text, changes_of_case = rewrite(case, measurements, margin)
         parse(text + case.text.removeprefix(file_text(case)), str(file))

@@ -13,7 +13,15 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, largest_bounds
+from bodycheck.figures.columns import (
+    ALWAYS_TABLED,
+    CASE_COLUMNS,
+    FURTHER,
+    LIMIT_COLUMNS,
+    METHOD_COLUMNS,
+    WORK_COLUMNS,
+    largest_bounds,
+)
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.files import columns
 from bodycheck.judging.discrepancy import Summary, compare
@@ -30,7 +38,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The columns of every table of results. They are followed by the columns of `FURTHER` that any run has, the columns of the
-#: case, the columns of the limits and margins that any run has, and the columns of the method.
+#: case, the columns of the limits and margins that any run has, and the columns of the work and of the method.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *ALWAYS_TABLED,
@@ -110,8 +118,8 @@ class Verdict:
         The judgement on each expectation, in the order of the case.
     label
         The label of the results that contain the run, if several are judged together.
-    kind, tags
-        The kind of the scene, and the tags of the case.
+    kind, tags, duration
+        The kind of the scene, and the tags and the duration (s) of the case.
     """
 
     run: Run
@@ -124,6 +132,7 @@ class Verdict:
     label: str = ""
     kind: str = ""
     tags: tuple[str, ...] = ()
+    duration: float = 0.0
 
     @property
     def margins(self) -> tuple[Margin, ...]:
@@ -153,11 +162,13 @@ class Verdict:
             "role": self.run.role or None,
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
-            steps, wall_time = self.outcome.steps, self.outcome.wall_time
+            done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time
             row |= self.discrepancy.maxima() | {"steps": steps}
+            row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
-                row |= {"realtime_factor": steps * method.timestep / wall_time}
+                simulated = steps * method.timestep if method.accuracy is None else self.duration
+                row |= {"realtime_factor": simulated / wall_time}
         for margin in self.margins:
             row |= margin.columns()
         return row
@@ -184,16 +195,16 @@ def judge(results: Results, today: date | None = None, compared: Compared | None
     known = compared.summaries if compared is not None else {}
     groups: dict[tuple[str, float], list[tuple[int, Run]]] = defaultdict(list)
     for index, run in enumerate(results.runs()):
-        groups[run.case, run.method.timestep].append((index, run))
+        groups[run.case, run.method.sampling].append((index, run))
     verdicts: dict[int, Verdict] = {}
-    for (name, timestep), runs in groups.items():
+    for (name, sampling), runs in groups.items():
         case, truth = results.cases[name], None
         for index, run in runs:
             ordered = any(e.needs_order for e in _concerning(case, run))
             if not ordered and (summary := known.get(run.key)) is not None:
                 verdicts[index] = _verdict(case, run, run.outcome, summary, None, today)
                 continue
-            truth = truth or results.truth(name, timestep)
+            truth = truth or results.truth(name, sampling)
             verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
     return [verdicts[index] for index in range(len(verdicts))]
 
@@ -236,7 +247,7 @@ def _verdict(
 ) -> Verdict:
     """Return the verdict on a run with its outcome, figures and observed order."""
     expectations = _concerning(case, run)
-    common: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags}
+    common: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags, "duration": case.duration}
     if not expectations:
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **common)
     bounds = {} if discrepancy is None else largest_bounds(discrepancy.largest)
@@ -280,7 +291,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more = [name for name in FURTHER if any(name in row for row in rows)]
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
-    more += [column.name for column in METHOD_COLUMNS]
+    more += [column.name for column in (*WORK_COLUMNS, *METHOD_COLUMNS)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 

@@ -138,7 +138,7 @@ def _exact(scenes: Scenes, truth: Flights, part: slice) -> _Exact:
 
 def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]) -> _Measured:
     """Return the quantities of some of the members. limited: the names of the figures whose instants are needed."""
-    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[part])
+    trajectory = simulation.trajectory_of(flown.times, flown.states[part])
     largest, instants = {}, {}
     with np.errstate(all="ignore"):  # impossible states may overflow; too large errors are infinite
         off = blocks.norm_deviations(trajectory)
@@ -182,7 +182,7 @@ def _outcome(flown: Flown, index: int, scene: AnyScene) -> Outcome:
         return flown.ended[index]
     seconds, normalised = flown.wall_time / len(flown), NormError(float(flown.norm_error[index]))
     try:
-        return simulation.outcome_of(flown.states[index], normalised, scene, flown.method, flown.steps, seconds)
+        return simulation.outcome_of(flown.states[index], normalised, scene, flown.method, flown.times, seconds)
     except simulation.AdapterFault as fault:
         return simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[index])
 
@@ -228,5 +228,5 @@ def _within(limit: Limit, values: Array) -> NDArray[np.bool_]:
 
 
 def _completed(flown: Flown, index: int) -> Completed:
-    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[index])
-    return Completed(trajectory, int(flown.steps[-1]), flown.wall_time / len(flown))
+    trajectory = simulation.trajectory_of(flown.times, flown.states[index])
+    return Completed(trajectory, int(flown.steps[index]), flown.wall_time / len(flown))

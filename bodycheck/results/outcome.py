@@ -35,7 +35,7 @@ class Completed:
     states
         The trajectory of a run made in this process, or the place from which a stored trajectory can be read.
     steps
-        Number of steps taken.
+        Number of steps taken; with error control, those of a run to the end without samples between.
     wall_time
         Wall time of stepping alone (s); 0 if it is not known, as for a recorded motion.
     load
@@ -44,6 +44,9 @@ class Completed:
         The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
     interfaces
         The loads between bodies at rest; None if no bodies rest, or the engine does not report the loads.
+    rejected, evaluations
+        The numbers of rejected steps and of evaluations of the accelerations that belong to `steps`; None if the engine does
+        not count them, and for steps of fixed size.
     """
 
     states: Trajectory | Stored
@@ -52,6 +55,8 @@ class Completed:
     load: Load | None = None
     quaternion_norm_error: float | None = None
     interfaces: tuple[InterfaceLoad, ...] | None = None
+    rejected: int | None = None
+    evaluations: int | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

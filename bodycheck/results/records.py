@@ -158,10 +158,10 @@ class BorneRecord(InterfaceRecord):
 
 @dataclass(frozen=True)
 class TruthRecord:
-    """The truth of a case for a time step."""
+    """The truth of a case for a sampling; see `bodycheck.adapters.method.Method.sampling`."""
 
     case: Name
-    timestep: Timestep
+    timestep: Duration
     model: Printable
     why: str
     backend: Printable
@@ -174,10 +174,10 @@ class TruthRecord:
 
 @dataclass(frozen=True)
 class NoTruthRecord:
-    """The reason why there is no truth of a case for a time step."""
+    """The reason why there is no truth of a case for a sampling."""
 
     case: Name
-    timestep: Timestep
+    timestep: Duration
     reason: str
     limit: Duration | None = None
     crashed: bool = False
@@ -207,6 +207,8 @@ class CompletedRecord(RunRecord):
     load: LoadRecord | None
     quaternion_norm_error: Duration | None = None
     interfaces: list[BorneRecord] | None = None
+    rejected: Count | None = None
+    evaluations: Count | None = None
 
 
 @dataclass(frozen=True)

@@ -132,6 +132,7 @@ class Writer:
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
                 record |= {"quaternion_norm_error": done.quaternion_norm_error}
+                record |= {"rejected": done.rejected, "evaluations": done.evaluations}
                 if done.interfaces is not None:
                     record |= {"interfaces": [asdict(one) for one in done.interfaces]}
             case TimedOut(limit):
@@ -295,7 +296,9 @@ class Results:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
-                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, truth_records.loads(record))
+                work = {name: record.get(name) for name in ("rejected", "evaluations")}  # those of earlier versions have none
+                loads = truth_records.loads(record)
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads, **work)
                 return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))

@@ -143,8 +143,8 @@ def results(
                     _add_run(writer, arrivals, task, result, indices[task], head["engines"][task.engine])
                     count.add_run(task)
                 else:
-                    for timestep in _add_truths(writer, arrivals, task, result):
-                        count.add_truth(task.case.name, timestep)
+                    for sampling in _add_truths(writer, arrivals, task, result):
+                        count.add_truth(task.case.name, sampling)
         if any(slides(case.scene) for case in cases.values()):
             _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
@@ -156,29 +156,30 @@ class _Count:
     def __init__(self, tasks: Sequence[Task], left: Sequence[TruthTask | Task], writer: Writer, progress: Advance) -> None:
         needed = [task for task in left if isinstance(task, TruthTask)]
         self.progress = progress
-        self.truths = {(task.case.name, timestep) for task in needed for timestep in _left(writer, task)}
-        keys = [(task.case.name, task.method.timestep) for task in tasks if writer.has_run(task.key)]
+        self.truths = {(task.case.name, sampling) for task in needed for sampling in _left(writer, task)}
+        keys = [(task.case.name, task.method.sampling) for task in tasks if writer.has_run(task.key)]
         self.waiting = Counter(key for key in keys if key in self.truths)
         self.done = len(keys) - self.waiting.total()
 
     def add_run(self, task: Task) -> None:
         """Count a run, unless its truth is missing."""
-        key = task.case.name, task.method.timestep
+        key = task.case.name, task.method.sampling
         waits = key in self.truths
         self.waiting[key] += waits
         self.progress(_name(task), 0 if waits else 1)
 
-    def add_truth(self, case: str, timestep: float) -> None:
-        """Count the runs that waited for the truth of a case at a time step (s)."""
-        self.truths.discard((case, timestep))
-        self.progress(f"{case} · truth {timestep:g} s", self.waiting.pop((case, timestep), 0))
+    def add_truth(self, case: str, sampling: float) -> None:
+        """Count the runs that waited for the truth of a case with a sampling."""
+        self.truths.discard((case, sampling))
+        which = f"truth {sampling:g} s" if sampling else "truth"
+        self.progress(f"{case} · {which}", self.waiting.pop((case, sampling), 0))
 
 
 def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> Arrivals:
     """Return the object that brings runs and truths together, for tasks with missing results in the folder."""
-    runs = [(task.case.name, task.method.timestep) for task in tasks if isinstance(task, Task)]
+    runs = [(task.case.name, task.method.sampling) for task in tasks if isinstance(task, Task)]
     needed = [task for task in tasks if isinstance(task, TruthTask)]
-    return Arrivals(meet, runs, [(task.case.name, timestep) for task in needed for timestep in _left(writer, task)])
+    return Arrivals(meet, runs, [(task.case.name, sampling) for task in needed for sampling in _left(writer, task)])
 
 
 def _add_run(
@@ -204,20 +205,20 @@ def _roles(task: Task) -> str | None:
 def _add_truths(
     writer: Writer, arrivals: Arrivals, task: TruthTask, result: Run | Truths | Crashed | TimedOut
 ) -> Iterator[float]:
-    """Write the truths of a task, or the reason why there are none, and yield the time step (s) of each written truth.
+    """Write the truths of a task, or the reason why there are none, and yield the sampling of each written truth.
 
     Truths that the folder already had are not changed.
     """
     assert not isinstance(result, Run)  # a run is the answer to another task
-    for timestep in _left(writer, task):
-        truth = result[timestep] if isinstance(result, dict) else no_truth(result)
+    for sampling in _left(writer, task):
+        truth = result[sampling] if isinstance(result, dict) else no_truth(result)
         if isinstance(truth, NoTruth):
-            writer.add_missing_truth(task.case, timestep, truth)
-            arrivals.add_truth((task.case.name, timestep), None)
+            writer.add_missing_truth(task.case, sampling, truth)
+            arrivals.add_truth((task.case.name, sampling), None)
         else:
-            writer.add_truth(task.case, timestep, truth)
-            arrivals.add_truth((task.case.name, timestep), truth)
-        yield timestep
+            writer.add_truth(task.case, sampling, truth)
+            arrivals.add_truth((task.case.name, sampling), truth)
+        yield sampling
 
 
 def _add_stops(
@@ -259,22 +260,22 @@ def _missing(writer: Writer, argument: TruthTask | Task) -> int:
 
 
 def _left(writer: Writer, needed: TruthTask) -> list[float]:
-    """Return the time steps (s) whose truths the folder did not have yet when it was opened."""
-    return [timestep for timestep in needed.timesteps if not writer.has_truth(needed.case.name, timestep)]
+    """Return the samplings whose truths the folder did not have yet when it was opened."""
+    return [sampling for sampling in needed.samplings if not writer.has_truth(needed.case.name, sampling)]
 
 
-def truth_tasks(case: Case, timesteps: Iterable[float]) -> Iterator[TruthTask]:
-    """Yield the tasks that compute the truths for the runs of a case with some time steps (s); usually one task."""
-    yield from (TruthTask(case, batch) for batch in truths.batches(case, timesteps))
+def truth_tasks(case: Case, samplings: Iterable[float]) -> Iterator[TruthTask]:
+    """Yield the tasks that compute the truths for the runs of a case with some samplings; usually one task."""
+    yield from (TruthTask(case, batch) for batch in truths.batches(case, samplings))
 
 
 def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
     """Return the tasks that compute the needed truths of runs, long computations first, so that none of them runs last."""
-    timesteps: dict[Case, list[float]] = {}
+    samplings: dict[Case, list[float]] = {}
     for task in tasks:
-        timesteps.setdefault(task.case, []).append(task.method.timestep)
-    ordered = sorted(timesteps, key=truths.effort, reverse=True)
-    return tuple(needed for case in ordered for needed in truth_tasks(case, timesteps[case]))
+        samplings.setdefault(task.case, []).append(task.method.sampling)
+    ordered = sorted(samplings, key=truths.effort, reverse=True)
+    return tuple(needed for case in ordered for needed in truth_tasks(case, samplings[case]))
 
 
 def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:

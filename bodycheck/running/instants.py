@@ -14,6 +14,11 @@ def sampling_steps(instants: Array, timestep: float) -> Strides:
     return np.unique(np.rint(instants / timestep).astype(np.int64))
 
 
+def sampling_times(instants: Array, sampling: float) -> Array:
+    """Return the times (m,), in s, at which a run is sampled for instants (n,), in s; sampling: `Method.sampling`."""
+    return sampling_steps(instants, sampling).astype(np.float64) * sampling if sampling else instants
+
+
 def check_timestep(case: Case, timestep: float) -> None:
     """Raise `BadInput` for a time step (s) that is not possible in a case."""
     if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:

@@ -6,7 +6,7 @@ plug-in alike.
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from types import MappingProxyType
@@ -110,7 +110,7 @@ def check_planned(named: Named, records: Mapping[str, Engine], planned: Iterable
         The names of the engines and the methods of all planned runs. A method may have more options than the named one.
     """
     pairs = list(planned)
-    engines, methods = {engine for engine, _ in pairs}, {method for _, method in pairs}
+    engines, methods = {engine for engine, _ in pairs}, {method.over_accuracies for _, method in pairs}
     for role in aliases(named.integrator):
         if not any(is_of(records[engine], method.name, role) for engine, method in pairs):
             raise BadInput(f"--integrator {role}: nothing to run: no engine has such a method for the scenes of these cases")
@@ -119,9 +119,21 @@ def check_planned(named: Named, records: Mapping[str, Engine], planned: Iterable
         if name in records and name not in engines:
             raise BadInput(f"{name}: nothing to run{asked}: it has no such method for the scenes of these cases")
     for spelling in spelled(named.integrator):
-        wanted = Method.parse(spelling, 0.0)
+        wanted = Method.parse(spelling, 0.0).over_accuracies  # a search runs other accuracies than the named one
         if not any(one.integrator == wanted.integrator and {*wanted.options} <= {*one.options} for one in methods):
             raise BadInput(f"{spelling}: nothing to run: no engine has this method for the scenes of these cases")
+
+
+def of_search(rows: Iterable[Mapping[str, Any]], integrators: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a search over accuracies for `decide`, under the named spellings of their methods.
+
+    Any accuracy in a named spelling stands for all accuracies.
+    """
+    names = {method.name: method.over_accuracies for method in (Method.parse(spelling, 0.0) for spelling in integrators)}
+    for row in rows:
+        family = Method.parse(row["integrator"], 0.0).over_accuracies
+        own = [name for name, other in names.items() if other == family]
+        yield from (dict(row) | {"integrator": name} for name in own or [row["integrator"]])
 
 
 def decide(

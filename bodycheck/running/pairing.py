@@ -17,7 +17,7 @@ MOST_BYTES = 1 << 26
 #: A function that is called with a completed run and the truth of its case at the same instants.
 Meet = Callable[[Truth, Run], None]
 
-#: The name of a case, and a time step (s).
+#: The name of a case, and the sampling of runs (`Method.sampling`).
 Key = tuple[str, float]
 
 
@@ -33,9 +33,9 @@ class Arrivals:
     meet
         A function that is called with each pair of a truth and a run.
     runs
-        The case and the time step of each expected run.
+        The case and the sampling of each expected run.
     truths
-        The case and the time step of each expected truth.
+        The case and the sampling of each expected truth.
     """
 
     def __init__(self, meet: Meet, runs: Iterable[Key], truths: Iterable[Key]) -> None:
@@ -47,7 +47,7 @@ class Arrivals:
 
     def add_run(self, run: Run) -> None:
         """Add a run that has arrived, with any outcome."""
-        key = (run.case, run.method.timestep)
+        key = (run.case, run.method.sampling)
         self._awaited[key] -= 1
         if isinstance(run.outcome, Completed):
             if (truth := self._truths.get(key)) is not None:
@@ -58,7 +58,7 @@ class Arrivals:
             self._bytes -= _size(truth.trajectory)
 
     def add_truth(self, key: Key, truth: Truth | None) -> None:
-        """Add the truth for the runs of a case with a time step, or None if there is no truth."""
+        """Add the truth for the runs of a case with a sampling, or None if there is no truth."""
         self._coming.discard(key)
         for run in self._runs.pop(key, ()):
             self._bytes -= _size(run.outcome.trajectory) if isinstance(run.outcome, Completed) else 0

@@ -1,6 +1,7 @@
 """Make one run of a case in an engine with a method, in this process."""
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
@@ -14,6 +15,7 @@ from bodycheck.adapters.contract import (
     ContactLoad,
     EngineDiverged,
     EngineReset,
+    ErrorControlled,
     InterfaceLoads,
     Method,
     Normalising,
@@ -35,7 +37,7 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.results.outcome import AdapterFault as AdapterFault
-from bodycheck.running.instants import sampling_steps
+from bodycheck.running.instants import sampling_times
 from bodycheck.running.roles import method_of, roles_of
 from bodycheck.running.state_checks import check_start, divergence, standstill
 
@@ -64,8 +66,8 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float | None = 
     integrator
         The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`; or `default` or `recommended`.
     timestep
-        The time step (s). By default, it is 2 ms; for a method with error control, it is the engine's largest step or the
-        sampling interval, and `default` and `recommended` have their own.
+        The time step (s); of a method with error control the largest step. None for the default time step, see
+        `bodycheck.running.instants.default_timestep`; `default` and `recommended` have their own.
 
     Raises
     ------
@@ -91,8 +93,8 @@ def run(case: Case, engine: str, method: Method) -> Run:
     try:
         if slides(case.scene) and isinstance(adapter, ContactLaw):
             law = adapter.contact_law(case.scene, method)
-        steps = sampling_steps(case.instants, method.timestep)
-        outcome = outcome_in(adapter, engine, case.scene, method, steps)
+        times = sampling_times(case.instants, method.sampling)
+        outcome = outcome_in(adapter, engine, case.scene, method, times)
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
     record, ended = adapter.engine, where_rounded_to_nearest(outcome)
@@ -117,9 +119,12 @@ def where_rounded_to_nearest(outcome: Outcome) -> Outcome:
     return outcome if rounding() == TO_NEAREST else OTHER_ROUNDING
 
 
-def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, steps: Strides) -> Outcome:
-    """Return the outcome of a run of a scene, sampled after numbers of steps (n,). Raises whatever the engine raises."""
-    if steps[-1] == 0:
+def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, times: Array) -> Outcome:
+    """Return the outcome of a run of a scene that is sampled at times (n,), in s. Raises whatever the engine raises.
+
+    The times are those of `bodycheck.running.instants.sampling_times`.
+    """
+    if times[-1] == 0:
         return NO_STEP
     named = in_words(engine, adapter.engine.version)
     if (lacking := offers.not_offered(adapter.engine, scene, method)) is not None:
@@ -128,8 +133,12 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
         return Unsupported(f"the reference does not model {missing}")
     if (lacking := offers.not_modelled(adapter.engine, scene)) is not None:
         return Unsupported(f"{named} {lacking}")
-    given = _given(scene, float(steps[-1]) * method.timestep)
-    outcome = _advance(offers.prepare(adapter, [given], method), scene, method, steps)
+    given = _given(scene, float(times[-1]))
+    simulation = offers.prepare(adapter, [given], method)
+    if method.accuracy is None:
+        outcome = _advance(simulation, scene, method, times)
+    else:
+        outcome = _reach(simulation, offers.prepare(adapter, [given], method), scene, method, times)
     if not isinstance(outcome, Completed):
         return outcome
     if touches(scene) and isinstance(adapter, InterfaceLoads):
@@ -158,7 +167,7 @@ def _interfaces(
     from bodycheck.reference.contact.ways import ends  # the ways of contact are imported where they are needed
 
     resting = ends(scene, float(outcome.trajectory.t[-1])).interfaces
-    steps = min(outcome.steps, MAX_LOAD_STEPS)
+    steps = min(int(steps_to(outcome.trajectory.t, method)[-1]), MAX_LOAD_STEPS)
     if not resting or not steps:
         return None
     loads = adapter.interface_loads(given, method, steps)
@@ -176,29 +185,59 @@ def _bearing(bodies: tuple[int, int], loads: Array) -> InterfaceLoad:
 def _load(adapter: ContactLoad, scene: Scene, method: Method, outcome: Completed) -> Load | None:
     """Measure the load of the contact in a separate run, which is not timed, until the body stops, or until the end."""
     stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
-    load = adapter.contact_load(scene, method, min(stop or outcome.steps, MAX_LOAD_STEPS))
+    steps = stop or int(steps_to(outcome.trajectory.t, method)[-1])
+    load = adapter.contact_load(scene, method, min(steps, MAX_LOAD_STEPS))
     if load is None or len(load) == 0 or scene.gravity == 0:
         return None
     weight = scene.body.mass * scene.gravity
     return Load(float(load.mean()) / weight, float(load.max()) / weight, float((load > 0).mean()))
 
 
-def _advance(simulation: Simulation, scene: AnyScene, method: Method, steps: Strides) -> Outcome:
-    strides = np.diff(steps, prepend=0)
+def _advance(simulation: Simulation, scene: AnyScene, method: Method, times: Array) -> Outcome:
+    """Return the outcome of a run with steps of fixed size."""
+    strides = np.diff(steps_to(times, method), prepend=0)
+    return _stepped(lambda: simulation.advance(strides), simulation, scene, method, times)
+
+
+def _reach(simulation: Simulation, unsampled: Simulation, scene: AnyScene, method: Method, times: Array) -> Outcome:
+    """Return the outcome of a run with error control: states from one simulation, cost and work from another.
+
+    The other simulation goes to the end without samples between, because an engine may end a step at each sample.
+    """
+    assert isinstance(simulation, ErrorControlled)
+    assert isinstance(unsampled, ErrorControlled)
+    outcome = _stepped(lambda: simulation.reach(times), simulation, scene, method, times)
+    if not isinstance(outcome, Completed):
+        return outcome
+    with np.errstate(all="ignore"):
+        start = time.perf_counter()
+        unsampled.finish(float(times[-1]))
+        wall_time = time.perf_counter() - start
+    work = unsampled.work
+    return replace(outcome, steps=work.steps, wall_time=wall_time, rejected=work.rejected, evaluations=work.evaluations)
+
+
+def _stepped(step: Callable[[], object], simulation: object, scene: AnyScene, method: Method, times: Array) -> Outcome:
+    """Return the outcome of a run whose states (1, n, bodies, 13) at times (n,), in s, a function computes."""
     with np.errstate(all="ignore"):  # a run that overflows is judged by its states
         start = time.perf_counter()
         try:
-            states = simulation.advance(strides)
+            states = step()
         except EngineDiverged as error:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
-            return Diverged(str(error), signal, trajectory_of(steps, method, _of_scene(error.states, scene)))
+            return Diverged(str(error), signal, trajectory_of(times, _of_scene(error.states, scene)))
         wall_time = time.perf_counter() - start
-    rows = _of_scene(states_of(states, 1, len(steps), len(bodies(scene))), scene)
-    return outcome_of(rows, simulation, scene, method, steps, wall_time)
+    rows = _of_scene(states_of(states, 1, len(times), len(bodies(scene))), scene)
+    return outcome_of(rows, simulation, scene, method, times, wall_time)
 
 
-def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method, steps: Strides, wall_time: float) -> Outcome:
-    """Return the outcome of a run in which the engine made all steps.
+def steps_to(times: Array, method: Method) -> Strides:
+    """Return the numbers of steps (n,) of fixed size to times (n,), in s, which are multiples of the time step."""
+    return np.rint(times / method.timestep).astype(np.int64)
+
+
+def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method, times: Array, wall_time: float) -> Outcome:
+    """Return the outcome of a run in which the engine made all steps, with the number of steps of fixed size.
 
     Parameters
     ----------
@@ -208,8 +247,8 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
         The simulation of the scene, or anything else that is `Normalising` if the adapter normalised the quaternions.
     scene, method
         The scene and the method of the run.
-    steps
-        The numbers of steps (n,) from the start to each state.
+    times
+        The times (n,), in s, of the states.
     wall_time
         The wall time (s) of stepping.
 
@@ -218,7 +257,7 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
     AdapterFault
         If the rows cannot be the states of the engine.
     """
-    trajectory = trajectory_of(steps, method, rows)
+    trajectory = trajectory_of(times, rows)
     if (diverged := divergence(scene, trajectory)) is not None:
         return diverged
     norm_error = _norm_error(trajectory)
@@ -227,7 +266,7 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
         return diverged
     if isinstance(simulation, Normalising):
         norm_error = max(norm_error, simulation.quaternion_norm_error)
-    return Completed(trajectory, int(steps[-1]), wall_time, quaternion_norm_error=norm_error)
+    return Completed(trajectory, int(steps_to(times, method)[-1]), wall_time, quaternion_norm_error=norm_error)
 
 
 def _of_scene(states: Array, scene: AnyScene) -> Array:
@@ -255,10 +294,9 @@ def states_of(states: object, scenes: int, count: int, bodies: int) -> Array:
     return array.astype(np.float64)
 
 
-def trajectory_of(steps: Strides, method: Method, rows: Array) -> Trajectory:
-    """Return the trajectory of states (..., k, 13) after numbers of steps (n,), of which the first k are used."""
-    t = steps[: rows.shape[-2]].astype(np.float64) * method.timestep
-    return Trajectory(t, rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
+def trajectory_of(times: Array, rows: Array) -> Trajectory:
+    """Return the trajectory of states (..., k, 13) at times (n,), in s, of which the first k are used."""
+    return Trajectory(times[: rows.shape[-2]], rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
 
 
 def _norm_error(trajectory: Trajectory) -> float:

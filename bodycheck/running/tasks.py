@@ -36,13 +36,13 @@ class Task:
 
 @dataclass(frozen=True)
 class TruthTask:
-    """The task of computing the truths for the runs of a case with some time steps (s), all at once."""
+    """The task of computing the truths for the runs of a case with some samplings (`Method.sampling`), all at once."""
 
     case: Case
-    timesteps: tuple[float, ...]
+    samplings: tuple[float, ...]
 
 
-#: The answer to a truth task: the truths by time step (s), or the reason why there are none.
+#: The answer to a truth task: the truths by sampling, or the reason why there are none.
 Truths = dict[float, Truth] | NoTruth
 
 
@@ -89,7 +89,7 @@ def perform(argument: TruthTask | Task) -> Run | Truths:
     from bodycheck.running import truths
 
     try:
-        return truths.of_runs(argument.case, argument.timesteps)
+        return truths.of_runs(argument.case, argument.samplings)
     except (NotModelled, OutOfReach) as error:
         return NoTruth(str(error))
 

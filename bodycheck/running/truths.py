@@ -41,13 +41,13 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     return truth_of_scene(case.scene, _instants(case, times))
 
 
-def batches(case: Case, timesteps: Iterable[float]) -> tuple[tuple[float, ...], ...]:
-    """Return time steps (s), without repetitions, in batches whose truths are computed together by `of_runs`.
+def batches(case: Case, samplings: Iterable[float]) -> tuple[tuple[float, ...], ...]:
+    """Return samplings, without repetitions, in batches whose truths are computed together by `of_runs`.
 
-    All time steps are in one batch, unless a case has so many instants that their truths need much memory and time. A batch has
-    at most `MAX_INSTANTS` instants, or one time step.
+    All samplings are in one batch, unless a case has so many instants that their truths need much memory and time. A batch has
+    at most `MAX_INSTANTS` instants, or one sampling.
     """
-    different, most = tuple(dict.fromkeys(timesteps)), max(1, MAX_INSTANTS // case.samples)
+    different, most = tuple(dict.fromkeys(samplings)), max(1, MAX_INSTANTS // case.samples)
     return tuple(different[first : first + most] for first in range(0, len(different), most))
 
 
@@ -57,17 +57,16 @@ def effort(case: Case) -> tuple[bool, int]:
     return (bool(scene.loops), len(scene.bodies)) if isinstance(scene, Mechanism) else (False, 0)
 
 
-def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
-    """Return the truths for the runs of a case with some time steps (s), by time step, from one computation.
+def of_runs(case: Case, samplings: Iterable[float]) -> dict[float, Truth]:
+    """Return the truths for the runs of a case with some samplings (`Method.sampling`), by sampling, from one computation.
 
-    The computation covers all instants that engines with these time steps reach, and each truth is a part of it. Raises as
-    `truth` does.
+    The computation covers all times at which such runs are sampled, and each truth is a part of it. Raises as `truth` does.
     """
-    from bodycheck.running.instants import sampling_steps  # reports of stored results need no simulation
+    from bodycheck.running.instants import sampling_times  # reports of stored results need no simulation
 
-    instants = {step: sampling_steps(case.instants, step).astype(np.float64) * step for step in timesteps}
-    whole = truth(case, np.unique(np.concatenate(list(instants.values()))))
-    return {step: whole.at(times) for step, times in instants.items()}
+    times = {sampling: sampling_times(case.instants, sampling) for sampling in samplings}
+    whole = truth(case, np.unique(np.concatenate(list(times.values()))))
+    return {sampling: whole.at(of_sampling) for sampling, of_sampling in times.items()}
 
 
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:

@@ -15,6 +15,7 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
+from bodycheck.casefile.content import Case
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene
@@ -43,7 +44,10 @@ class Cost:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A run whose steps are timed. `steps` is the number of steps from the start that are known to complete."""
+    """A run whose steps are timed. `steps` is the number of steps from the start that are known to complete.
+
+    With error control, these are largest steps, and all of them are timed, since the engine's own steps differ along the run.
+    """
 
     scene: AnyScene
     engine: str
@@ -124,6 +128,13 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
     ]
 
 
+def stretch_of(case: Case, engine: str, method: Method, steps: int) -> Stretch:
+    """Return the stretch of a whole run with a number of steps of fixed size, or with error control."""
+    if method.accuracy is not None:
+        steps = max(1, math.floor(case.duration / method.timestep * (1 + 1e-12)))
+    return Stretch(case.scene, engine, method, steps)
+
+
 def summarise(times: Array) -> Cost:
     """Return the median, the minimum and the maximum of repeated measurements (rounds,)."""
     return Cost(float(np.median(times)), float(times.min()), float(times.max()))
@@ -142,7 +153,7 @@ def _size(stretch: Stretch) -> _Size:
     start = time.perf_counter()
     offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
     setup = time.perf_counter() - start
-    steps = min(stretch.steps, 16)
+    steps = min(stretch.steps, 16) if stretch.method.accuracy is None else stretch.steps
     while (taken := _seconds(stretch, steps)[0]) < MIN_TIMING_S and steps < stretch.steps:
         steps = min(stretch.steps, math.ceil(steps * min(16.0, max(1.5, MIN_TIMING_S / taken))))
     return _Size(steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken))), setup)

@@ -1,4 +1,4 @@
-"""Time steps that suit a case: the ladder at which methods are measured, from the angular velocity of its bodies."""
+"""The ladders at which methods are measured: time steps that suit a case, and accuracies that suit an integrator."""
 
 import math
 from itertools import count
@@ -23,6 +23,22 @@ MIN_LADDER_LENGTH = 6
 
 #: The leading digits of time steps.
 MANTISSAS = (5.0, 2.0, 1.0)
+
+
+#: The accuracies at which methods with error control are measured, the largest first, and those of methods whose claimed order
+#: is at most 1 or not known, which need 300 times as many steps for an accuracy that is smaller by 1e-5.
+ACCURACIES = tuple(float(f"1e-{digits}") for digits in range(2, 11))
+ACCURACIES_OF_ORDER_1 = tuple(float(f"1e-{digits}") for digits in range(1, 7))
+
+
+#: The accuracies among which that of a method with error control is searched for, the largest first: 0.1 to 1e-12, three in a
+#: decade, and one more at both ends, so that each of them has neighbours.
+FINE_ACCURACIES = (0.2, *(float(f"{digit}e-{power}") for power in range(1, 13) for digit in (1, 0.5, 0.2)))[:-1]
+
+
+def accuracies(order: int | None) -> tuple[float, ...]:
+    """Return the accuracies at which a method with error control and a claimed order is measured, the largest first."""
+    return ACCURACIES if order is not None and order > 1 else ACCURACIES_OF_ORDER_1
 
 
 def fastest_spin(scene: AnyScene) -> float:

@@ -3,7 +3,17 @@
 from collections.abc import Iterable, Iterator
 
 from bodycheck.figures.column import Column
-from bodycheck.figures.columns import CASE_COLUMNS, COST_COLUMNS, FIGURES, LIMIT, LIMIT_COLUMNS, MARGIN, ORDER, RUN_COLUMNS
+from bodycheck.figures.columns import (
+    CASE_COLUMNS,
+    COST_COLUMNS,
+    FIGURES,
+    LIMIT,
+    LIMIT_COLUMNS,
+    MARGIN,
+    ORDER,
+    RUN_COLUMNS,
+    WORK_COLUMNS,
+)
 from bodycheck.judging.attribution import PARTS
 from bodycheck.studies import registry
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
@@ -43,6 +53,8 @@ def page() -> str:
             "### Limits and margins",
             f"For each figure that a case limits there are the columns `FIGURE{LIMIT}`, the limit, and `FIGURE{MARGIN}`, the "
             "limit divided by the figure.",
+            "### Work",
+            _plain(WORK_COLUMNS),
             "## The tables of studies",
             *_studies(),
         ]

@@ -250,12 +250,12 @@ def _section(
 ) -> Section:
     """Return the section of a case. room: the limits for its curves and animation; None if it has neither."""
     case, verdicts = shown.case, shown.verdicts
-    timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
+    samplings = dict.fromkeys(verdict.run.method.sampling for verdict in verdicts)
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
-    facts = describe(case, [_told(one, shown, timestep) for one in shown.sets for timestep in timesteps])
+    facts = describe(case, [_told(one, shown, sampling) for one in shown.sets for sampling in samplings])
     drawn, played = curves.draw({}, {}, MOST_POINTS), None
     if room is not None:
-        truths = {(one.label, step): one.results.truth(case.name, step) for one in shown.sets for step in timesteps}
+        truths = {(one.label, each): one.results.truth(case.name, each) for one in shown.sets for each in samplings}
         known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
         try:
             with limited(DRAWING_LIMIT_S):
@@ -287,17 +287,17 @@ def _section(
     )
 
 
-def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
-    """Return the facts about the truth of a case at a time step (s) in a set of results, or why there is no truth.
+def _told(one: ResultSet, shown: Shown, sampling: float) -> Told | NoTruth:
+    """Return the facts about the truth of a case with a sampling in a set of results, or why there is no truth.
 
     If a run was compared with the truth, the largest error of the truth is known, and the truth is not read again.
     """
-    runs = (v for v in shown.verdicts if v.label == one.label and v.run.method.timestep == timestep)
+    runs = (v for v in shown.verdicts if v.label == one.label and v.run.method.sampling == sampling)
     errors = (run.discrepancy.largest.get(ATTITUDE.name) for run in runs if run.discrepancy is not None)
-    error, ways = next(errors, None), one.results.ways(shown.case.name, timestep)
+    error, ways = next(errors, None), one.results.ways(shown.case.name, sampling)
     if error is not None and ways is not None:
         return Told(**ways, error=error)
-    truth = one.results.truth(shown.case.name, timestep)
+    truth = one.results.truth(shown.case.name, sampling)
     return Told.of(truth) if isinstance(truth, Truth) else truth
 
 

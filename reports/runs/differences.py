@@ -158,7 +158,7 @@ class Pair:
         return lru_cache(TRUTHS_KEPT)(self.base.results.truth), lru_cache(TRUTHS_KEPT)(self.other.results.truth)
 
     def _least(self, truths: Truths, case: Shown, verdict: Verdict, names: Sequence[str]) -> dict[str, float]:
-        truth = truths(case.case.name, verdict.run.method.timestep)
+        truth = truths(case.case.name, verdict.run.method.sampling)
         assert isinstance(truth, Truth)  # because the run has numbers
         return unamplified(truth, verdict.run, names)
 

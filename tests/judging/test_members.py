@@ -29,7 +29,7 @@ from tests.support.members import assert_same_row, rows_of, together, truths_alo
 
 BASE = shortened(load("mujoco-free-body"), 0.5, 11)
 METHODS = [Method.parse("Euler", 0.01), Method.parse("RK4", 0.01)]
-STEPS = simulation.sampling_steps(BASE.instants, 0.01)
+TIMES = simulation.sampling_times(BASE.instants, 0.01)
 TODAY = date(2030, 1, 1)
 COUNT = 50
 
@@ -63,7 +63,7 @@ def drawn() -> Drawn:
         },
     )
     cases = [replace(BASE, name=f"mujoco-free-body-{place}", scene=scenes.scene(place)) for place in range(COUNT)]
-    truths = truths_alone(scenes, STEPS * 0.01)
+    truths = truths_alone(scenes, TIMES)
     return Drawn(scenes, cases, truths, together(truths))
 
 
@@ -113,7 +113,7 @@ def test_every_series_of_many_members_is_that_of_each(drawn: Drawn) -> None:
 @pytest.mark.parametrize("method", METHODS, ids=str)
 def test_the_rows_of_members_are_those_of_single_runs(drawn: Drawn, method: Method) -> None:
     runs = [simulation.run(case, "mujoco", method) for case in drawn.cases]
-    flown = fly("mujoco", method, drawn.scenes, STEPS, [case.name for case in drawn.cases])
+    flown = fly("mujoco", method, drawn.scenes, TIMES, [case.name for case in drawn.cases])
     assert not flown.ended
     columns = judged(drawn.scenes, drawn.flights, flown, method, (), TODAY)
     assert_same(columns, alone(drawn, runs, ()))
@@ -147,8 +147,8 @@ def test_the_rows_of_members_are_those_of_single_runs(drawn: Drawn, method: Meth
 
 def test_truths_of_many_give_the_figures_that_truths_alone_give(drawn: Drawn) -> None:
     """Both are within their bounds of the exact motion, so that errors are within the bounds of each other."""
-    flown = fly("mujoco", METHODS[0], drawn.scenes, STEPS)
-    many = judged(drawn.scenes, flights(drawn.scenes, STEPS * 0.01), flown, METHODS[0], (), TODAY)
+    flown = fly("mujoco", METHODS[0], drawn.scenes, TIMES)
+    many = judged(drawn.scenes, flights(drawn.scenes, TIMES), flown, METHODS[0], (), TODAY)
     each = judged(drawn.scenes, drawn.flights, flown, METHODS[0], (), TODAY)
     for figure in FIGURES.values():
         if figure.bounded_by and not np.isnan(each[figure.name]).all():
@@ -198,7 +198,7 @@ def planted(drawn: Drawn) -> tuple[Array, dict[int, str]]:
 def outcome_alone(case: Case, rows: Array, norm_error: float) -> Outcome:
     """The outcome of a run that returned these rows."""
     try:
-        return simulation.outcome_of(rows, NormError(norm_error), case.scene, METHODS[0], STEPS, 1.0)
+        return simulation.outcome_of(rows, NormError(norm_error), case.scene, METHODS[0], TIMES, 1.0)
     except simulation.AdapterFault as fault:
         return simulation.ended_by(fault, "mujoco 1.0", case.name)
 
@@ -209,7 +209,18 @@ def test_runs_that_fail_are_told_as_if_they_were_alone(drawn: Drawn, limit: floa
     method, norm_error = METHODS[0], np.linspace(0, 1e-3, COUNT)
     ended: dict[int, Outcome] = {40: Diverged("it gave up", "gave up"), 41: Crashed("it broke")}
     names = tuple(case.name for case in drawn.cases)
-    flown = Flown("mujoco", "1.0", names, method, STEPS, rows, norm_error, 1.0, ended)
+    flown = Flown(
+        "mujoco",
+        "1.0",
+        names,
+        method,
+        TIMES,
+        np.full(len(rows), round(TIMES[-1] / method.timestep)),
+        rows,
+        norm_error,
+        1.0,
+        ended,
+    )
     outcomes = [
         ended.get(place) or outcome_alone(case, rows[place], float(norm_error[place])) for place, case in enumerate(drawn.cases)
     ]
@@ -261,9 +272,9 @@ def test_any_damage_is_told_as_if_the_member_were_alone(name: str, shape: dict[s
     base, random = shortened(load(name), 0.4, 9), np.random.default_rng(9)
     sizes = {key: random.uniform(0.05, 0.5, (COUNT, width) if width else COUNT) for key, width in shape.items()}
     scenes = vary(base.scene, {**sizes, "velocity": random.normal(0, 3, (COUNT, 3))})
-    method, steps = METHODS[1], simulation.sampling_steps(base.instants, 0.01)
-    truths = truths_alone(scenes, steps * 0.01)
-    whole = fly("mujoco", method, scenes, steps)
+    method, times = METHODS[1], simulation.sampling_times(base.instants, 0.01)
+    truths = truths_alone(scenes, times)
+    whole = fly("mujoco", method, scenes, times)
     flown = replace(whole, states=np.array([damaged(rows, random) for rows in whole.states]))
     expectations = (Expectation("mujoco", method, (Limit("attitude_error", None, 1e-3), Limit("energy_drift", None, 1e-6))),)
     cases = [replace(base, scene=scenes.scene(place), expectations=expectations) for place in range(COUNT)]
@@ -284,7 +295,7 @@ def test_cases_are_judged_one_by_one(drawn: Drawn) -> None:
         drawn.cases[21],
     ]
     method = Method.parse("Euler", 0.01)
-    flown = fly("mujoco", method, cases, STEPS)
+    flown = fly("mujoco", method, cases, TIMES)
     runs = [simulation.run(case, "mujoco", method) for case in cases]
     truths: list[Truth | NoTruth] = []
     for run, case in zip(runs, cases, strict=True):

@@ -37,7 +37,8 @@ def test_limits_and_margins_are_those_of_the_case_in_every_format(folder: Path) 
     csv, parquet = pd.read_csv(folder / "results.csv"), pd.read_parquet(folder / "results.parquet")
     runs = json.loads((folder / "results.json").read_text())["runs"]
     added = ["kind", "tags", *(name + end for name in LIMITS for end in ("_limit", "_margin"))]
-    assert list(csv.columns[-6:]) == list(parquet.columns[-6:]) == list(runs[0])[-6:] == added
+    added += ["steps_taken", "steps_rejected", "evaluations", "role"]
+    assert list(csv.columns[-10:]) == list(parquet.columns[-10:]) == list(runs[0])[-10:] == added
     expected = [run for run in runs if run["position_error_limit"] is not None]
     assert {(run["case"], run["integrator"], run["timestep"], run["status"]) for run in expected} == {
         ("spin", "Euler", 0.01, "ok")

@@ -72,7 +72,7 @@ def mechanism_of(case: Case) -> Mechanism:
 def exact_truth(case: Case) -> Truth:
     """The truth of the case, which is a closed form."""
     mechanism = mechanism_of(case)
-    t = simulation.sampling_steps(case.instants, METHOD.timestep) * METHOD.timestep
+    t = simulation.sampling_times(case.instants, METHOD.sampling)
     motion = coasting.motion(mechanism, t)
     joints = kinematics.joints(mechanism, motion)
     small = np.full(case.samples, 1e-15)
@@ -82,8 +82,8 @@ def exact_truth(case: Case) -> Truth:
 
 
 def outcome(case: Case, adapter: coasting.Coasting) -> Outcome:
-    steps = simulation.sampling_steps(case.instants, METHOD.timestep)
-    return simulation.outcome_in(adapter, "coasting", case.scene, METHOD, steps)
+    times = simulation.sampling_times(case.instants, METHOD.sampling)
+    return simulation.outcome_in(adapter, "coasting", case.scene, METHOD, times)
 
 
 def test_a_run_has_the_states_of_all_bodies_in_their_order(case: Case) -> None:

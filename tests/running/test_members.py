@@ -23,7 +23,7 @@ from tests.support.cases import STEADY_SPIN, shortened
 FREE = frozenset({"gravity", "translation", "rotation"})
 EULER = Method.parse("euler", 0.01)
 ENGINE = Engine("planted", "planted", "1.0", (Integrator("euler"),), FREE, batch=2)
-STEPS = np.array([0, 5, 20])
+TIMES = np.array([0, 5, 20]) * EULER.timestep
 
 
 def spinning(speeds: Sequence[float]) -> Scenes:
@@ -33,11 +33,11 @@ def spinning(speeds: Sequence[float]) -> Scenes:
     return vary(replace(STEADY_SPIN.scene, plane=None), {"velocity": velocity})
 
 
-def alone(scenes: Scenes, engine: str, method: Method, steps: np.ndarray) -> list[Run]:
-    """The runs of members as cases of their own, whose instants are the ends of these steps."""
+def alone(scenes: Scenes, engine: str, method: Method, times: np.ndarray) -> list[Run]:
+    """The runs of members as cases of their own, which are sampled at these times (s) too."""
     case = shortened(STEADY_SPIN, 0.2, 21)
     runs = [simulation.run(replace(case, name=f"one-{k}", scene=scenes.scene(k)), engine, method) for k in range(len(scenes))]
-    assert set(steps) <= set(simulation.sampling_steps(case.instants, method.timestep))
+    assert set(times) <= set(simulation.sampling_times(case.instants, method.sampling))
     return runs
 
 
@@ -54,13 +54,13 @@ def assert_same_ends(flown: Flown, runs: Sequence[Run]) -> None:
 
 def test_a_member_that_is_given_up_leaves_the_others_alone(miniatures: Path) -> None:
     scenes = spinning([1.0, 2e6, 2.0, 3e6])
-    flown = fly("batching", EULER, scenes, STEPS)
-    assert_same_ends(flown, alone(scenes, "batching", EULER, STEPS))
+    flown = fly("batching", EULER, scenes, TIMES)
+    assert_same_ends(flown, alone(scenes, "batching", EULER, TIMES))
     assert flown.ended == {place: Diverged("it is too fast", "gave up") for place in (1, 3)}
     assert flown.trajectory(0) is not None
     adapter: Any = registry.load("batching")
     adapter.asked.clear()
-    fly("batching", EULER, scenes, STEPS)
+    fly("batching", EULER, scenes, TIMES)
     assert adapter.asked == [4]
 
 
@@ -69,7 +69,7 @@ def test_an_engine_without_batching_runs_each_as_if_it_were_alone(engine: str, m
     scenes, method = spinning([1.0, 2.0]), Method.parse("closed-form", 0.1)
     case = shortened(STEADY_SPIN, 1.0, 11)
     runs = [simulation.run(replace(case, name=f"one-{k}", scene=scenes.scene(k)), engine, method) for k in range(2)]
-    flown = fly(engine, method, scenes, np.arange(11), ["one-0", "one-1"])
+    flown = fly(engine, method, scenes, np.arange(11) * 0.1, ["one-0", "one-1"])
     assert_same_ends(flown, runs)
     assert (len(flown.ended) == 0) == (engine == "exact")
     for place, run in enumerate(runs):
@@ -120,12 +120,12 @@ def planted(monkeypatch: pytest.MonkeyPatch) -> Planted:
 
 
 def test_every_member_has_the_norm_error_of_its_own_quaternions(planted: Planted) -> None:
-    flown = fly("planted", EULER, spinning([1.0, 3.0, 2.0]), STEPS)
+    flown = fly("planted", EULER, spinning([1.0, 3.0, 2.0]), TIMES)
     # The norms are 1.01, 1.03 and 1.02, up to the rounding of a few products.
     np.testing.assert_allclose(flown.norm_error, [0.01, 0.03, 0.02], rtol=1e-12)
     assert planted.asked == [3]
     for place, speed in enumerate((1.0, 3.0, 2.0)):
-        single = fly("planted", EULER, spinning([speed]), STEPS)
+        single = fly("planted", EULER, spinning([speed]), TIMES)
         assert single.norm_error[0] == flown.norm_error[place]
 
 
@@ -134,7 +134,7 @@ def test_norm_errors_of_scenes_that_are_advanced_in_turn(planted: Planted) -> No
     one, other, third = (spinning([1.0, 3.0, 2.0]).scene(place) for place in range(3))
     heavy = replace(heavier, initial=other.initial)
     simulated = offers.prepare(planted, [one, heavy, third], EULER)
-    simulated.advance(np.diff(STEPS, prepend=0))
+    simulated.advance(np.diff(TIMES, prepend=0))
     np.testing.assert_allclose(stepping.norm_errors(simulated, 3), [0.01, 0.03, 0.02], rtol=1e-12)
 
 
@@ -151,7 +151,7 @@ def test_members_that_an_engine_cannot_run_together_are_run_alone(
     planted: Planted, where: str, error: Exception, outcome: object
 ) -> None:
     planted.where, planted.error = where, error
-    flown = fly("planted", EULER, spinning([1.0, 11.0, 2.0]), STEPS)
+    flown = fly("planted", EULER, spinning([1.0, 11.0, 2.0]), TIMES)
     assert planted.asked == [3, 1, 1, 1]
     (ended,) = flown.ended.values()
     assert list(flown.ended) == [1]
@@ -160,7 +160,7 @@ def test_members_that_an_engine_cannot_run_together_are_run_alone(
 
 
 def test_a_method_that_the_engine_does_not_offer_is_unsupported_for_all(planted: Planted) -> None:
-    flown = fly("planted", Method.parse("RK4", 0.01), spinning([1.0, 2.0]), STEPS)
+    flown = fly("planted", Method.parse("RK4", 0.01), spinning([1.0, 2.0]), TIMES)
     assert planted.asked == []
     assert {type(outcome) for outcome in flown.ended.values()} == {Unsupported}
     assert flown.ended[1].reason == "planted 1.0 has no integrator 'RK4' for this scene"
@@ -168,7 +168,7 @@ def test_a_method_that_the_engine_does_not_offer_is_unsupported_for_all(planted:
 
 def test_cases_are_run_one_by_one_at_their_own_instants() -> None:
     slide, flight = shortened(load("sliding-brick"), 0.2, 3), shortened(load("free-brick"), 0.3, 4)
-    flown = fly("mujoco", Method.parse("Euler", 0.01), [slide, flight], STEPS)
+    flown = fly("mujoco", Method.parse("Euler", 0.01), [slide, flight], TIMES)
     outcomes = [flown.ended[0], flown.ended[1]]
     assert [outcome.status for outcome in outcomes] == ["ok", "ok"]
     assert outcomes[0].load is not None  # type: ignore[union-attr]

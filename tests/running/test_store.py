@@ -59,7 +59,7 @@ def test_results_files_have_the_promised_columns(tmp_path: Path) -> None:
         "angular_velocity_error, energy_drift, rotational_energy_drift, angular_momentum_drift, truth_error, "
         "steps, wall_time, time_per_step, realtime_factor, "
         "truth_position_error, truth_velocity_error, truth_angular_velocity_error, truth_energy_error, "
-        "truth_angular_momentum_error, quaternion_norm_error, kind, tags, role"
+        "truth_angular_momentum_error, quaternion_norm_error, kind, tags, steps_taken, steps_rejected, evaluations, role"
     )
     csv, parquet = pd.read_csv(tmp_path / "results.csv", dtype=str), pd.read_parquet(tmp_path / "results.parquet")
     assert list(csv.columns) == list(parquet.columns) == expected.split(", ")

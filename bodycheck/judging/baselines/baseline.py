@@ -255,7 +255,7 @@ def allowances(
         for seed in range(rounding.NUDGES)
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
-    measured = {run.key: _row_of(truths(run.case, run.method.timestep), run, [run]) for run in completed if run.is_recorded}
+    measured = {run.key: _row_of(truths(run.case, run.method.sampling), run, [run]) for run in completed if run.is_recorded}
     with pool.Workers(perform_run, jobs, campaign.TIME_LIMIT_S, group=group, home=home) as workers:
         for task, answer in workers.map(tasks):
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
@@ -263,7 +263,7 @@ def allowances(
             answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
             if len(answers[key]) == rounding.NUDGES:
                 run = waiting.pop(key)
-                measured[key] = _row_of(truths(run.case, run.method.timestep), run, answers.pop(key))
+                measured[key] = _row_of(truths(run.case, run.method.sampling), run, answers.pop(key))
     return measured
 
 

@@ -65,7 +65,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
-    if touches(case.scene):
+    if touches(case.scene) or run.method.accuracy is not None:  # no schemes with steps of one size
         return None
     if isinstance(case.scene, Mechanism):
         return identify_jointed(case.scene, run, truth, roundoff)

@@ -21,11 +21,12 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
     """Return the classes of methods by the kind of scene, as far as the cases of the runs distinguish methods.
 
     Runs that did not complete, engines of unknown precision (as in results of earlier versions) and cases that were run with a
-    single method are left out. Mechanisms, whose schemes `bodycheck tradeoff` names, and bodies in contact are left out too. A
-    motion that agrees with the truth to rounding is not distinguished from others.
+    single method are left out. Methods with error control, whose steps differ, mechanisms, whose schemes `bodycheck tradeoff`
+    names, and bodies in contact are left out too. A motion that agrees with the truth to rounding is not distinguished from
+    others.
     """
     precisions, truths = results.header["precisions"], lru_cache(TRUTHS_KEPT)(results.truth)
-    known = [run for run in runs if run.engine in precisions]
+    known = [run for run in runs if run.engine in precisions and run.method.accuracy is None]
     together = Counter((run.case, run.method.timestep) for run in known if isinstance(run.outcome, Completed))
     motions: dict[Kind, list[Motion]] = defaultdict(list)
     for run in known:

@@ -45,8 +45,10 @@ class Flown:
         The names of the members' cases.
     method
         The method.
+    times
+        The times (n,), in s, of the states.
     steps
-        The numbers of steps (n,) from the start to each state.
+        The numbers of steps (m,) that the engine took to the end.
     states
         The states (m, n, 13), in the columns of `Simulation.advance`; NaN in the rows of members in `ended`.
     norm_error
@@ -61,6 +63,7 @@ class Flown:
     version: str
     names: tuple[str, ...]
     method: Method
+    times: Array
     steps: Strides
     states: Array
     norm_error: Array
@@ -74,7 +77,7 @@ class Flown:
         """Return the states of a member; None if its engine returned none."""
         match self.ended.get(k):
             case None:
-                return simulation.trajectory_of(self.steps, self.method, self.states[k])
+                return simulation.trajectory_of(self.times, self.states[k])
             case Completed() | Diverged() as outcome:
                 return outcome.trajectory
             case _:
@@ -88,7 +91,7 @@ class NormError:
     quaternion_norm_error: float
 
 
-def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: Strides, names: Sequence[str] = ()) -> Flown:
+def fly(engine: str, method: Method, members: Scenes | Sequence[Case], times: Array, names: Sequence[str] = ()) -> Flown:
     """Run members with a method of an engine. An exception of the engine only ends the run that raises it.
 
     Parameters
@@ -99,8 +102,8 @@ def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: St
         The method, which the engine has.
     members
         The members: scenes in free flight, or cases. Cases are run one by one, each at its own instants.
-    steps
-        The numbers of steps (n,) from the start to each state of a scene; the steps of a case follow from the case.
+    times
+        The times (n,), in s, at which a run of a scene is sampled; those of a case follow from the case.
     names
         The names of the cases of scenes, for messages; by default the indices of the scenes.
 
@@ -113,9 +116,10 @@ def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: St
         return _cases_flown(engine, method, members)
     adapter, called = registry.load(engine), tuple(names) or tuple(map(str, range(len(members))))
     scenes = [members.scene(index) for index in range(len(members))]
-    rows = _together(adapter, scenes, method, steps) or _one_by_one(adapter, engine, scenes, method, steps, called)
+    rows = _together(adapter, scenes, method, times) or _one_by_one(adapter, engine, scenes, method, times, called)
+    version = adapter.engine.version
     return Flown(
-        engine, adapter.engine.version, called, method, steps, rows.states, rows.norm_error, rows.wall_time, rows.ended
+        *(engine, version, called, method, times, rows.steps, rows.states, rows.norm_error, rows.wall_time, rows.ended)
     )
 
 
@@ -173,55 +177,59 @@ def _length(vectors: Array) -> Array:
 class _Rows:
     """The rows of all members in `Flown`, and the outcomes of the runs without rows."""
 
+    steps: Strides
     states: Array
     norm_error: Array
     wall_time: float
     ended: dict[int, Outcome]
 
 
-def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: Strides) -> _Rows | None:
+def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, times: Array) -> _Rows | None:
     """Return the runs of all scenes, made at once; None if the engine cannot do so, and each must be made separately."""
     record = adapter.engine
-    if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT or steps[-1] == 0:
+    if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT or times[-1] == 0:
         return None
     if offers.not_offered(record, scenes[0], method) is not None:
         return None
+    steps = simulation.steps_to(times, method)
     try:
         prepared = offers.prepare(adapter, scenes, method)
         with np.errstate(all="ignore"):  # runs that overflow are judged by their states
             start = time.perf_counter()
             returned = prepared.advance(np.diff(steps, prepend=0))
             wall_time = time.perf_counter() - start
-        states = simulation.rows_of(returned, len(scenes), len(steps))
+        states = simulation.rows_of(returned, len(scenes), len(times))
     except (Exception, SystemExit):  # an engine may raise anything, perhaps only for some of the scenes
         return None
     signals = prepared.signals if isinstance(prepared, Signals) else {}
     ended: dict[int, Outcome] = {index: Diverged(text, "gave up") for index, text in signals.items()}
     if rounding() != TO_NEAREST:
         ended = dict.fromkeys(range(len(scenes)), simulation.OTHER_ROUNDING)
-    return _Rows(states, stepping.norm_errors(prepared, len(scenes)), wall_time, ended)
+    taken = np.full(len(scenes), steps[-1])
+    return _Rows(taken, states, stepping.norm_errors(prepared, len(scenes)), wall_time, ended)
 
 
 def _one_by_one(
-    adapter: Adapter, engine: str, scenes: Sequence[Scene], method: Method, steps: Strides, names: Sequence[str]
+    adapter: Adapter, engine: str, scenes: Sequence[Scene], method: Method, times: Array, names: Sequence[str]
 ) -> _Rows:
     """Return the runs of scenes, each made separately."""
-    rows = _Rows(np.full((len(scenes), len(steps), 13), np.nan), np.zeros(len(scenes)), 0.0, {})
-    wall_time = 0.0
+    states, norm_error = np.full((len(scenes), len(times), 13), np.nan), np.zeros(len(scenes))
+    steps, ended, wall_time = np.zeros(len(scenes), dtype=np.int64), dict[int, Outcome](), 0.0
     for index, (scene, name) in enumerate(zip(scenes, names, strict=True)):
         try:
-            outcome = simulation.outcome_in(adapter, engine, scene, method, steps)
+            outcome = simulation.outcome_in(adapter, engine, scene, method, times)
         except (Exception, SystemExit) as error:  # an engine may raise anything
             outcome = simulation.ended_by(error, in_words(engine, adapter.engine.version), name)
         outcome = simulation.where_rounded_to_nearest(outcome)
         if not isinstance(outcome, Completed):
-            rows.ended[index] = outcome
+            ended[index] = outcome
             continue
-        states = outcome.trajectory
-        rows.states[index] = np.hstack([states.position, states.quaternion, states.velocity, states.angular_velocity])
-        rows.norm_error[index] = outcome.quaternion_norm_error or 0.0
+        motion = outcome.trajectory
+        states[index] = np.hstack([motion.position, motion.quaternion, motion.velocity, motion.angular_velocity])
+        norm_error[index] = outcome.quaternion_norm_error or 0.0
+        steps[index] = outcome.steps
         wall_time += outcome.wall_time
-    return _Rows(rows.states, rows.norm_error, wall_time, rows.ended)
+    return _Rows(steps, states, norm_error, wall_time, ended)
 
 
 def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
@@ -232,7 +240,8 @@ def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
         version=registry.load(engine).engine.version,
         names=tuple(case.name for case in cases),
         method=method,
-        steps=np.empty(0, dtype=np.int64),
+        times=np.empty(0),
+        steps=np.zeros(len(cases), dtype=np.int64),
         states=np.empty((len(cases), 0, 13)),
         norm_error=np.zeros(len(cases)),
         wall_time=sum(run.outcome.wall_time for run in runs if isinstance(run.outcome, Completed)),

@@ -100,8 +100,8 @@ class Share:
     methods
         Its methods, in the order of the plan.
     truths_of
-        The time steps (s) for which its chunks write the truths, so that each truth is written once; not empty if the chunks
-        also write the members.
+        The samplings (`Method.sampling`) for which its chunks write the truths, so that each truth is written once; not empty
+        if the chunks also write the members.
     """
 
     engine: str

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Strides
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.content import Case
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array
 from bodycheck.results.outcome import Outcome
 from bodycheck.running.members import blocks
 from bodycheck.running.members.blocks import Flown
@@ -29,8 +29,8 @@ class Flight:
         The name and the version of the engine, and the method.
     members
         The m members: scenes in free flight, or cases.
-    steps
-        The numbers of steps (n,) from the start to each state of a scene.
+    times
+        The times (n,), in s, at which a run of a scene is sampled.
     names
         The m names of the cases.
     file
@@ -41,7 +41,7 @@ class Flight:
     version: str
     method: Method
     members: Scenes | tuple[Case, ...]
-    steps: Strides
+    times: Array
     names: tuple[str, ...]
     file: Path | None = None
 
@@ -89,7 +89,7 @@ def prepare(engine: str) -> None:
 
 def fly(flight: Flight) -> Flown | Stored:
     """Run members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
-    flown = blocks.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
+    flown = blocks.fly(flight.engine, flight.method, flight.members, flight.times, flight.names)
     if flight.file is None or not flown.states.size:
         return flown
     try:
@@ -106,16 +106,17 @@ def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed
     """
     if len(parts) == 1 and isinstance(parts[0][1], Flown | Stored):
         return parts[0][1]
-    samples = len(flight.steps) if isinstance(flight.members, Scenes) else 0
+    samples = len(flight.times) if isinstance(flight.members, Scenes) else 0
     states = np.full((len(flight.names), samples, 13), np.nan)
     norm_error, ended, wall_time = np.zeros(len(flight.names)), dict[int, Outcome](), 0.0
+    steps = np.zeros(len(flight.names), dtype=np.int64)
     for places, result in parts:
         if isinstance(result, Crashed | TimedOut):
             ended |= dict.fromkeys(places, result)
             continue
         assert isinstance(result, Flown)  # the result of a part is never in a file
         rows = slice(places.start, places.stop)
-        states[rows], norm_error[rows] = result.states, result.norm_error
+        states[rows], norm_error[rows], steps[rows] = result.states, result.norm_error, result.steps
         ended |= {places[index]: outcome for index, outcome in result.ended.items()}
         wall_time += result.wall_time
     return Flown(
@@ -123,7 +124,8 @@ def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed
         version=flight.version,
         names=flight.names,
         method=flight.method,
-        steps=flight.steps if samples else np.empty(0, dtype=np.int64),
+        times=flight.times if samples else np.empty(0),
+        steps=steps,
         states=states,
         norm_error=norm_error,
         wall_time=wall_time,

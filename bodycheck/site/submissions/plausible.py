@@ -7,7 +7,7 @@ from typing import Any
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import COST_COLUMNS, FIGURES, most_possible
+from bodycheck.figures.columns import COST_COLUMNS, FIGURES, WORK_COLUMNS, most_possible
 from bodycheck.results.outcome import Completed
 from bodycheck.results.verdicts import ENDS
 from bodycheck.site.submissions.submission import Row
@@ -28,7 +28,7 @@ ROUNDING = 1 + 1e-9
 
 #: The tables with a row for each run, and their columns of measured figures and costs.
 RUNS = ("results.csv", "tradeoff.csv", "releases.csv")
-MEASURED = (*FIGURES, *(column.name for column in COST_COLUMNS))
+MEASURED = (*FIGURES, *(column.name for column in (*COST_COLUMNS, *WORK_COLUMNS)))
 
 #: The figures with a largest possible value, such as angles.
 LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)

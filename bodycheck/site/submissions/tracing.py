@@ -55,7 +55,7 @@ def traced(folder: Path, rows: Sequence[Row]) -> Tracks:
 
 
 def _motions(results: Results, case: Case, rows: Sequence[Row]) -> Iterator[Motion]:
-    """Yield the motions of a case: one for each time step of the engines' own methods."""
+    """Yield the motions of a case: one for each time step of the engines' own methods, of runs that are sampled alike."""
     engines: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         engines[adapter_of(row["engine"]), row["version"]].append(row)
@@ -64,9 +64,11 @@ def _motions(results: Results, case: Case, rows: Sequence[Row]) -> Iterator[Moti
         chosen = own[own_method(own, results.header["defaults"])]
         if chosen["status"] == Completed.status:
             steps[chosen["timestep"]].append(chosen)
-    for timestep, chosen_rows in sorted(steps.items()):
-        truth = results.truth(case.name, timestep)
-        if isinstance(truth, Truth) and (made := _motion(results, case, truth.trajectory, chosen_rows)) is not None:
+    for _, chosen_rows in sorted(steps.items()):
+        sampling = RunKey.of_row(chosen_rows[0]).method.sampling
+        alike = [row for row in chosen_rows if RunKey.of_row(row).method.sampling == sampling]
+        truth = results.truth(case.name, sampling)
+        if isinstance(truth, Truth) and (made := _motion(results, case, truth.trajectory, alike)) is not None:
             yield made
 
 
@@ -79,14 +81,14 @@ def _motion(results: Results, case: Case, exact: Trajectory, rows: Sequence[Row]
     if not by_label or len(exact) < 2:
         return None
     runs = tuple(shown for _, shown in by_label.values())
-    cast = Cast(rows[0]["timestep"], exact, runs, (), False)
+    cast = Cast(RunKey.of_row(rows[0]).method.sampling, exact, runs, (), False)
     played = animation(case.scene, cast, MOST_CHARACTERS)
     if played.data is None:
         return None
     several = played.frame is not None
     made = {
         "case": case.name,
-        "timestep": cast.timestep,
+        "timestep": rows[0]["timestep"],
         "end": played.data["end"],
         "truth": _parts(played.data["truth"], several),
         "runs": [_named(by_label[entry["label"]][0]) | {"parts": _parts(entry, several)} for entry in played.data["runs"]],

@@ -76,7 +76,8 @@ def audit(
     integrator, jobs
         The same as the parameters of `bodycheck.run`.
     timestep
-        The time step (s). By default, 2 ms, or the time step of an alias.
+        The time step (s). By default, the one that belongs to each method: 2 ms, the usual largest step of a method with error
+        control, or the time step of an alias.
     out
         A folder for the tables and the report. An interrupted audit in it is resumed.
 

@@ -246,7 +246,7 @@ def _missing(
     first = [call for call in planned.probes if call.probe not in answers[call.engine, call.integrator]]
     second = [call for call in planned.elsewhere if call.probe not in answers[call.engine, call.integrator]]
     flips = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
-    truths = _truths(planned, tuple(dict.fromkeys(task.method.timestep for task in flips)), limit) if flips else {}
+    truths = _truths(planned, tuple(dict.fromkeys(task.method.sampling for task in flips)), limit) if flips else {}
     passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
     for left in passes:
         with pool.Workers(make, jobs, limit, group=lambda one: one.engine, home=home) as workers:
@@ -259,13 +259,13 @@ def _missing(
                         lost = answer.outcome if isinstance(answer, Run) else answer
                         yield call, Fault(call.engine, call.integrator, call.probe, lost.reason)
                     case Run():
-                        yield call, Found(attitude_error=_attitude_error(truths.get(call.timestep), answer))
+                        yield call, Found(attitude_error=_attitude_error(truths.get(answer.method.sampling), answer))
 
 
-def _truths(planned: Plan, timesteps: tuple[float, ...], limit: float) -> dict[float, Truth]:
-    """Return the truths of the flip at the instants of runs with some time steps (s); empty if their computation failed."""
+def _truths(planned: Plan, samplings: tuple[float, ...], limit: float) -> dict[float, Truth]:
+    """Return the truths of the flip for its runs, by sampling; empty if their computation failed."""
     with pool.Workers(perform, 1, limit) as workers:
-        computed = workers.call(TruthTask(planned.flip, timesteps))
+        computed = workers.call(TruthTask(planned.flip, samplings))
     return computed if isinstance(computed, dict) else {}
 
 

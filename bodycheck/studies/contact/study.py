@@ -1,7 +1,7 @@
 """Plan runs of contact scenes at the defaults of engines and with every method that they offer, and make rows of the runs."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +15,7 @@ from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
+from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.roles import method_in_role, methods_of, refuse_timesteps
 from bodycheck.studies.contact.rows import ContactRow, Setting
@@ -73,11 +74,21 @@ def plan(
             methods = [
                 *([usual] if usual is not None else []),
                 *methods_of(engine, case, aliases(integrators)),
-                *(Method.parse(one, each) for each in timesteps or [step * part for part in REFINEMENTS] for one in spellings),
+                *(method for one in spellings for method in _over(engine, case, one, timesteps, step)),
             ]
             tasks |= dict.fromkeys(Task(case, name, method) for method in methods)
     refuse_nothing(tuple(tasks), engines, integrators)
     return tuple(tasks)
+
+
+def _over(engine: Engine, case: Case, spelling: str, timesteps: Sequence[float], step: float) -> Iterator[Method]:
+    """Yield a method at the named time steps (s); if there are none, at a step (s) and its refinements.
+
+    A method with error control has its default largest step instead of a step and its refinements.
+    """
+    method = Method.parse(spelling, 0.0)
+    largest = () if method.accuracy is None else (default_timestep(engine, case, method),)
+    yield from map(method.at, timesteps or largest or [step * part for part in REFINEMENTS])
 
 
 def evaluate(results: Results, engines: Mapping[str, Engine], verdicts: Sequence[Verdict]) -> list[ContactRow]:
@@ -133,7 +144,7 @@ def _told(
     head = (run.engine, run.version, run.method.name, run.method.timestep, case.name, setting)
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return [ContactRow(*head, "", None, "", None, None, verdict.outcome.status)]
-    truth, values = truths(case.name, run.method.timestep), verdict.discrepancy.maxima()
+    truth, values = truths(case.name, run.method.sampling), verdict.discrepancy.maxima()
     rows = []
     for figure in figures:
         known = SUBJECTS[figure](case, truth) if isinstance(truth, Truth) else None

@@ -149,7 +149,7 @@ def planned(
         methods.setdefault(task.engine, []).append(task.method)
     shares, known = [], set[float]()
     for engine, engine_methods in methods.items():
-        new = tuple(dict.fromkeys(method.timestep for method in engine_methods if method.timestep not in known))
+        new = tuple(dict.fromkeys(method.sampling for method in engine_methods if method.sampling not in known))
         known |= set(new)
         shares.append(Share(engine, records[engine].version, tuple(engine_methods), new))
     return tuple(shares)

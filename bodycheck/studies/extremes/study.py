@@ -176,6 +176,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
         for spin in dict(case.extremes).get("spin", ())
         for name, engine in engines.items()
         for integrator in chosen(engine, case.scene, integrators)
+        if Method.parse(integrator, 0.0).accuracy is None  # with error control, the engine chooses stable steps
     )
     plan.refuse_nothing(trials, engines, integrators)
     return Study(trials, searches)

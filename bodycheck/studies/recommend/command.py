@@ -59,6 +59,7 @@ def recommend(
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.console.output import end
+    from bodycheck.running.named import of_search
     from bodycheck.studies.output import Output
     from bodycheck.studies.recommend import printing, study
     from bodycheck.studies.recommend.interface import carry_out
@@ -70,7 +71,9 @@ def recommend(
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     recommendation = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found
     _tell(recommendation, json, view, quiet)
-    decision = engines.decided(map(asdict, recommendation.probes), [loaded], failed=not recommendation.reached)
+    decision = engines.decided(
+        of_search(map(asdict, recommendation.probes), integrator), [loaded], failed=not recommendation.reached
+    )
     return end(decision, out, json=json, quiet=quiet)
 
 

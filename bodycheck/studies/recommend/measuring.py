@@ -18,7 +18,6 @@ from bodycheck.running.instants import sampling_steps
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import Truths, TruthTask
 from bodycheck.studies import cost
-from bodycheck.studies.cost import Stretch
 from bodycheck.studies.recommend import search
 from bodycheck.studies.recommend.rows import Answer, Asked, Probe
 
@@ -52,13 +51,13 @@ def probes(case: Case, tasks: Sequence[Task], versions: Sequence[str], figure: s
     Failed
         If a run completed and there is no truth with which it can be compared.
     """
-    needed = tuple(campaign.truth_tasks(case, (task.method.timestep for task in tasks)))
+    needed = tuple(campaign.truth_tasks(case, (task.method.sampling for task in tasks)))
     answers = dict(workers.map([*needed, *tasks]))
     truths: dict[float, Truth | str] = {}
     for wanted in needed:
         answer = answers[wanted]
         assert not isinstance(answer, Run)
-        truths |= answer if isinstance(answer, dict) else dict.fromkeys(wanted.timesteps, answer.reason)
+        truths |= answer if isinstance(answer, dict) else dict.fromkeys(wanted.samplings, answer.reason)
     return [
         Probe(task.engine, version, task.method.name, task.method.timestep, *_measured(task, answers[task], truths, figure))
         for task, version in zip(tasks, versions, strict=True)
@@ -76,7 +75,7 @@ def _measured(
     outcome = answer.outcome if isinstance(answer, Run) else answer
     if not isinstance(answer, Run) or not isinstance(outcome, Completed):
         return outcome.status, None, None, outcome.reason
-    truth = truths[task.method.timestep]
+    truth = truths[task.method.sampling]
     if isinstance(truth, str):
         raise Failed(f"{task.case.name}: there is no truth from which errors could be measured: {truth}")
     return Completed.status, *figures_of(compare(truth, answer).maxima(), figure), ""
@@ -97,14 +96,14 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
     Parameters
     ----------
     engine, version, method
-        The engine with its version, and the method, whose time step is ignored.
+        The engine with its version, and the method, whose time step or accuracy is ignored.
     probes
         The measurements of the method.
     asked, within
         The question, and the range of the search.
     """
-    errors = asked.errors(probes)
-    timesteps = {asked.steps(probe.timestep): probe.timestep for probe in probes}
+    errors, is_fixed = asked.errors(probes), method.accuracy is None
+    methods = {asked.number(probe.engine_method): probe.engine_method for probe in probes}
     reached = search.answer(errors, within)
     finite = {steps: error for steps, error in errors.items() if math.isfinite(error)}
     steps = reached if reached is not None else min(finite, key=lambda steps: finite[steps], default=None)
@@ -114,15 +113,16 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
     reasons = [probe.reason for probe in sorted(probes, key=lambda probe: probe.timestep) if probe.reason]
     why = reasons[0] if reasons else UNSEEN
     return Answer(
-        *(engine, version, method.name, None if steps is None else timesteps[steps], error),
+        *(engine, version, method.name if steps is None else methods[steps].name),
+        *(None if steps is None else methods[steps].timestep, error),
         cost=None,
         margin=within.limit / least if least else None,
         reached=reached is not None,
         cost_low=None,
         cost_high=None,
         steps=len(probes),
-        smallest=min((timesteps[steps] for steps in errors), default=None),
-        broken=min((timesteps[steps] for steps in errors if errors[steps] > within.limit), default=None),
+        smallest=min((methods[steps].timestep for steps in errors if is_fixed), default=None),
+        broken=min((methods[steps].timestep for steps in errors if is_fixed and errors[steps] > within.limit), default=None),
         reason=why if steps is None else "",
         worst=worst,
         monotone=None if len(finite) < 2 else search.reversal(errors, within.limit) is None,
@@ -132,8 +132,8 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
 def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
     """Measure the costs of answers in turn, while nothing else runs; return the answers in the order of `Recommendation`."""
     stretches = {
-        index: Stretch(
-            case.scene, answer.engine, Method.parse(answer.integrator, step), int(sampling_steps(case.instants, step)[-1])
+        index: cost.stretch_of(
+            case, answer.engine, Method.parse(answer.integrator, step), int(sampling_steps(case.instants, step)[-1])
         )
         for index, answer in enumerate(answers)
         if (step := answer.timestep) is not None

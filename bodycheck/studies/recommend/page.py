@@ -1,7 +1,8 @@
 """The report of the study: the answer, a chart of the error over the time step, and a table of all measured time steps."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
@@ -32,6 +33,8 @@ READING = (
     "if no measured step has an error more than 10 % above that of a larger step that keeps the limit; errors below a "
     "hundredth of the limit do not count. In the chart, large points are the steps of the methods that keep the limit, which "
     "is the broken line. Runs that failed have no point, and zeros cannot be shown on a log scale.",
+    "Of methods with error control, accuracies take the place of time steps: 0.1 to 1e-12, three in a decade, with the same "
+    "largest step.",
 )
 
 
@@ -59,7 +62,7 @@ def present(header: Header, recommendation: Recommendation) -> StudyReport:
                 name=recommendation.asked.case,
                 title=recommendation.asked.case,
                 texts=tuple(filter(None, (wording.effort(recommendation), wording.truth_error(recommendation)))),
-                charts=(_chart(recommendation, lines),) if drawn else (),
+                charts=tuple(_charts(recommendation, lines)),
                 tables=(*tables, ("All measured time steps", _steps(recommendation))),
                 lines=tuple(line for key, line in lines.items() if key in drawn) if drawn else (),
             ),
@@ -83,41 +86,51 @@ def _is_drawn(probe: Probe) -> bool:
     return probe.error is not None and 0 < probe.error < math.inf
 
 
-def _chart(recommendation: Recommendation, lines: Lines) -> Chart:
+def _charts(recommendation: Recommendation, lines: Lines) -> Iterator[Chart]:
+    """Yield the charts of the error over the time step, and over the accuracy with error control, if there are such probes."""
+    for is_controlled, field in ((False, "time step"), (True, "accuracy")):
+        probes = [probe for probe in recommendation.probes if (probe.engine_method.accuracy is not None) == is_controlled]
+        if any(map(_is_drawn, probes)):
+            yield _chart(replace(recommendation, probes=tuple(probes)), lines, field)
+
+
+def _chart(recommendation: Recommendation, lines: Lines, over: str) -> Chart:
+    """Return the chart of the error over the time step or the accuracy; `over` says which."""
     quantity = QUANTITIES[recommendation.asked.figure]
     drawn = {probe.method for probe in recommendation.probes if _is_drawn(probe)}
     measured = [line for key, line in lines.items() if key in drawn]
     alt = (
-        f"{quantity.title} against the time step on log scales, for {count(len(measured), 'method')}, with the limit of "
+        f"{quantity.title} against the {over} on log scales, for {count(len(measured), 'method')}, with the limit of "
         f"{number(recommendation.asked.error)} {recommendation.asked.unit}".rstrip()
         + f". {wording.headline(recommendation)}"
     )
     zero = [wording.method(answer) for answer in recommendation.answers if answer.error == 0]
     return Chart(
-        title=f"{quantity.title} over the time step",
-        specification=_specification(recommendation, lines, measured),
+        title=f"{quantity.title} over the {over}",
+        specification=_specification(recommendation, lines, measured, over),
         alt=alt,
         notes=(f"Errors of zero, which are not drawn, occur with {', '.join(zero)}.",) if zero else (),
     )
 
 
-def _specification(recommendation: Recommendation, lines: Lines, drawn: Sequence[Line]) -> Spec:
+def _specification(recommendation: Recommendation, lines: Lines, drawn: Sequence[Line], over: str) -> Spec:
     """Return a chart with a curve for each method through its measured steps, the limit, and the steps of the answers."""
-    chosen = {(answer.method, answer.timestep) for answer in recommendation.reached}
+    chosen = {(answer.engine, answer.integrator, answer.timestep) for answer in recommendation.reached}
+    field = "timestep" if over == "time step" else "accuracy"
     values = [
         {
             "method": lines[probe.method].label,
-            "timestep": probe.timestep,
+            field: probe.timestep if field == "timestep" else probe.engine_method.accuracy,
             "error": rounded([probe.error])[0],
-            "chosen": (probe.method, probe.timestep) in chosen,
+            "chosen": (probe.engine, probe.integrator, probe.timestep) in chosen,
         }
         for probe in recommendation.probes
         if probe.error is not None and _is_drawn(probe)
     ]
     x = {
-        "field": "timestep",
+        "field": field,
         "type": "quantitative",
-        "title": "Time step, s",
+        "title": "Time step, s" if field == "timestep" else "Accuracy",
         "scale": {"type": "log", "nice": False, "padding": 12},
         "axis": log_axis("x") | {"grid": False},
     }
@@ -129,7 +142,7 @@ def _specification(recommendation: Recommendation, lines: Lines, drawn: Sequence
         "axis": log_axis("y"),
     }
     scales = {channel: method_scale(channel, drawn) for channel in ("strokeDash", "strokeWidth")}
-    tooltip = [{"field": name} for name in ("method", "timestep", "error")]
+    tooltip = [{"field": name} for name in ("method", field, "error")]
     size = {"condition": {"test": "datum.chosen", "value": 110}, "value": 22}
     measured: Spec = {
         "data": {"values": values},
@@ -204,7 +217,7 @@ def _steps(recommendation: Recommendation) -> Table:
                 Entry(in_words(probe.engine, probe.version).rstrip()),
                 Entry(probe.integrator),
                 Entry(probe.status, None, probe.reason),
-                Entry(str(steps := recommendation.asked.steps(probe.timestep)), steps),
+                _steps_of(recommendation, probe),
                 *map(_figure, (probe.timestep, probe.error)),
             )
             for probe in recommendation.probes
@@ -212,6 +225,14 @@ def _steps(recommendation: Recommendation) -> Table:
         failed=tuple(probe.error is None or probe.error > recommendation.asked.error for probe in recommendation.probes),
         notes=("Coloured rows do not keep the limit.",),
     )
+
+
+def _steps_of(recommendation: Recommendation, probe: Probe) -> Entry:
+    """Return the entry of the number of steps of a probe; with error control, the engine chooses it."""
+    if probe.engine_method.accuracy is not None:
+        return Entry("–")
+    steps = recommendation.asked.steps(probe.timestep)
+    return Entry(str(steps), steps)
 
 
 def _figure(value: float | None) -> Entry:

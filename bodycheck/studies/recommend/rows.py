@@ -5,10 +5,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
+from bodycheck.adapters.method import Method
 from bodycheck.figures.columns import FIGURES
 from bodycheck.processes.failures import TimedOut
 from bodycheck.results.key import RunKey
 from bodycheck.results.tables import Meaning, table_of
+from bodycheck.studies.timesteps import FINE_ACCURACIES
 
 #: The file with the records of the study.
 RECORDS = "recommend.jsonl"
@@ -16,7 +18,7 @@ RECORDS = "recommend.jsonl"
 
 @dataclass(frozen=True)
 class Probe:
-    """A measured time step of a method."""
+    """A measured time step of a method, or a measured accuracy of a method with error control."""
 
     engine: str
     version: str
@@ -31,13 +33,26 @@ class Probe:
 
     @property
     def method(self) -> RunKey:
-        """The key of the engine and the method, over all cases and time steps."""
-        return RunKey.of_method(self.engine, self.integrator)
+        """The key of the engine and the method, over all cases, time steps and accuracies."""
+        return key_of(self.engine, Method.parse(self.integrator, 0.0))
+
+    @property
+    def engine_method(self) -> Method:
+        """The method of the run."""
+        return Method.parse(self.integrator, self.timestep)
+
+
+def key_of(engine: str, method: Method) -> RunKey:
+    """Return the key of an engine and a method, over all cases, time steps and accuracies."""
+    return RunKey("", engine, method.at(0.0).over_accuracies)
 
 
 @dataclass(frozen=True)
 class Answer:
     """The answer for a method: the largest step such that it, its neighbours and all smaller measured steps keep the limit.
+
+    With error control, accuracies take the place of time steps: the accuracy is in the spelling of the integrator, the time
+    step is the largest step, and the columns `smallest` and `broken` are empty.
 
     Neighbours are the time steps that differ by at most 3 %, and at least the next ones on both sides. If there is no such time
     step, the answer has the measured time step with the smallest error.
@@ -94,8 +109,13 @@ class Answer:
 
     @property
     def method(self) -> RunKey:
-        """The key of the engine and the method, over all cases and time steps."""
-        return RunKey.of_method(self.engine, self.integrator)
+        """The key of the engine and the method, over all cases, time steps and accuracies."""
+        return key_of(self.engine, Method.parse(self.integrator, 0.0))
+
+    @property
+    def is_controlled(self) -> bool:
+        """Whether the method has error control, so that its accuracy is the answer."""
+        return Method.parse(self.integrator, 0.0).accuracy is not None
 
 
 #: The table of answers, and the table of all measured time steps.
@@ -151,19 +171,36 @@ class Asked:
         """Return the number of steps of a run with a time step (s)."""
         return round(self.duration / timestep)
 
-    def divides(self, timestep: float) -> bool:
-        """Return whether runs with a time step (s) end at the end of the case, up to the rounding of stored time steps."""
-        return math.isclose(timestep * self.steps(timestep), self.duration, rel_tol=1e-9)
+    def number(self, method: Method) -> int | None:
+        """Return the number of a method in its search: of its steps, or the place of its accuracy, from 1.
+
+        None if a run with the time step does not end at the end of the case, up to the rounding of stored time steps, or if the
+        accuracy is another one.
+        """
+        if method.accuracy is not None:
+            return FINE_ACCURACIES.index(method.accuracy) + 1 if method.accuracy in FINE_ACCURACIES else None
+        steps = self.steps(method.timestep)
+        return steps if math.isclose(method.timestep * steps, self.duration, rel_tol=1e-9) else None
+
+    def place(self, probe: Probe) -> tuple[float, float]:
+        """Return a sort key that puts the probes of a method in order, the largest time step or accuracy first."""
+        return -probe.timestep, -(probe.engine_method.accuracy or 0.0)
+
+    def numbered(self, method: Method, number: int) -> Method:
+        """Return a method with the time step, or with error control with the accuracy, that has a number in its search."""
+        if method.accuracy is not None:
+            return method.with_accuracy(FINE_ACCURACIES[number - 1])
+        return method.at(self.timestep(number))
 
     def errors(self, probes: Iterable[Probe]) -> dict[int, float]:
-        """Return the errors of a method by the number of steps.
+        """Return the errors of a method by the number of steps or accuracies; see `number`.
 
         The error of a run that has none, for example because it failed, is infinite. Runs that timed out are left out.
         """
         return {
-            self.steps(probe.timestep): math.inf if probe.error is None else probe.error
+            number: math.inf if probe.error is None else probe.error
             for probe in probes
-            if probe.status != TimedOut.status
+            if probe.status != TimedOut.status and (number := self.number(probe.engine_method)) is not None
         }
 
 

@@ -74,13 +74,16 @@ class Range:
         The number of steps at which the search begins.
     fewest, most
         The limits of the number of steps. Neighbours of an answer may be outside of them.
+    beyond
+        The numbers beyond the fewest that keep the limit up to which errors are measured; None for `DEPTH` times as many.
     """
 
     limit: float
-    order: int | None
+    order: float | None
     first: int
     fewest: int
     most: int
+    beyond: int | None = None
 
 
 def kept(errors: Errors, limit: float) -> int | None:
@@ -224,7 +227,8 @@ def _crossing(errors: Errors, fewest: int, broken: int, within: Range) -> float:
 
 def _below(errors: Errors, fewest: int, within: Range) -> int | None:
     """Return a number of steps above `fewest` at which the limit might be broken; None if enough of them were measured."""
-    most = min(max(within.most, fewest), fewest * DEPTH)
+    deepest = fewest * DEPTH if within.beyond is None else fewest + within.beyond
+    most = min(max(within.most, fewest), deepest)
     if max(errors) < most:
         return most
     measured = [steps for steps in sorted(errors) if fewest <= steps <= most]

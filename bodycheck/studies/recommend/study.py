@@ -29,13 +29,14 @@ from bodycheck.results.records import is_lost
 from bodycheck.results.store import Results
 from bodycheck.running import engines, plan
 from bodycheck.running.campaign import Advance
+from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.measuring import answer_of, priced
-from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation
-from bodycheck.studies.recommend.search import Range, following
-from bodycheck.studies.timesteps import fastest_spin
+from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation, key_of
+from bodycheck.studies.recommend.search import LARGEST_ORDER, Range, following
+from bodycheck.studies.timesteps import FINE_ACCURACIES, fastest_spin
 from bodycheck.suggestion import did_you_mean
 
 #: Short names of figures. The second figure is for scenes with friction or drag, in which the first figure does not exist.
@@ -53,6 +54,9 @@ LEAST_STEPS, MOST_STEPS = 10, 100_000
 #: Rotation of the body (rad) during the time step at which a search begins. Most methods fail near it.
 FIRST_TURN = 1.0
 
+#: The place of 1e-4, the accuracy at which a search begins, among `FINE_ACCURACIES`, from 1.
+FIRST_ACCURACY = FINE_ACCURACIES.index(1e-4) + 1
+
 #: If this many completed runs do not show the figure, the search ends. For example, a bounce is seen only if two samples lie on
 #: its arc, which a large step may prevent.
 MOST_UNSEEN = 4
@@ -63,7 +67,11 @@ TIME_LIMIT_S = 60.0
 
 @dataclass(frozen=True)
 class Search:
-    """The search for the time step of a method, with the version of its engine. `method` has the time step 0."""
+    """The search for the time step of a method, with the version of its engine.
+
+    `method` has the time step 0. With error control, the search is for the accuracy; the method has its largest step, and any
+    accuracy.
+    """
 
     engine: str
     version: str
@@ -72,8 +80,8 @@ class Search:
 
     @property
     def key(self) -> RunKey:
-        """The key of the engine and the method, over all cases and time steps."""
-        return RunKey("", self.engine, self.method)
+        """The key of the engine and the method, over all cases, time steps and accuracies."""
+        return key_of(self.engine, self.method)
 
 
 @dataclass(frozen=True)
@@ -130,12 +138,15 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
         for spelling in chosen(record, case.scene, integrators)
     ]
     plan.refuse_nothing(methods, records, integrators)
-    searches = []
+    searches = {}
     for name, record, method in methods:
         integrator = integrator_of(record, method)
         within = Range(error, integrator.order if integrator is not None else None, first, LEAST_STEPS, MOST_STEPS)
-        searches.append(Search(name, record.version, method, within))
-    return Study(case, figure, error, tuple(searches))
+        if method.accuracy is not None:
+            within = Range(error, LARGEST_ORDER, FIRST_ACCURACY, 2, len(FINE_ACCURACIES) - 1, beyond=3)
+            method = method.over_accuracies.at(default_timestep(record, case, method))
+        searches[name, method] = Search(name, record.version, method, within)
+    return Study(case, figure, error, tuple(searches.values()))
 
 
 def figure_of(case: Case, quantity: str) -> str:
@@ -157,10 +168,12 @@ def figure_of(case: Case, quantity: str) -> str:
 def reused(earlier: Results, study: Study) -> list[Probe]:
     """Return probes made of stored runs: those of the study's case and methods, with the same versions of the engines.
 
-    Runs whose time step does not divide the duration of the case are left out, since they end at another instant. Raises
+    Runs whose time step does not divide the duration of the case are left out, since they end at another instant, and runs with
+    error control with another largest step. Raises
     `BadInput` if the stored runs are not of the present case file, or were made by another version of bodycheck.
     """
     versions = {search.key: search.version for search in study.searches}
+    largest_steps = {search.key: search.method.timestep for search in study.searches}
     same_case = earlier.cases.get(study.case.name)
     if same_case is None or same_case.text != study.case.text:
         raise BadInput(f"--reuse {earlier.folder}: has no runs of the case {study.case.name} as its file is now")
@@ -169,8 +182,10 @@ def reused(earlier: Results, study: Study) -> list[Probe]:
     probes = []
     for verdict in judgement.judge(earlier):
         run = verdict.run
-        method = RunKey("", run.engine, run.method.at(0.0))
-        if run.case != study.case.name or versions.get(method) != run.version or not study.asked.divides(run.method.timestep):
+        largest = largest_steps.get(method := key_of(run.engine, run.method))
+        if run.case != study.case.name or versions.get(method) != run.version or study.asked.number(run.method) is None:
+            continue
+        if run.method.accuracy is not None and run.method.timestep != largest:
             continue
         figures = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
         if figures or isinstance(verdict.outcome, Diverged):
@@ -230,7 +245,7 @@ def results(
                 for search in study.searches
             ],
         )
-        ordered = [probe for of_method in by_method.values() for probe in sorted(of_method, key=lambda probe: -probe.timestep)]
+        ordered = [probe for of_method in by_method.values() for probe in sorted(of_method, key=asked.place)]
         yield Recommendation(asked, tuple(answers), tuple(ordered))
 
 
@@ -255,10 +270,10 @@ def _search(
         numbers = {search.key: _following(search, by_method[search.key], asked) for search in left}
         for search in left:
             if not numbers[search.key]:
-                progress(f"{search.engine} {search.method.name} · {len(by_method[search.key])} time steps")
+                progress(f"{search.engine} {search.method.name} · {len(by_method[search.key])} runs")
         left = [search for search in left if numbers[search.key]]
-        runs = [(search, asked.timestep(steps)) for search in left for steps in numbers[search.key]]
-        tasks = [Task(case, search.engine, search.method.at(timestep)) for search, timestep in runs]
+        runs = [(search, number) for search in left for number in numbers[search.key]]
+        tasks = [Task(case, search.engine, asked.numbered(search.method, number)) for search, number in runs]
         for probe in measuring.probes(case, tasks, [search.version for search, _ in runs], study.figure, workers):
             _check_truth(probe, study)
             log.add({"record": "probe", "probe": asdict(probe)})

@@ -1,10 +1,13 @@
 """The result of the study in sentences: on the cheapest method, the second cheapest, and methods that never keep the limit."""
 
 import math
+from collections.abc import Sequence
 
+from bodycheck.adapters.method import Method
 from bodycheck.reports.quantities import QUANTITIES, bound, count, exactly, listing, number, verb
 from bodycheck.studies.recommend import search
 from bodycheck.studies.recommend.rows import Answer, Recommendation
+from bodycheck.studies.timesteps import FINE_ACCURACIES
 
 
 def headline(recommendation: Recommendation) -> str:
@@ -13,8 +16,8 @@ def headline(recommendation: Recommendation) -> str:
     if best is None:
         return f"No method keeps the {name_of(recommendation)} to {limit(recommendation)} over {duration}."
     cost = "; its cost could not be measured" if best.cost is None else f", {number(best.cost, 2)} s of computing per second"
-    steps = "" if best.timestep is None else f" ({count(recommendation.asked.steps(best.timestep), 'step')})"
-    return f"{method(best)} at {step(best)}{steps}: {error(recommendation, best.error)} over {duration}{cost}."
+    steps = "" if best.timestep is None or best.is_controlled else f" ({count(number_of(recommendation, best), 'step')})"
+    return f"{method(best)} {at_step(best)}{steps}: {error(recommendation, best.error)} over {duration}{cost}."
 
 
 def margin(recommendation: Recommendation) -> str:
@@ -26,24 +29,31 @@ def margin(recommendation: Recommendation) -> str:
     larger_step = larger(recommendation, best)
     if best.margin is None or best.worst is None:
         return f"The {figure} asked for is {asked}. {larger_step}"
-    fewest, *_, most = search.neighbours(recommendation.asked.steps(best.timestep))
+    fewest, *_, most = search.neighbours(number_of(recommendation, best))
     worst = bounded_error(recommendation, best.worst, 3)
-    near = f"with {fewest} to {most} steps, the {figure} is at most {worst}"
+    between = f"{fewest} to {most} steps"
+    if best.is_controlled:
+        between = f"accuracies from {accuracy_of(fewest)} to {accuracy_of(most)}"
+    near = f"with {between}, the {figure} is at most {worst}"
     return f"The margin is {number(best.margin, 3)}: {near}, and {asked} is asked for. {larger_step}"
 
 
 def larger(recommendation: Recommendation, answer: Answer) -> str:
-    """Return a sentence about the smallest measured time step at which the method of an answer breaks the limit.
+    """Return a sentence about the smallest measured time step or accuracy at which the method of an answer breaks the limit.
 
-    If there is no such time step, the sentence says that larger time steps were not tried.
+    If there is none, the sentence says that larger ones were not tried.
     """
-    if answer.broken is None:
-        return "Larger steps are not tried, since a run would have fewer than ten."
-    steps = recommendation.asked.steps(answer.broken)
-    probe = {probe.timestep: probe for probe in recommendation.of(answer)}[answer.broken]
+    asked = recommendation.asked
+    probes = {asked.number(probe.engine_method): probe for probe in recommendation.of(answer)}
+    errors = asked.errors(probes.values())
+    broken = max((number for number, measured in errors.items() if measured > asked.error), default=None)
+    if broken is None:
+        why = "larger than 0.1" if answer.is_controlled else "since a run would have fewer than ten"
+        return f"Larger {'accuracies' if answer.is_controlled else 'steps'} are not tried, {why}."
+    probe, numbered = probes[broken], of_number(answer, broken)
     if probe.error is None:
-        return f"With {steps} steps, the run ends with the status {probe.status}."
-    return f"With {steps} steps, it is {error(recommendation, probe.error, 4)}."
+        return f"With {numbered}, the run ends with the status {probe.status}."
+    return f"With {numbered}, it is {error(recommendation, probe.error, 4)}."
 
 
 def jumps(recommendation: Recommendation) -> tuple[str, ...]:
@@ -55,10 +65,11 @@ def jumps(recommendation: Recommendation) -> tuple[str, ...]:
         return ()
     (first, (more, fewer)), *others = pairs
     least, largest = errors[first][fewer], errors[first][more]
+    kind = "accuracy" if first.is_controlled else "time step"
     shown = "the run fails" if math.isinf(largest) else f"it is {error(recommendation, largest)}"
     sentence = (
-        f"The {name_of(recommendation)} of {method(first)} is not monotone in the time step: with {count(fewer, 'step')} it is "
-        f"{error(recommendation, least)}, and with {count(more, 'step')} {shown}."
+        f"The {name_of(recommendation)} of {method(first)} is not monotone in the {kind}: with {of_number(first, fewer)} it is "
+        f"{error(recommendation, least)}, and with {of_number(first, more)} {shown}."
     )
     if not others:
         return (sentence,)
@@ -73,11 +84,11 @@ def second(recommendation: Recommendation) -> str:
         return ""
     answer = others[0]
     if first.cost is None or answer.cost is None:
-        return f"The next best is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)}."
+        return f"The next best is {method(answer)} {at_step(answer)}: {error(recommendation, answer.error)}."
     times = f"at {number(answer.cost / first.cost, 2)} times the cost"
     near = answer.cost_low is not None and first.cost_high is not None and answer.cost_low <= first.cost_high
     overlap = "; the timings of both overlap" if near else ""
-    return f"The next best is {method(answer)} at {step(answer)}: {error(recommendation, answer.error)} {times}{overlap}."
+    return f"The next best is {method(answer)} {at_step(answer)}: {error(recommendation, answer.error)} {times}{overlap}."
 
 
 def never(recommendation: Recommendation) -> tuple[str, ...]:
@@ -88,11 +99,10 @@ def never(recommendation: Recommendation) -> tuple[str, ...]:
     failed = [answer for answer in recommendation.unreached if answer.error is None]
     sentences = []
     if tried:
-        smallest = max(answer.smallest for answer in tried if answer.smallest is not None)
         by_error: dict[str, list[str]] = {}
         for answer in tried:
             by_error.setdefault(error(recommendation, answer.error), []).append(method(answer))
-        limit_with = f"the limit with steps down to {number(smallest)} s"
+        limit_with = f"the limit with {_down_to(recommendation, tried)}"
         figure = name_of(recommendation)
         if len(by_error) == 1:
             ((least, names),) = by_error.items()
@@ -127,6 +137,38 @@ def method(answer: Answer) -> str:
 def step(answer: Answer) -> str:
     """Return the time step of an answer with its unit, such that a run with the printed number is the same run."""
     return "–" if answer.timestep is None else f"{exactly(answer.timestep)} s"
+
+
+def at_step(answer: Answer) -> str:
+    """Return a phrase with the time step of an answer, or with its largest step."""
+    return f"with steps of at most {step(answer)}" if answer.is_controlled else f"at {step(answer)}"
+
+
+def number_of(recommendation: Recommendation, answer: Answer) -> int:
+    """Return the number of the time step or the accuracy of an answer in its search."""
+    assert answer.timestep is not None  # a run completed
+    number = recommendation.asked.number(Method.parse(answer.integrator, answer.timestep))
+    assert number is not None  # the search made the run
+    return number
+
+
+def of_number(answer: Answer, number: int) -> str:
+    """Return the number of steps, or the accuracy, that has a number in the search of an answer's method, in words."""
+    return f"an accuracy of {accuracy_of(number)}" if answer.is_controlled else count(number, "step")
+
+
+def accuracy_of(number: int) -> str:
+    """Return the accuracy that has a number in searches, as it is spelled."""
+    return f"{FINE_ACCURACIES[number - 1]:g}"
+
+
+def _down_to(recommendation: Recommendation, answers: Sequence[Answer]) -> str:
+    """Return the ranges of time steps and of accuracies in which all of these answers were searched for, in words."""
+    steps = [answer.smallest for answer in answers if answer.smallest is not None]
+    errors = [recommendation.asked.errors(recommendation.of(answer)) for answer in answers if answer.is_controlled]
+    ranges = [f"steps down to {number(max(steps))} s"] if steps else []
+    ranges += [f"accuracies down to {accuracy_of(min(max(numbers) for numbers in errors if numbers))}"] if any(errors) else []
+    return " and ".join(ranges)
 
 
 def error(recommendation: Recommendation, value: float | None, digits: int = 2) -> str:

@@ -213,12 +213,15 @@ def bisect(
     timestep
         The time step in s. Default: 0.002, or that of the alias.
     """
+    from bodycheck.adapters.method import Method
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, load_case, processes
     from bodycheck.studies.releases import bisection, printing
 
     check_engine(engine)
     loaded = load_case(case)
+    if timestep is None and integrator and Method.parse(integrator, 0.0).accuracy is not None:
+        raise BadInput(f"{integrator}: its largest step may differ between releases; name one by --timestep")
     kept = bisection.Limit(loaded, integrator, timestep, quantity, limit)
     observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr), again)
     try:

@@ -43,7 +43,7 @@ from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsuppo
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.instants import sampling_steps
+from bodycheck.running.instants import sampling_steps, sampling_times
 from bodycheck.running.simulation import AdapterFault, outcome_of
 from bodycheck.studies.cost import ROUNDS
 from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS
@@ -113,7 +113,9 @@ def plan(
     sizes: Sequence[int],
     timesteps: Sequence[float],
 ) -> list[Batch]:
-    """Return the batches of all methods with completed runs. Mechanisms have none.
+    """Return the batches of all methods with completed runs. Mechanisms have none, and methods with error control.
+
+    Both are stepped one at a time, so that the cost of a batch is the cost of its runs.
 
     Parameters
     ----------
@@ -130,7 +132,7 @@ def plan(
     return [
         Batch(results.cases[verdict.run.case], verdict.run.engine, verdict.run.method, size, truth.trajectory)
         for verdict in _chosen(verdicts, timesteps)
-        for truth in [results.truth(verdict.run.case, verdict.run.method.timestep)]
+        for truth in [results.truth(verdict.run.case, verdict.run.method.sampling)]
         if isinstance(truth, Truth) and isinstance(truth.scene, Scene)  # mechanisms are stepped one at a time
         for size in sizes
         if size == 1 or engines[verdict.run.engine].batch > 1
@@ -162,7 +164,7 @@ def rows(
     with pool.Workers(run, 1, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home, kept=True) as workers:
         for batch in batches:
             ran = workers.call(batch)
-            truth = results.truth(batch.case.name, batch.method.timestep)
+            truth = results.truth(batch.case.name, batch.method.sampling)
             assert isinstance(truth, Truth)  # the batch was made with this truth
             batch_rows.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
             progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · in batches of {batch.scenes}")
@@ -180,7 +182,8 @@ def rows_alike(*tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator[Verdict]:
     """Yield the verdicts on completed runs with the chosen time steps, or with each method's step nearest to the default."""
-    completed = [verdict for verdict in verdicts if verdict.discrepancy is not None]
+    fixed = [verdict for verdict in verdicts if verdict.run.method.accuracy is None]
+    completed = [verdict for verdict in fixed if verdict.discrepancy is not None]
     nearest: dict[object, float] = {}
     for verdict in completed:
         key, step = verdict.run.key.over_steps, verdict.run.method.timestep
@@ -196,6 +199,7 @@ def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]
     case = replace(batch.case, expectations=())  # expectations are about single runs
     run = Run(case.name, batch.engine, engine.version, batch.method, ran.outcome, scene=case.scene)
     (row,) = judgement.records([judgement.verdict(case, truth, run)])
+    row.pop("evaluations")  # the column of this name in the table of the study is per step
     row |= {**NO_COSTS, **dict.fromkeys(BATCH_COLUMNS)}
     row |= {"batch": batch.scenes, "device": engine.device, "precision": engine.precision, "failed_scenes": ran.failed}
     if not isinstance(ran.outcome, Completed):
@@ -252,7 +256,8 @@ def _measured(batch: Batch) -> Ran:
     if isinstance(simulation, Signals) and 0 in simulation.signals:
         outcome: Outcome = Diverged(simulation.signals[0], "gave up")
     else:
-        outcome = outcome_of(first.rows, simulation, batch.case.scene, batch.method, steps, first.seconds)
+        times = sampling_times(batch.case.instants, batch.method.sampling)
+        outcome = outcome_of(first.rows, simulation, batch.case.scene, batch.method, times, first.seconds)
     sound = np.isfinite(first.position_error) & np.isfinite(first.attitude_error)
     return Ran(
         outcome,

@@ -42,6 +42,7 @@ def tradeoff(
     from bodycheck.console.arguments import batch_sizes, check_has_folder
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
+    from bodycheck.running.named import of_search
     from bodycheck.studies.output import Output
     from bodycheck.studies.tradeoff import printing, study
     from bodycheck.studies.tradeoff.interface import carry_out
@@ -55,7 +56,7 @@ def tradeoff(
         terminal.print_json({"rows": results.tables["tradeoff"].rows, "orders": results.tables["orders"].rows})
     elif not quiet:
         printing.print_tradeoff(results.rows, results.orders, view)
-    return end(runs.decided(results.rows, batch=sizes), out, json=json, quiet=quiet)
+    return end(runs.decided(of_search(results.rows, integrator), batch=sizes), out, json=json, quiet=quiet)
 
 
 #: The commands of the study.

@@ -78,12 +78,12 @@ def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKe
 def _columns(points: Sequence[Measured], lines: Mapping[RunKey, Line]) -> list[dict[str, Any]]:
     """Return a row for each method with its points in arrays, from the largest time step to the smallest."""
     methods: dict[str, list[Measured]] = defaultdict(list)
-    for point in sorted(points, key=lambda point: -point.timestep):
+    for point in sorted(points, key=lambda point: -point.step):
         methods[lines[point.method].label].append(point)
     return [
         {
             "method": method,
-            "timestep": [point.timestep for point in method_points],
+            "timestep": [point.step for point in method_points],
             "cost": rounded((point.cost for point in method_points), COST_DIGITS),
             "low": rounded((point.cost_low for point in method_points), COST_DIGITS),
             "high": rounded((point.cost_high for point in method_points), COST_DIGITS),

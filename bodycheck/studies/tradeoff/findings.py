@@ -203,7 +203,7 @@ def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
             has_floor = order.quantity in CLAIMED and order.floor is not None and order.horizon is None
             points = _own_points(case, order) if has_floor else []
             if points and (least := min(point.error for point in points)) > LEAST_FLOOR:
-                finest = min(point.timestep for point in points)
+                finest = min(point.step for point in points)
                 floors[order.engine, order.quantity, order.floor_cause][case.name].append((order.method, least, finest))
     return [_floor(quantity, cause, by_case, lines) for (_, quantity, cause), by_case in floors.items()]
 
@@ -276,9 +276,10 @@ def _cheapest_of_one(quantity: str, error: float, where: str, ranking: Sequence[
 
 def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str, Sequence[Measured]], lines: Lines) -> Finding:
     wins = Counter(ranking[0].method for ranking in kept.values())
-    steps = {method: [r[0].timestep for r in kept.values() if r[0].method == method] for method in wins}
+    bests = [ranking[0] for ranking in kept.values()]
+    steps = {method: {best.step: best.setting for best in bests if best.method == method} for method in wins}
     winners = [
-        f"{lines[method].label} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])}) in {amount}"
+        f"{lines[method].label} (at {_range([steps[method][step] for step in sorted(steps[method])])}) in {amount}"
         for method, amount in wins.most_common()
     ]
     rest = f" In {count(cases - len(kept), 'case')}, no method has so small an error." if len(kept) < cases else ""
@@ -291,7 +292,7 @@ def _condition(quantity: str, error: float) -> str:
 
 
 def _at(point: Measured, lines: Lines) -> str:
-    return f"{lines[point.method].label} at {milliseconds(point.timestep, 4)}"
+    return f"{lines[point.method].label} at {point.setting}"
 
 
 def _others(cases: Collection[str]) -> str:

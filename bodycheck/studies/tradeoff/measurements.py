@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from bodycheck.adapters.method import Method
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.schemes.convergence import UNITS
-from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
+from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds
 from bodycheck.results.key import RunKey
 from bodycheck.studies.orders import Order
 
@@ -29,12 +30,16 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured run. `error` is in the unit of its quantity; the costs are computing times (s) per simulated second."""
+    """A measured run. `error` is in the unit of its quantity; the costs are computing times (s) per simulated second.
+
+    `step` is the time step (s), or with error control the mean of the steps, whose largest is `timestep`.
+    """
 
     engine: str
     version: str
     integrator: str
     timestep: float
+    step: float
     error: float
     cost: float
     cost_low: float
@@ -42,8 +47,14 @@ class Measured:
 
     @property
     def method(self) -> RunKey:
-        """The key of the engine and the method, over all cases and time steps."""
-        return RunKey.of_method(self.engine, self.integrator)
+        """The key of the engine and the method, over all cases, time steps and accuracies."""
+        return method_of({"engine": self.engine, "integrator": self.integrator})
+
+    @property
+    def setting(self) -> str:
+        """The time step, or with error control the accuracy, in words."""
+        accuracy = Method.parse(self.integrator, self.timestep).option("accuracy")
+        return milliseconds(self.timestep, 4) if accuracy is None else f"an accuracy of {accuracy}"
 
 
 def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
@@ -64,9 +75,11 @@ def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
     for row in rows:
         errors = [row[column] for column in COLUMNS[quantity] if row.get(column) is not None]
         if errors and row["cost"] is not None:
-            low, high = (row[column] / row["timestep"] for column in ("time_per_step_low", "time_per_step_high"))
-            names = row["engine"], row["version"], row["integrator"]
-            methods.append(Measured(*names, row["timestep"], errors[0], row["cost"], low, high))
+            names, timestep = (row["engine"], row["version"], row["integrator"]), row["timestep"]
+            fixed = Method.parse(row["integrator"], timestep).accuracy is None
+            step = timestep if fixed else row["time_per_step"] / row["cost"]
+            low, high = (row[column] / step for column in ("time_per_step_low", "time_per_step_high"))
+            methods.append(Measured(*names, timestep, step, errors[0], row["cost"], low, high))
     return methods
 
 
@@ -125,7 +138,7 @@ class CaseMeasurements:
 
     def row(self, point: Measured) -> Row:
         """Return the row of a run."""
-        return self._by_run[point.method, point.timestep]
+        return self._by_run[point.engine, point.integrator, point.timestep]
 
     def coarsest(self, method: RunKey) -> Row | None:
         """Return the row of a method's completed run with the largest time step, or None if no run completed.
@@ -136,8 +149,8 @@ class CaseMeasurements:
         return max(method_rows, key=lambda row: float(row["timestep"]), default=None)
 
     @cached_property
-    def _by_run(self) -> Mapping[tuple[RunKey, float], Row]:
-        return {(method_of(row), row["timestep"]): row for row in reversed(self._complete)}
+    def _by_run(self) -> Mapping[tuple[str, str, float], Row]:
+        return {(row["engine"], row["integrator"], row["timestep"]): row for row in reversed(self._complete)}
 
     @cached_property
     def _complete(self) -> Sequence[dict[str, Any]]:
@@ -147,8 +160,8 @@ class CaseMeasurements:
 
 
 def method_of(row: Row) -> RunKey:
-    """Return the key of the engine and the method of a row, over all cases and time steps."""
-    return RunKey.of_method(row["engine"], row["integrator"])
+    """Return the key of the engine and the method of a row, over all cases, time steps and accuracies."""
+    return RunKey.of_method(row["engine"], Method.parse(row["integrator"], 0.0).over_accuracies.name)
 
 
 def _printed(error: float) -> float:

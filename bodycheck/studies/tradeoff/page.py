@@ -162,8 +162,8 @@ def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) 
 
 
 def _point_text(point: Measured, quantity: Quantity, lines: Lines) -> str:
-    label, step = lines[point.method].label, milliseconds(point.timestep, 4)
-    return f"{quantity.with_unit(point.error)} for {number(point.cost, 3)} s with {label} at {step}"
+    label = lines[point.method].label
+    return f"{quantity.with_unit(point.error)} for {number(point.cost, 3)} s with {label} at {point.setting}"
 
 
 def _orders(case: CaseMeasurements) -> Table:

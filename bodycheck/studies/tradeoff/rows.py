@@ -11,7 +11,13 @@ from bodycheck.studies.orders import ORDERS
 COSTS = (
     Column("time_per_step_low", "number", "Time per step, low", "smallest time per step of the repeated timings", "s"),
     Column("time_per_step_high", "number", "Time per step, high", "largest time per step of the repeated timings", "s"),
-    Column("evaluations", "integer", "Evaluations", "evaluations of the accelerations per step", counts="evaluations"),
+    Column(
+        "evaluations",
+        "integer",
+        "Evaluations",
+        "evaluations of the accelerations per step, with error control on average",
+        counts="evaluations",
+    ),
     Column("cost", "number", "Cost", "computing time per simulated second", "s/s"),
     Column("processor_time_per_step", "number", "Processor time per step", "time of all processors per step", "s"),
     Column(
@@ -41,7 +47,7 @@ RUNS: Table[Mapping[str, Any]] = Table(
     "tradeoff",
     "errors and costs over time steps",
     None,
-    (*RESULTS.columns, *COSTS, *BATCHES),
+    (*(column for column in RESULTS.columns if column.name not in COST_COLUMNS), *COSTS, *BATCHES),
     key=(*RUN, "device", "precision", "batch"),
     filled=RUN_FILLED,
     shown=(

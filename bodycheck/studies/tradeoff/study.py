@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from bodycheck.adapters.contract import Engine, Integrator, Method
@@ -19,11 +20,12 @@ from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
+from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.roles import refuse_timesteps
-from bodycheck.studies.cost import Measured, Stretch, measure, summarise
+from bodycheck.studies.cost import Measured, Stretch, measure, stretch_of, summarise
 from bodycheck.studies.orders import Order
-from bodycheck.studies.timesteps import ladder
+from bodycheck.studies.timesteps import accuracies, ladder
 from bodycheck.studies.tradeoff.measurements import COLUMNS
 from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
 
@@ -34,7 +36,10 @@ NO_COSTS: Mapping[str, Any] = dict.fromkeys(("wall_time", "time_per_step", "real
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Return a task for every case, engine, integrator and time step.
+    """Return a task for every case, engine, integrator and time step, or accuracy of a method with error control.
+
+    Error control is searched over: any accuracy in a spelling stands for all of `timesteps.accuracies`, and the time steps are
+    largest steps.
 
     Parameters
     ----------
@@ -46,7 +51,8 @@ def plan(
         Spellings of methods, and aliases, which stand for a method without its time step; all that the engines offer if it is
         empty.
     timesteps
-        Time steps (s). If it is empty, each case has the time steps of its ladder (`timesteps.ladder`).
+        Time steps (s). If it is empty, each case has the time steps of its ladder (`timesteps.ladder`), and error control its
+        default largest step.
 
     Raises
     ------
@@ -55,15 +61,26 @@ def plan(
     """
     refuse_timesteps(integrators, timesteps)
     check(cases, engines, integrators, timesteps)
-    tasks = tuple(
-        Task(case, name, Method.parse(integrator, timestep))
+    tasks = dict.fromkeys(
+        Task(case, name, method)
         for case in cases
         for name, engine in engines.items()
         for integrator in chosen(engine, case.scene, integrators)
-        for timestep in sorted(set(timesteps), reverse=True) or ladder(case)
+        for method in _over(engine, case, Method.parse(integrator, 0.0), sorted(set(timesteps), reverse=True))
     )
-    refuse_nothing(tasks, engines, integrators)
-    return tasks
+    refuse_nothing(tuple(tasks), engines, integrators)
+    return tuple(tasks)
+
+
+def _over(engine: Engine, case: Case, method: Method, timesteps: Sequence[float]) -> Iterator[Method]:
+    """Yield a method over time steps, the largest first, or with error control over accuracies, the largest first."""
+    if method.accuracy is None:
+        yield from map(method.at, timesteps or ladder(case))
+        return
+    integrator = integrator_of(engine, method)
+    for timestep in timesteps or (default_timestep(engine, case, method),):
+        for accuracy in accuracies(integrator.order if integrator is not None else None):
+            yield method.at(timestep).with_accuracy(accuracy)
 
 
 def price(
@@ -98,7 +115,8 @@ def price(
     for row, verdict in zip(rows, verdicts, strict=True):
         cost = costs.get(_task(results.cases[verdict.run.case], verdict))
         claims = _claims(engines[verdict.run.engine], verdict.run.key)
-        row |= _costs(row, cost if isinstance(cost, Measured) else None, claims.evaluations)
+        row.pop("evaluations")  # the column of this name in the table of the study is per step
+        row |= _costs(verdict, cost if isinstance(cost, Measured) else None, claims.evaluations)
         engine = engines[verdict.run.engine]
         row |= dict.fromkeys(BATCH_COLUMNS) | {"device": engine.device, "precision": engine.precision}
         if isinstance(cost, Crashed | TimedOut):
@@ -112,7 +130,7 @@ def _task(case: Case, verdict: Verdict) -> Task:
 
 def _stretch(task: Task, verdict: Verdict) -> Stretch:
     assert isinstance(verdict.outcome, Completed)  # only completed runs have a discrepancy
-    return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
+    return stretch_of(task.case, task.engine, task.method, verdict.outcome.steps)
 
 
 def _claims(engine: Engine, key: RunKey) -> Integrator:
@@ -122,13 +140,24 @@ def _claims(engine: Engine, key: RunKey) -> Integrator:
     return integrator
 
 
-def _costs(row: Mapping[str, Any], measured: Measured | None, evaluations: int | None) -> dict[str, Any]:
-    """Return the cost columns of a row. They do not contain the times of the run itself, which other runs disturbed."""
-    if measured is None:
+def _costs(verdict: Verdict, measured: Measured | None, evaluations: int | None) -> dict[str, Any]:
+    """Return the cost columns of a run. They do not contain the times of the run itself, which other runs disturbed."""
+    if measured is None or not isinstance(verdict.outcome, Completed):
         return dict(NO_COSTS)
-    costs = cost_columns(measured.times, measured.processor_times, row["timestep"], row["steps"])
+    done, step = verdict.outcome, mean_step(verdict)
+    in_step = step / verdict.run.method.timestep  # with error control, the times are those of largest steps
+    costs = cost_columns(measured.times * in_step, measured.processor_times * in_step, step, done.steps)
+    if done.evaluations is not None:
+        evaluations = round(done.evaluations / done.steps)
     more = {"evaluations": evaluations, "setup_time": measured.setup, "engine_share": measured.engine_share}
     return {**NO_COSTS, **costs, **more}
+
+
+def mean_step(verdict: Verdict) -> float:
+    """Return the time step (s) of a completed run, or with error control the mean of its steps."""
+    method, outcome = verdict.run.method, verdict.outcome
+    assert isinstance(outcome, Completed)
+    return method.timestep if method.accuracy is None else verdict.duration / outcome.steps
 
 
 def cost_columns(times: Array, processor_times: Array, timestep: float, steps: int) -> dict[str, float]:
@@ -186,22 +215,30 @@ def orders(
         methods: dict[RunKey, list[Verdict]] = defaultdict(list)
         for verdict in case_verdicts:
             if verdict.discrepancy is not None:
-                methods[verdict.run.key.over_steps].append(verdict)
+                key = verdict.run.key.over_steps
+                methods[replace(key, method=key.method.over_accuracies)].append(verdict)
         for key, runs in methods.items():
-            runs.sort(key=lambda verdict: -verdict.run.method.timestep)
-            observed += _orders_of(results, results.cases[name], runs, engines[key.engine])
+            # Only steps that differ say something about an order; loose accuracies may all have the largest step.
+            by_step = {
+                mean_step(verdict): verdict for verdict in sorted(runs, key=lambda verdict: -verdict.run.method.timestep)
+            }
+            ordered = [by_step[step] for step in sorted(by_step, reverse=True)]
+            observed += _orders_of(results, results.cases[name], ordered, engines[key.engine])
         progress(f"{name} · orders")
     return observed
 
 
 def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine: Engine) -> Iterator[Order]:
-    """Yield the orders of one method. verdicts: those on its completed runs, sorted by time step, the largest first."""
+    """Yield the orders of one method in its time step, or in its mean step with error control.
+
+    verdicts: those on its completed runs, the largest step first.
+    """
     coarsest = verdicts[0].run
-    truth = results.truth(case.name, coarsest.method.timestep)
+    truth = results.truth(case.name, coarsest.method.sampling)
     assert isinstance(truth, Truth)  # a run without a truth has no discrepancy
     roundoff = ROUNDOFF[engine.precision]
     named = identify(case, coarsest, truth, roundoff)
-    runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]
+    runs = [(mean_step(v), v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]
     maxima = [verdict.discrepancy.maxima() for verdict in verdicts if verdict.discrepancy is not None]
     errors = {
         quantity: [figures[column] for figures in maxima for column in columns if column in figures]
@@ -209,7 +246,7 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine
     }
     for quantity, convergence in observe_convergence(runs, truth, errors, roundoff).items():
         yield Order(
-            *(case.name, coarsest.engine, coarsest.version, coarsest.method.name, quantity),
+            *(case.name, coarsest.engine, coarsest.version, coarsest.method.over_accuracies.name, quantity),
             order=convergence.order,
             order_low=convergence.low,
             order_high=convergence.high,

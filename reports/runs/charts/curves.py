@@ -90,17 +90,17 @@ def draw(
     instants
         The most instants of the curves of the angular momentum.
     """
-    truths = {timestep: truth for (_, timestep), truth in known.items()}
+    truths = {sampling: truth for (_, sampling), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
     peaks: dict[str, dict[str, float]] = {}
     gaps: dict[str, list[str]] = {}
-    for timestep, truth in truths.items():
+    for sampling, truth in truths.items():
         t = truth.trajectory.t
-        datasets["times"].append({"timestep": timestep, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
+        datasets["times"].append({"timestep": sampling, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
     every = max(1, points * len(verdicts) // MOST_FOUND)
     for label, verdict in verdicts.items():
-        row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep, "every": every}
-        series = compare(known[verdict.label, verdict.run.method.timestep], verdict.run, PLOTTED).series
+        row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.sampling, "every": every}
+        series = compare(known[verdict.label, verdict.run.method.sampling], verdict.run, PLOTTED).series
         for name in PLOTTED:
             if (values := series.get(name)) is not None:
                 shown = np.where(values < SMALLEST, 0.0, values)
@@ -136,7 +136,7 @@ def _joints(
 ) -> list[dict[str, Any]]:
     """Return the curves of the joints of a mechanism in runs and truth. truth: the truth at the smallest time step."""
     runs = {
-        label: (verdict.run.outcome.trajectory, known[verdict.label, verdict.run.method.timestep].trajectory)
+        label: (verdict.run.outcome.trajectory, known[verdict.label, verdict.run.method.sampling].trajectory)
         for label, verdict in verdicts.items()
         if isinstance(verdict.run.outcome, Completed)
     }

@@ -1,4 +1,4 @@
-"""The content of an animation: the truth, and the completed runs that are compared with it at one time step."""
+"""The content of an animation: the truth, and the completed runs that are compared with it at the same instants."""
 
 import json
 import math
@@ -36,19 +36,19 @@ class Cast:
 
     Parameters
     ----------
-    timestep
-        The time step (s) of the truth and of all runs.
+    sampling
+        The sampling of all runs, as `Method.sampling` says: their time step (s), or 0 with error control.
     exact
-        The truth at the instants of this time step.
+        The truth at the instants of these runs.
     runs
         The runs that can be shown.
     compared
-        The lines of all runs with this time step that have a discrepancy; they include the lines of `runs`.
+        The lines of all runs with this sampling that have a discrepancy; they include the lines of `runs`.
     several
-        Whether there are runs at other time steps.
+        Whether there are runs with another sampling.
     """
 
-    timestep: float
+    sampling: float
     exact: Trajectory
     runs: tuple[Shown, ...]
     compared: tuple[Line, ...]
@@ -56,28 +56,28 @@ class Cast:
 
 
 def cast(runs: Mapping[Line, Verdict], truths: Mapping[float, Truth]) -> Cast | None:
-    """Return the content of an animation, at the time step of most runs; None if no run can be compared with a truth.
+    """Return the content of an animation, with the sampling of most runs; None if no run can be compared with a truth.
 
     Parameters
     ----------
     runs
         The verdicts on a case, by the lines of their methods.
     truths
-        The truths of the case, by time step (s).
+        The truths of the case, by sampling.
     """
     compared = [line for line, verdict in runs.items() if verdict.discrepancy is not None]
-    timestep = common_step([line for line in compared if line.timestep in truths])
-    if timestep is None:
+    sampling = common_sampling([line for line in compared if line.key.method.sampling in truths])
+    if sampling is None:
         return None
-    truth = truths[timestep]
-    own = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
+    truth = truths[sampling]
+    own = {line: verdict for line, verdict in runs.items() if line.key.method.sampling == sampling}
     shown = [one for line, verdict in own.items() if (one := shown_run(line, verdict, truth)) is not None]
     return Cast(
-        timestep,
+        sampling,
         truth.trajectory,
         tuple(shown),
         tuple(line for line in compared if line in own),
-        len({line.timestep for line in runs}) > 1,
+        len({line.key.method.sampling for line in runs}) > 1,
     )
 
 
@@ -90,9 +90,10 @@ def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
     return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if finite else None
 
 
-def common_step(lines: Sequence[Line]) -> float | None:
-    """Return the most frequent time step (s) of lines, the first of equally frequent ones; None if there are no lines."""
-    return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
+def common_sampling(lines: Sequence[Line]) -> float | None:
+    """Return the most frequent sampling of lines, the first of equally frequent ones; None if there are no lines."""
+    samplings = Counter(line.key.method.sampling for line in lines)
+    return max(samplings, key=samplings.__getitem__, default=None)
 
 
 def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:

@@ -169,7 +169,8 @@ def _notes(stage: Stage, shown: Cast, undrawn: Sequence[str], left_out: Sequence
     """Return sentences about the runs that the animation shows and the methods that it leaves out."""
     notes = []
     if shown.several:
-        notes.append(f"The animation shows the runs with a time step of {milliseconds(shown.timestep)}.")
+        which = f"a time step of {milliseconds(shown.sampling)}" if shown.sampling else "error control"
+        notes.append(f"The animation shows the runs with {which}.")
     if undrawn:
         notes.append(f"The animation leaves out {stage.undrawn}: {listing(undrawn, MOST_NAMES, 'method')}.")
     if left_out:

@@ -24,7 +24,7 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed, Unsupported
-from bodycheck.running.instants import sampling_steps
+from bodycheck.running.instants import sampling_times
 from bodycheck.running.members.blocks import Flown
 from bodycheck.running.members.chunk_workers import Role
 from bodycheck.running.members.chunks import Work
@@ -69,11 +69,11 @@ class Refused:
 
 @dataclass(frozen=True, eq=False)
 class TruthTable:
-    """The question for the stored columns (m,) of the truths of a block, at the instants of a time step (s)."""
+    """The question for the stored columns (m,) of the truths of a block, for runs with a sampling."""
 
     work: Work
     block: range
-    timestep: float
+    sampling: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,9 +119,9 @@ def answer(question: Drawing | TruthTable | Judging) -> Drawn | dict[str, Any] |
         match question:
             case Drawing(work, block):
                 return _drawn(work, block)
-            case TruthTable(work, block, timestep):
-                of_block, _ = _truths(work, block, timestep)
-                return truths.columns(case_of(work.case), _drawn(work, block).columns, block, timestep, of_block)
+            case TruthTable(work, block, sampling):
+                of_block, _ = _truths(work, block, sampling)
+                return truths.columns(case_of(work.case), _drawn(work, block).columns, block, sampling, of_block)
             case Judging(work, block, flown):
                 return _judged(work, block, flown.read() if isinstance(flown, Stored) else flown)
     except BadInput as error:
@@ -134,9 +134,9 @@ def case_of(text: str) -> Case:
     return parse_stored(text, "the case of the ensemble")
 
 
-def steps_of(text: str, timestep: float) -> Any:
-    """Return the numbers of steps (n,) from the start to each state of a run of the case in a text."""
-    return sampling_steps(case_of(text).instants, timestep)
+def times_of(text: str, sampling: float) -> Array:
+    """Return the times (n,), in s, at which runs of the case in a text with a sampling are sampled."""
+    return sampling_times(case_of(text).instants, sampling)
 
 
 class _Last:
@@ -171,24 +171,24 @@ def _columns(values: Mapping[str, Array]) -> dict[str, Array]:
     return columns
 
 
-def _truths(work: Work, block: range, timestep: float) -> tuple[Flights | tuple[Truth | NoTruth, ...], float]:
+def _truths(work: Work, block: range, sampling: float) -> tuple[Flights | tuple[Truth | NoTruth, ...], float]:
     """Return the truths of a block, with a-priori bounds alone, and the time (s) of their computation; 0 if they were kept."""
-    if _last_truths.key == (key := (work.identity, block, timestep)):
+    if _last_truths.key == (key := (work.identity, block, sampling)):
         return _last_truths.value, 0.0
     start = time.perf_counter()
     scenes = _drawn(work, block).members
     _last_truths.key = None  # the next value replaces the kept one
     if isinstance(scenes, Scenes):
-        _last_truths.value = flights(scenes, truths.times(case_of(work.case), timestep))
+        _last_truths.value = flights(scenes, times_of(work.case, sampling))
     else:
-        _last_truths.value = tuple(truths.of_case(case, timestep) for case in scenes)
+        _last_truths.value = tuple(truths.of_case(case, sampling) for case in scenes)
     _last_truths.key = key
     return _last_truths.value, time.perf_counter() - start
 
 
 def _judged(work: Work, block: range, flown: Flown) -> Judged:
     case, scenes = case_of(work.case), _drawn(work, block).members
-    of_block, seconds = _truths(work, block, flown.method.timestep)
+    of_block, seconds = _truths(work, block, flown.method.sampling)
     if isinstance(scenes, Scenes) and isinstance(of_block, Flights):
         columns = judging.judged(scenes, of_block, flown, flown.method, case.expectations, work.today)
         columns |= _costs_together(columns["status"], flown)
@@ -219,7 +219,7 @@ def _costs_together(status: Any, flown: Flown) -> dict[str, Any]:
     """Return steps and wall times (m,) of completed runs that were stepped together: each has an equal share of the time."""
     completed = status == Completed.status
     steps = np.full(len(status), None, dtype=object)
-    steps[completed] = int(flown.steps[-1])
+    steps[completed] = flown.steps[completed].tolist()
     return {"steps": steps, "wall_time": np.where(completed, flown.wall_time / len(status), np.nan)}
 
 

@@ -44,7 +44,7 @@ from bodycheck.studies.ensemble.execution.calls import (
     Refused,
     TruthTable,
     case_of,
-    steps_of,
+    times_of,
 )
 
 
@@ -153,8 +153,8 @@ def _add_block(output: _Output, chunk: Chunk, workers: ChunkWorkers, block: rang
     columns = [rows.columns for rows in judged]
     output.tables[RUNS].append(_table(chunk, block, columns, spellings, constant, RUN_SCHEMA))
     if share.truths_of:
-        columns = [_ask(chunk, workers, TruthTable(work, block, timestep)) for timestep in share.truths_of]
-        steps: list[dict[str, str | float]] = [{"timestep": timestep} for timestep in share.truths_of]
+        columns = [_ask(chunk, workers, TruthTable(work, block, sampling)) for sampling in share.truths_of]
+        steps: list[dict[str, str | float]] = [{"timestep": sampling} for sampling in share.truths_of]
         output.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
         schema = chunk_files.member_schema(work.source.names)
         output.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
@@ -177,8 +177,8 @@ def _flown(chunk: Chunk, workers: ChunkWorkers, block: range, drawn: Drawn, meth
     work, share = chunk.work, chunk.share
     name = case_of(work.case).name
     names = tuple(f"{name}-{member}" for member in block)
-    steps, file = steps_of(work.case, method.timestep), workers.folder / "states.npy"
-    flight = Flight(share.engine, share.version, method, drawn.members, steps, names, file)
+    times, file = times_of(work.case, method.sampling), workers.folder / "states.npy"
+    flight = Flight(share.engine, share.version, method, drawn.members, times, names, file)
 
     def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
         if last - first == len(block):

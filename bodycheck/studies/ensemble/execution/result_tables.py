@@ -207,24 +207,24 @@ def _write_truths(
 def _vouched(
     head: EnsembleHeader, files: Sequence[ChunkFile], shares: Sequence[Share], notable: Remarkable, jobs: int
 ) -> Iterator[tuple[tuple[float, int], dict[str, Any]]]:
-    """Yield the truths of the worst members, compared with witnesses, by time step and member."""
+    """Yield the truths of the worst members, compared with witnesses, by sampling and member."""
     wanted: dict[tuple[float, int], None] = {}
     for (engine, index, _), (_, member) in notable.worst.items():
         share = next(share for share in shares if share.engine == engine)
-        wanted[share.methods[index].timestep, member] = None
+        wanted[share.methods[index].sampling, member] = None
     where = runs_of(files, head, shares[0].engine, MEMBERS)
     schema = chunk_files.member_schema(head["drawn"])
     questions = []
-    for timestep, member in wanted:
+    for sampling, member in wanted:
         first = member - member % head["block"]
         (table,) = chunk_files.tables({first: where[first]}, schema, head["block"])
         drawn = {name: table[name][member - first].as_py() for name in head["drawn"]}
-        questions.append(Vouching(head["text"], drawn, member, timestep))
+        questions.append(Vouching(head["text"], drawn, member, sampling))
     jobs = min(jobs, -(-len(questions) // VOUCHED_EACH))
     with pool.Workers(vouch, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home) as workers:
         for question, answer in workers.map(questions):
             if not isinstance(answer, Crashed | TimedOut):
-                yield (question.timestep, question.member), answer
+                yield (question.sampling, question.member), answer
 
 
 def _replaced(table: Any, vouched: Mapping[tuple[float, int], Mapping[str, Any]]) -> Any:

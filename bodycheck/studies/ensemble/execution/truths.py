@@ -21,7 +21,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import computed, truth
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reference.witness import as_way, distances, excess
-from bodycheck.running.instants import sampling_steps
+from bodycheck.running.instants import sampling_times
 from bodycheck.running.members.chunk_files import BOUND_COLUMNS
 from bodycheck.running.members.chunk_workers import Role
 from bodycheck.studies.ensemble.drawing import members
@@ -43,31 +43,26 @@ class Vouching:
         The text of the case of the ensemble.
     drawn
         The drawn numbers of the member, by the names of their columns.
-    member, timestep
-        The member, and the time step (s) that gives the instants.
+    member, sampling
+        The member, and the sampling of its runs.
     """
 
     case: str
     drawn: Mapping[str, float]
     member: int
-    timestep: float
+    sampling: float
 
 
-def times(case: Case, timestep: float) -> Array:
-    """Return the instants (n,), s, of runs of a case with a time step (s)."""
-    return sampling_steps(case.instants, timestep).astype(np.float64) * timestep
-
-
-def of_case(case: Case, timestep: float) -> Truth | NoTruth:
-    """Return the truth of a case for runs with a time step (s), with its a-priori bounds, or the reason why there is none."""
+def of_case(case: Case, sampling: float) -> Truth | NoTruth:
+    """Return the truth of a case for runs with a sampling, with its a-priori bounds, or the reason why there is none."""
     try:
-        return truth(case.scene, times(case, timestep), vouched=False)
+        return truth(case.scene, sampling_times(case.instants, sampling), vouched=False)
     except (NotModelled, OutOfReach) as error:
         return NoTruth(str(error))
 
 
 def columns(
-    case: Case, drawn: Mapping[str, Array], block: range, timestep: float, block_truths: Flights | tuple[Truth | NoTruth, ...]
+    case: Case, drawn: Mapping[str, Array], block: range, sampling: float, block_truths: Flights | tuple[Truth | NoTruth, ...]
 ) -> dict[str, Any]:
     """Return the stored columns (m,) of the truths of a block, by name.
 
@@ -77,8 +72,8 @@ def columns(
         The case of the ensemble.
     drawn
         The drawn numbers (m,) of the members, by the names of their columns.
-    block, timestep
-        The members, and the time step (s).
+    block, sampling
+        The members, and the sampling of their runs.
     block_truths
         The truths of the members.
     """
@@ -87,7 +82,7 @@ def columns(
     for index, member in enumerate(block):
         if member % VOUCHED == 0:
             numbers = {name: float(values[index]) for name, values in drawn.items()}
-            for name, value in _vouched(case, numbers, member, timestep).items():
+            for name, value in _vouched(case, numbers, member, sampling).items():
                 by_name[name][index] = value
     return by_name
 
@@ -99,7 +94,7 @@ def prepare(group: None) -> None:
 
 def vouch(question: Vouching) -> dict[str, Any]:
     """Return the columns of the truth of a member that a comparison with witnesses changes."""
-    return _vouched(parse_stored(question.case, "the case"), question.drawn, question.member, question.timestep)
+    return _vouched(parse_stored(question.case, "the case"), question.drawn, question.member, question.sampling)
 
 
 def _of_flights(block_truths: Flights) -> dict[str, Any]:
@@ -124,7 +119,7 @@ def _of_cases(block_truths: tuple[Truth | NoTruth, ...]) -> dict[str, Any]:
     }
 
 
-def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: float) -> dict[str, Any]:
+def _vouched(case: Case, drawn: Mapping[str, float], member: int, sampling: float) -> dict[str, Any]:
     """Return the columns that a comparison of a member's truth with witnesses changes; none if there is no truth.
 
     The compared motion is the motion with which runs of the ensemble are compared. The witnesses start from the member as its
@@ -133,7 +128,7 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
     columns = {name: np.array([value]) for name, value in drawn.items()}
     scenes = members.scenes(case, members.of_columns(case, columns), member)
     scene = scenes.like if isinstance(scenes, Scenes) else scenes[0].scene
-    instants = times(case if isinstance(scenes, Scenes) else scenes[0], timestep)
+    instants = sampling_times((case if isinstance(scenes, Scenes) else scenes[0]).instants, sampling)
     try:
         if isinstance(scene, Mechanism):
             return _vouched_mechanism(scene, instants)

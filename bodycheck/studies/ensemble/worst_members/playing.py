@@ -36,9 +36,11 @@ def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
         distribution = figure.distributions.get(index)
         if distribution is None or distribution.worst in methods_by_member or len(methods_by_member) == MOST_MEMBERS:
             continue
-        step = ensemble.methods[index].engine_method.timestep
+        sampling = ensemble.methods[index].engine_method.key("").method.sampling
         others = [
-            other for other in ensemble.ranked if other != index and ensemble.methods[other].engine_method.timestep == step
+            other
+            for other in ensemble.ranked
+            if other != index and ensemble.methods[other].engine_method.key("").method.sampling == sampling
         ]
         methods_by_member[distribution.worst] = [index, *others[: MOST_METHODS - 1]]
     return methods_by_member
@@ -78,9 +80,9 @@ def animations(
         verdicts = judgement.judge(results)
         truths: dict[int, Mapping[float, Truth]] = {}
         for member, places in members.items():
-            step = keys[places[0]].method.timestep
-            truth = results.truth(cases[member].name, step)
-            truths[member] = {step: truth} if isinstance(truth, Truth) else {}
+            sampling = keys[places[0]].method.sampling
+            truth = results.truth(cases[member].name, sampling)
+            truths[member] = {sampling: truth} if isinstance(truth, Truth) else {}
     title = QUANTITIES[ensemble.ranking].title.lower()
     shown = []
     for member, places in members.items():
