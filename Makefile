@@ -15,7 +15,7 @@ LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py test
 TELLING := intermediate-axis-flip free-brick projectile sliding-brick double-pendulum hinge-friction heavy-top slider-crank \
 	block-slides-on-ramp rolling-ball
 
-.PHONY: compile run run-all test lint types tests coverage lowest slow engines benchmarks docs linkcheck site sites screenshots clean
+.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots clean
 
 # Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
 compile: $(VENV)/.installed
@@ -66,6 +66,10 @@ slow: $(VENV)/.installed-for-development
 # does so for these alone.
 engines: $(VENV)/.installed-for-development
 	$(BIN)/pytest -m engines -v -k "$(or $(ENGINES),engine or releases)"
+
+# Measures every claim about an engine again, by its command and by its script. ENGINES="dart or drake" does so for these alone.
+claims: $(VENV)/.installed-for-development
+	$(BIN)/pytest -m claims -v -k "$(or $(ENGINES),claim)"
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done

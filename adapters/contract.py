@@ -111,7 +111,7 @@ class Engine:
         `bodycheck.reference.requirements.MechanismRequirements`.
     variants
         Spellings of methods with options, keyed by kind of scene. If the user names no method, they are run in addition to the
-        integrators.
+        integrators, and after them; an integrator that is to come after methods with options is named among these.
     precision, device
         The precision and the device of the engine's arithmetic.
     batch

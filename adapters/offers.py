@@ -29,15 +29,21 @@ from bodycheck.suggestion import did_you_mean
 
 
 def offered(engine: Engine, scene: AnyScene) -> tuple[str, ...]:
-    """Return the spellings of the methods that are run on a scene if the user names none: integrators, then variants."""
+    """Return the spellings of the methods that are run on a scene if the user names none: integrators, then variants.
+
+    An integrator without options that is one of the variants is where it is among them.
+    """
     kind = kind_of(scene)
-    return (*(integrator.name for integrator in engine.integrators if kind in integrator.kinds), *engine.variants.get(kind, ()))
+    variants = engine.variants.get(kind, ())
+    names = (integrator.name for integrator in engine.integrators if kind in integrator.kinds)
+    return (*(name for name in names if name not in variants), *variants)
 
 
 def listed(engine: Engine) -> tuple[str, ...]:
     """Return the spellings of all methods that are run on at least one kind of scene if the user names none."""
-    names = [integrator.name for integrator in engine.integrators if integrator.kinds]
-    return tuple(dict.fromkeys((*names, *(name for those in engine.variants.values() for name in those))))
+    variants = [name for those in engine.variants.values() for name in those]
+    names = [integrator.name for integrator in engine.integrators if integrator.kinds and integrator.name not in variants]
+    return tuple(dict.fromkeys((*names, *variants)))
 
 
 def chosen(engine: Engine, scene: AnyScene, named: Sequence[str]) -> tuple[str, ...]:

@@ -98,6 +98,30 @@ class ReadJoint:
     mimic: Mimic | None = None
 
 
+#: The parts of a joint that motions can try.
+Part = Literal["limits", "mimic", "damping", "friction"]
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """A joint as it moves in the steps of the engine, whatever the engine's records say of it.
+
+    Attributes
+    ----------
+    tried
+        The parts that were tried; the attributes of other parts say nothing.
+    lower, upper, mimic, damping, friction
+        The limits at which the joint stops, the rule by which it follows another joint, and its damping and dry friction.
+    """
+
+    tried: frozenset[Part] = frozenset()
+    lower: float | None = None
+    upper: float | None = None
+    mimic: Mimic | None = None
+    damping: float | None = None
+    friction: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class RobotReading:
     """A robot model as an engine has it, and the terms that the engine computes with it.
@@ -120,6 +144,8 @@ class RobotReading:
     notes
         Facts that a user should know about this reading, such as a flag without which the engine ignores the inertia of the
         file.
+    behaviours
+        The behaviour of joints in the steps of the engine, by the names of the joints; `running.robot_readings` adds it.
     """
 
     bodies: tuple[ReadBody, ...]
@@ -130,6 +156,7 @@ class RobotReading:
     terms: tuple[Terms, ...]
     rounding: float = 0.0
     notes: tuple[str, ...] = ()
+    behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
 
 
 @runtime_checkable
@@ -158,5 +185,44 @@ class RobotModels(Protocol):
             If the engine refuses the file.
         FormatUnknown
             If the engine has no reader of the format.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class JointStates:
+    """Positions and velocities of revolute and prismatic joints, by the names of the joints (rad or m, and per second)."""
+
+    positions: Mapping[str, float]
+    velocities: Mapping[str, float]
+
+
+@runtime_checkable
+class RobotSteps(Protocol):
+    """An adapter that can step a robot model, as the engine's reader has made it from a file, with the engine's own steps."""
+
+    def step_robot(self, file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> Sequence[JointStates]:
+        """Return the state to which the engine steps a robot from each of several states.
+
+        The steps contain everything that the reader made of the joints in the file: limits, rules of following, damping and
+        friction. There is neither gravity nor contact, and what an engine adds of its own to slow every motion, such as the
+        damping of links and motors that hold joints, is switched off. Joints that a state does not have start at their default
+        positions at rest.
+
+        Parameters
+        ----------
+        file
+            The file, which `read_robot` has read.
+        starts
+            The states.
+        timestep
+            The time step (s).
+        steps
+            The number of steps.
+
+        Raises
+        ------
+        ModelRefused
+            If the engine can read the robot, but not step it.
         """
         ...

@@ -161,18 +161,24 @@ def _joints(results: Results, verdict: Verdict) -> tuple[Array, Array] | None:
 
 def joint_rows(name: str, found: Mapping[str, Mapping[str, Found]]) -> Iterator[str]:
     """The rows of the second table for an engine."""
-    for method, by_case in found.items():
-        cells = [_joint_cell(by_case.get(case)) for case in JOINT_CASES]
-        if any(cell != "–" for cell in cells):
-            yield f"| {name} {method} | {' | '.join(cells)} |"
+    yield from _rows(
+        name, {method: [_joint_cell(by_case.get(case)) for case in JOINT_CASES] for method, by_case in found.items()}
+    )
 
 
 def benchmark_rows(name: str, found: Mapping[str, Mapping[str, Found]]) -> Iterator[str]:
     """The rows of the third table for an engine."""
-    for method, by_case in found.items():
-        cells = [_benchmark_cell(by_case.get(case)) for case in BENCHMARKS]
-        if any(cell != "–" for cell in cells):
-            yield f"| {name} {method} | {' | '.join(cells)} |"
+    yield from _rows(
+        name, {method: [_benchmark_cell(by_case.get(case)) for case in BENCHMARKS] for method, by_case in found.items()}
+    )
+
+
+def _rows(name: str, cells: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """The rows of an engine from the cells of its methods, without empty ones and settings of the engine that change none."""
+    for method, own in cells.items():
+        plain = cells.get(method.removesuffix(":settings=engine"))
+        if any(cell != "–" for cell in own) and (own is plain or own != plain):
+            yield f"| {name} {method} | {' | '.join(own)} |"
 
 
 def _joint_cell(found: Found | None) -> str:

@@ -21,8 +21,11 @@ LOADED = 2000
 
 METHODS = (
     ("mujoco", "Euler"),
+    ("mujoco", "Euler:noslip=10"),
     ("mujoco", "Euler:cone=elliptic"),
     ("mujoco", "Euler:cone=elliptic,noslip=10"),
+    ("mujoco", "Euler:cone=elliptic,impratio=10"),
+    ("mujoco", "Euler:cone=elliptic,impratio=100"),
     ("mujoco", "implicitfast"),
     ("mujoco", "RK4"),
     ("pinocchio", "admm"),

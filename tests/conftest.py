@@ -32,7 +32,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def no_engines_apart(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Hides the engines that this user has installed apart, except from the tests that install some, which keep them."""
     with pytest.MonkeyPatch.context() as patch:
-        if not set(request.config.getoption("-m").split()) <= {"slow", "engines", "or"}:
+        if not set(request.config.getoption("-m").split()) <= {"slow", "engines", "claims", "or"}:
             patch.setenv("BODYCHECK_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
 

@@ -14,7 +14,7 @@ import jax
 from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, single_bodies
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Usage, single_bodies
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
@@ -70,6 +70,9 @@ def defaults() -> dict[str, str]:
     }
 
 
+#: The pipeline of Brax's environments, at the time step of a model that sets none.
+ENVIRONMENT = Usage("generalized", 0.002, "https://github.com/google/brax/blob/main/brax/envs/base.py", reads_timestep=True)
+
 engine = Engine(
     name="brax",
     distribution=INSTALLATION.distribution,
@@ -83,6 +86,7 @@ engine = Engine(
     device=device(),
     batch=2,
     defaults=defaults(),
+    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), ENVIRONMENT)},
 )
 
 

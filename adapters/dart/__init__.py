@@ -36,7 +36,7 @@ Mechanisms have DART's own joint for each type; the module `mechanisms` describe
 joints of all types. DART evaluates damping and springs at the end of a step, as v' = v / (1 + h d) for one unit of inertia. Dry
 friction is a constraint of the velocity, which stops a joint within a step and holds it exactly. DART has no armature. It keeps
 the velocities of a loop closed, and removes a hundredth of the loop's gap in each step: the gap of a linkage of 1 m is some 1
-mm after half a second with steps of 1 ms. Sleeping is switched off.
+mm after half a second with steps of 1 ms. Sleeping is switched off, and `settings=engine` keeps it.
 
 If accelerations overflow, DART sets them to zero and continues. The adapter reports this as a divergence.
 """

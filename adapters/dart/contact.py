@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import dartpy as dart
 
-from bodycheck.adapters.contract import Method, Option, choice
+from bodycheck.adapters.contract import Kind, Method, Option, choice
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
@@ -23,11 +23,15 @@ CONES: dict[str, Callable[[], "dart.constraint.BoxedLcpSolver"]] = {
     "fbf": dart.constraint.FbfFrictionSolver,
 }
 
-#: The options of a method on a plane.
+#: The kinds of scene that DART models, and those for which its own settings make a difference.
+MODELLED: tuple[Kind, ...] = ("flight", "drag", "plane", "mechanism")
+OWN_SETTINGS: frozenset[Kind] = frozenset({"plane", "mechanism"})
+
+#: The options of a method.
 OPTIONS: dict[str, Option] = {
     "solver": choice("pgs", *CONES, kinds=frozenset({"plane"})),
     "detector": choice(*DETECTORS, kinds=frozenset({"plane"})),
-    "settings": choice("engine", kinds=frozenset({"plane"})),
+    "settings": choice("engine", kinds=OWN_SETTINGS),
 }
 
 #: Half the side and half the height (m) of the box on which the body lies. No body slides beyond the box. The results of

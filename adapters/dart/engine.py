@@ -7,10 +7,11 @@ import dartpy as dart
 import numpy as np
 
 from bodycheck.adapters.attitudes import quaternions, rotation_vector
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, Simulation, states
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, Simulation, Usage, states
 from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.dart.robots import read_robot as read_robot
+from bodycheck.adapters.dart.robots import step_robot as step_robot
 from bodycheck.adapters.links import Link, links_of
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -19,6 +20,10 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 INTEGRATOR = "semi-implicit-euler"
+
+#: A world that sets nothing. In flight, DART's own settings make no difference.
+WORLD, SOURCE = f"{INTEGRATOR}:settings=engine", "https://github.com/dartsim/dart/blob/v6.20.0/dart/simulation/World.hpp"
+WORLDS = {kind: Usage(WORLD if kind in contact.OWN_SETTINGS else INTEGRATOR, 0.001, SOURCE) for kind in contact.MODELLED}
 
 engine = Engine(
     name="dart",
@@ -30,6 +35,7 @@ engine = Engine(
         "plane": tuple(f"{INTEGRATOR}:{options}" for options in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))
     },
     defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
+    roles={"default": WORLDS},
 )
 
 contact_law = contact.law

@@ -46,7 +46,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
     world.setGravity([0.0, 0.0, -mechanism.gravity])
     world.setTimeStep(method.timestep)
     sleeping = world.getDeactivationOptions()
-    sleeping.mEnabled = False
+    sleeping.mEnabled = method.option("settings") == "engine"
     world.setDeactivationOptions(sleeping)
     skeleton = dart.dynamics.Skeleton("mechanism")
     bodies = built(skeleton, mechanism)

@@ -4,7 +4,8 @@ The root of a URDF is welded to the world by an option of the loader; without it
 the name `world` is DART's world, and its inertia is ignored. A link without inertia has DART's default, 1 kg with moments of
 1 kg m^2. A joint whose limits exclude zero starts between its limits.
 
-DART has damping, dry friction, stiffness and effort limits of joints, but no armature. Dry friction is a constraint in each
+DART has damping, dry friction, stiffness and effort limits of joints, but no armature. It enforces limits of positions only
+after `setLimitEnforcement(True)`, which its loader of URDF does not set. Dry friction is a constraint in each
 step, so that DART computes neither passive forces nor forward dynamics of a robot with dry friction. A mimic joint has an
 actuator of the type MIMIC. DART's Python package does not report its numbers; they are read from the file. Three settings of
 the forward dynamics are changed here. DART evaluates damping and springs at the end of a time step: the step is so short that
@@ -30,7 +31,15 @@ from bodycheck.adapters.dart.bodies import pose as isometry
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import mimics
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.rotations import plane_axes
@@ -58,6 +67,8 @@ COLOURS_AND_PLACES = re.compile(r"\x1b\[[0-9;]*m|Warning \[\S*\]|at line \d+ in 
 #: The beginning of the names of skeletons that DART makes from the shapes of an MJCF's world.
 SHAPES = "__geom_skel__"
 
+LIMITS = "DART does not enforce limits of positions until joint.setLimitEnforcement(True)"
+
 #: A time step (s) so short that its effect vanishes in rounding beside the mass matrix.
 NO_TIME = 1e-30
 
@@ -79,8 +90,37 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
             velocities=skeleton.getNumDofs(),
             gravity=standard,
             terms=tuple(terms(skeleton, state, frictionless=not any(joint.friction for joint in joints)) for state in states),
-            notes=tuple(dict.fromkeys(f"DART warns: {line}" for line in warnings)),
+            notes=(LIMITS, *dict.fromkeys(f"DART warns: {line}" for line in warnings)),
         )
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of DART, as `RobotSteps.step_robot` does. The bodies of a skeleton do not touch."""
+    skeleton, _ = loaded(file) if file.format == "urdf" else of_mjcf(file)
+    with overheard():  # DART repeats its warnings
+        world = dart.simulation.World()
+        world.setGravity([0.0, 0.0, 0.0])
+        world.setTimeStep(timestep)
+        world.addSkeleton(skeleton)
+        return [moved(world, skeleton, start, steps) for start in starts]
+
+
+def moved(world: Any, skeleton: Any, start: JointStates, steps: int) -> JointStates:
+    """Return the state of the joints with one velocity after steps from a state."""
+    single = {joint.getName(): joint.getIndexInSkeleton(0) for joint in moving(skeleton) if joint.getNumDofs() == 1}
+    positions, velocities = np.array(skeleton.getPositions()), np.zeros(skeleton.getNumDofs())
+    for name, index in single.items():
+        positions[index], velocities[index] = start.positions.get(name, positions[index]), start.velocities.get(name, 0.0)
+    skeleton.setPositions(positions)
+    skeleton.setVelocities(velocities)
+    skeleton.setAccelerations(0 * velocities)
+    for _ in range(steps):
+        world.step()
+    positions, velocities = skeleton.getPositions(), skeleton.getVelocities()
+    return JointStates(
+        {name: float(positions[index]) for name, index in single.items()},
+        {name: float(velocities[index]) for name, index in single.items()},
+    )
 
 
 def loaded(file: RobotFile) -> tuple[Any, list[str]]:

@@ -9,11 +9,12 @@ import numpy as np
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
 from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Method, Simulation, states
+from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Kind, Method, Role, Simulation, Usage, states
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
+from bodycheck.adapters.drake.robots import step_robot as step_robot
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised, NormalisedControl
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
@@ -84,6 +85,20 @@ def defaults() -> dict[str, str]:
     }
 
 
+def roles() -> dict[Role, dict[Kind, Usage]]:
+    """Return the method of Drake's configuration of a plant, which is also what Drake's documentation prefers."""
+    config, plane = MultibodyPlantConfig(), f"{MultibodyPlantConfig().discrete_contact_approximation}:settings=engine"
+    methods = {kind: plane if kind == "plane" else config.discrete_contact_approximation for kind in KINDS - {"contact"}}
+    pages: dict[Role, str] = {
+        "default": "https://drake.mit.edu/doxygen_cxx/structdrake_1_1multibody_1_1_multibody_plant_config.html",
+        # "Currently, this is the preferred modality given its speed and robustness", of discrete plants.
+        "recommended": "https://drake.mit.edu/doxygen_cxx/group__mbp__discrete.html",
+    }
+    return {
+        role: {kind: Usage(method, config.time_step, page) for kind, method in methods.items()} for role, page in pages.items()
+    }
+
+
 engine = Engine(
     name="drake",
     distribution=INSTALLATION.distribution,
@@ -92,6 +107,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
     defaults=defaults(),
+    roles=roles(),
     largest_step=SimulatorConfig().max_step_size,
 )
 

@@ -34,11 +34,12 @@ from pydrake.multibody.tree import (
     PrismaticSpring,
     RevoluteSpring,
 )
+from pydrake.systems.analysis import Simulator
 
 from bodycheck.adapters.quiet import refusal
 from bodycheck.adapters.robot_files import floating_joints, mimics, on_root, places_on_root
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
-from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import JointStates, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values
@@ -137,9 +138,45 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     )
 
 
-def parsed(file: RobotFile, gravity: Vector) -> Parsed:
-    """Return a file as Drake parses it into a continuous plant with gravity (m/s^2). Raises `ModelRefused`."""
-    plant = MultibodyPlant(0.0)
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Drake's discrete plant, as `RobotSteps.step_robot` does. Raises `ModelRefused`.
+
+    A plant without a scene graph has no contacts. Only the discrete plant has limits and couplers.
+    """
+    with heard():
+        robot = parsed(file, (0.0, 0.0, 0.0), timestep)
+        plant, names = robot.plant, named(robot, floating_joints(file))
+        single = {name: joint for name, joint in names.items() if joint.num_velocities() == 1}
+        try:
+            return [moved(plant, single, start, timestep * steps) for start in starts]
+        except RuntimeError as error:
+            raise ModelRefused(refusal(file.path, str(error))) from error
+
+
+def moved(plant: Any, joints: Mapping[str, Any], start: JointStates, duration: float) -> JointStates:
+    """Return the state of joints after steps of a discrete plant from a state for a time (s)."""
+    simulator = Simulator(plant)
+    context = simulator.get_mutable_context()
+    positions, velocities = plant.GetPositions(context), np.zeros(plant.num_velocities())
+    for name, joint in joints.items():
+        positions[joint.position_start()] = start.positions.get(name, positions[joint.position_start()])
+        velocities[joint.velocity_start()] = start.velocities.get(name, 0.0)
+    plant.SetPositions(context, positions)
+    plant.SetVelocities(context, velocities)
+    simulator.AdvanceTo(duration)
+    positions, velocities = plant.GetPositions(context), plant.GetVelocities(context)
+    return JointStates(
+        {name: float(positions[joint.position_start()]) for name, joint in joints.items()},
+        {name: float(velocities[joint.velocity_start()]) for name, joint in joints.items()},
+    )
+
+
+def parsed(file: RobotFile, gravity: Vector, timestep: float = 0.0) -> Parsed:
+    """Return a file as Drake parses it into a plant with gravity (m/s^2). Raises `ModelRefused`.
+
+    timestep: the time step (s) of a discrete plant; 0 for a continuous one.
+    """
+    plant = MultibodyPlant(timestep)
     parser = Parser(plant)
     for name, path in file.packages.items():
         parser.package_map().Add(name, path)

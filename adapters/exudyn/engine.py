@@ -1,18 +1,19 @@
 """The adapter of Exudyn; the docstring of the package describes the methods."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import exudyn
 import numpy as np
 from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, Simulation, choice
+from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Kind, Method, Role, Simulation, Usage, choice
 from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, jointed_bodies, kinematic_trees, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
+from bodycheck.adapters.exudyn.stepping import Stepper
 from bodycheck.adapters.links import Link, links_of, state_in
-from bodycheck.adapters.stepping import Normalised
+from bodycheck.adapters.stepping import Controlled, Normalised
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
@@ -20,6 +21,9 @@ from bodycheck.reference.trajectory import Array
 
 # In addition to raising errors, Exudyn prints warnings and errors, and writes errors to a file.
 exudyn.config.printToConsole = exudyn.special.exceptions.writeErrorsToLogFile = False
+
+#: The address of Exudyn's documentation.
+DOCUMENTATION = "https://exudyn.readthedocs.io/en/latest/docs/RST"
 
 #: The orders that Exudyn claims, and the numbers of evaluations in a step, of the explicit solvers.
 ORDERS = {
@@ -60,9 +64,11 @@ VARIANTS = ("RK44:formulation=Rxyz", "GeneralizedAlpha:settings=engine", "Trapez
 def integrators() -> tuple[Integrator, ...]:
     """Return the explicit solvers, then the implicit ones."""
     explicit = {"formulation": choice("Rxyz")}
+    # On a plane, the stiffness of the contacts depends on the time step.
+    controlled = explicit | {"accuracy": replace(ACCURACY, kinds=KINDS - {"plane"})}
     implicit = {"formulation": choice("EP", "Rxyz")}
     return (
-        *(Integrator(name, *ORDERS[name], options=explicit) for name in ORDERS),
+        *(Integrator(name, *ORDERS[name], options=controlled if name in stepping.CONTROLLED else explicit) for name in ORDERS),
         Integrator("GeneralizedAlpha", 2, options={**implicit, "settings": choice("engine")}),
         Integrator("TrapezoidalIndex2", 2, options=implicit),
     )
@@ -78,6 +84,20 @@ def defaults() -> dict[str, str]:
     }
 
 
+def roles() -> dict[Role, dict[Kind, Usage]]:
+    """Return the method of Exudyn's default settings, and the same at the step of the tutorial that recommends it."""
+    time = exudyn.SimulationSettings().timeIntegration
+    usual = Usage(
+        f"{time.solverType.name}:settings=engine",
+        time.endTime / time.numberOfSteps,
+        f"{DOCUMENTATION}/RunASimpleExampleInPython.html",  # "simulates everything with default values"
+    )
+    # "For fixed step sizes, this is the recommended integrator."
+    advised = Usage("GeneralizedAlpha:settings=engine", 1e-3, f"{DOCUMENTATION}/RigidBodyAndJointsTutorial.html")
+    kinds = KINDS - {"contact"}
+    return {"default": dict.fromkeys(kinds, usual), "recommended": dict.fromkeys(kinds, advised)}
+
+
 engine = Engine(
     name="exudyn",
     distribution=INSTALLATION.distribution,
@@ -86,6 +106,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | OF_MECHANISMS,
     variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
     defaults=defaults(),
+    roles=roles(),
 )
 
 #: The friction law of contacts.
@@ -109,7 +130,7 @@ class Model:
         The contacts of Exudyn; None in a scene without a plane.
     """
 
-    stepper: stepping.Stepper
+    stepper: Stepper | Controlled
     formulation: Formulation
     contacts: "exudyn.GeneralContact | None"
 

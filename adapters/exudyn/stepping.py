@@ -1,4 +1,4 @@
-"""Settings of Exudyn's solvers for a fixed time step, and the loop over strides, whose steps are taken in C++."""
+"""Settings of Exudyn's solvers, the loop over strides of fixed steps, which are taken in C++, and steps with error control."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,11 +7,15 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides, single
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides, Work, single
+from bodycheck.adapters.stepping import Controlled
 from bodycheck.reference.trajectory import Array
 
 #: Exudyn's solvers that take explicit steps.
 EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "RK67", "ODE23", "DOPRI5", "VelocityVerlet")
+
+#: Exudyn's solvers that estimate the error of a step.
+CONTROLLED = ("ODE23", "DOPRI5")
 
 #: A tolerance of the error of a step so large that every step meets it: a solver that adapts its step takes the largest step.
 NO_TOLERANCE = 1e100
@@ -32,7 +36,7 @@ class Stepper:
     rows
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     timestep
-        The time step (s).
+        The time step (s); with error control the largest step.
     taken
         The number of steps taken so far.
     """
@@ -66,6 +70,10 @@ class Stepper:
         iteration.startTime = self.taken * self.timestep
         self.taken += steps
         iteration.endTime = (self.taken if adaptive else self.taken - 0.5) * self.timestep
+        return self.solve()
+
+    def solve(self) -> str | None:
+        """Take steps until the end time of the solver. Return the solver's message if it fails, else None."""
         try:
             if self.solver.SolveSteps(self.system, self.settings):
                 return None
@@ -73,22 +81,47 @@ class Stepper:
             return f"Exudyn stops: {' '.join(str(error).split())}"
         return f"Exudyn's solver fails: {' '.join(self.solver.GetErrorString().split())}"
 
+    def at(self, time: float) -> Array:
+        """Step with error control to a time (s), where a step ends, and return the numbers that describe the state.
 
-def settings(method: Method) -> "exudyn.SimulationSettings":
-    """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing."""
+        Raises `EngineDiverged`.
+        """
+        iteration = self.solver.it
+        if time > iteration.currentTime:
+            iteration.endTime = time
+            failed = self.solve()
+            self.taken += iteration.currentStepIndex - 1  # the index of the next step; Exudyn counts from the last call on
+            if failed is not None:
+                raise EngineDiverged(failed)
+            iteration.initialStepSize = iteration.currentStepSize  # or the next call would begin with the largest step
+        return self.seen()
+
+    def work(self) -> Work:
+        """Return the work of the solver so far. Exudyn does not count the evaluations of an explicit solver."""
+        return Work(self.taken, self.solver.it.rejectedAutomaticStepSizeSteps, None)
+
+
+def settings(method: Method, constrained: bool) -> "exudyn.SimulationSettings":
+    """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing.
+
+    `constrained` says whether the system has algebraic constraints. Exudyn's documentation requires a spectral radius below 1
+    for constraints on positions, so that it is 1 only without constraints.
+    """
     simulation = exudyn.SimulationSettings()
     simulation.solution.file.write = False
     time = simulation.timeIntegration
     time.verboseMode = 0
     time.numberOfSteps, time.endTime = 1, method.timestep
-    time.automaticStepSize = False
-    time.absoluteTolerance = time.relativeTolerance = NO_TOLERANCE
+    time.automaticStepSize = method.accuracy is not None
+    tolerance = NO_TOLERANCE if method.accuracy is None else method.accuracy
+    time.absoluteTolerance = time.relativeTolerance = tolerance  # equal, as Exudyn's defaults are
     time.explicit.computeEndOfStepAccelerations = False  # no step depends on them
-    # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
-    time.newton.useModifiedNewton = False
     if method.option("settings") != "engine":
+        # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
+        time.newton.useModifiedNewton = False
         time.adaptiveStep = False
-        time.generalizedAlpha.spectralRadius = 1.0
+        if not constrained:
+            time.generalizedAlpha.spectralRadius = 1.0
     time.solverType = getattr(exudyn.DynamicSolverType, method.integrator)
     if method.integrator == "TrapezoidalIndex2":
         # Exudyn's own function for this solver sets these flags.
@@ -108,8 +141,8 @@ def initialised(
     seen: Callable[[], Array],
     rows: Callable[[Array], Array],
     redundant: bool = False,
-) -> Stepper:
-    """Return the simulation of a complete system, with an initialised solver.
+) -> Stepper | Controlled:
+    """Return the simulation of a complete system, with an initialised solver, and with error control if the method has it.
 
     Parameters
     ----------
@@ -124,7 +157,7 @@ def initialised(
         If Exudyn refuses the system.
     """
     system.Assemble()
-    chosen, engine_solver = settings(method), solver(method)
+    chosen, engine_solver = settings(method, len(system.systemData.GetAECoordinates()) > 0), solver(method)
     if redundant:
         chosen.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
         chosen.linearSolver.ignoreSingularJacobian = True
@@ -134,4 +167,5 @@ def initialised(
         refusal = str(error).partition(" [Python file")[0]
     if refusal:
         raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")
-    return Stepper(container, system, engine_solver, chosen, seen, rows, method.timestep)
+    stepper = Stepper(container, system, engine_solver, chosen, seen, rows, method.timestep)
+    return stepper if method.accuracy is None else Controlled(method.timestep, stepper.at, rows, stepper.work)

@@ -17,9 +17,10 @@ contact for a body on a plane. The methods are the integrators of MJX:
 Nothing has to be switched off: MJX has no damping, no sleeping, no limits of speed and no substeps of its own, so that there is
 no method with other settings. The parameters of contact are the engine's own.
 
-Drag is a force (`xfrc_applied`) that is computed at the start of each step and kept for the step, also by RK4, so that every
-integrator is of first order with drag. `drag=fluid` selects MuJoCo's fluid model as in the adapter of MuJoCo; MJX does not have
-it with `implicitfast`.
+Drag is a force (`xfrc_applied`) that is computed at the start of each step and kept for the step, also by RK4, so that
+every method is of first order with drag. This order is that of the adapter, not of MJX, which has no callback for forces
+that depend on the state of a stage, as MuJoCo and MuJoCo Warp have. MJX evaluates its own forces in every stage.
+`drag=fluid` selects MuJoCo's fluid model as in the adapter of MuJoCo; MJX does not have it with `implicitfast`.
 
 A free joint has the position and the velocity of the centre of mass in the world frame, a quaternion w x y z, and the angular
 velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends with
@@ -29,8 +30,9 @@ Links are those of the adapter of MuJoCo, which compiles the model.
 
 Mechanisms are those of the adapter of MuJoCo; MuJoCo computes the poses of bodies from MJX's coordinates. `RK4` is of fourth
 order on hinges and slides, and of second order on ball joints. Damping is that at the end of a step with `Euler` and
-`implicitfast`. A loop is as soft as MuJoCo's default constraint: its gap does not vanish with the time step. Compiling the
-steps of a mechanism takes a minute or more.
+`implicitfast`. A loop is as soft as MuJoCo's default constraint: its gap does not vanish with the time step. It lacks the
+centripetal and Coriolis acceleration that MuJoCo 3.7.0 added to this constraint. Compiling the steps of a mechanism takes a
+minute or more.
 
 MuJoCo's compiler reads robot models. The module `robots` reads the numbers that MJX keeps, and finds the models that it
 refuses.

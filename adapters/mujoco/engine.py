@@ -45,6 +45,7 @@ from bodycheck.adapters.mujoco import (
     exporting,
     mechanism_xml,
     mechanisms,
+    robot_steps,
     robots,
     touching,
 )
@@ -157,6 +158,7 @@ engine = Engine(
 calls = CALLS
 
 interface_loads, read_robot, compiled = touching.interface_loads, robots.read_robot, robots.compiled
+step_robot = robot_steps.step_robot
 
 
 def models(scene: AnyScene, integrator: str) -> dict[str, Model]:

@@ -8,7 +8,9 @@ compiled by the MuJoCo that is installed with it. Nothing has to be switched off
 Warp neither limits speeds nor lets bodies sleep, so there is no method with the engine's own settings.
 
 Drag is a kernel that is added to MuJoCo's own passive forces, so that every integrator evaluates it with all other forces. A
-body on a plane touches it by MuJoCo's soft contact, with the options of the adapter of MuJoCo except pads.
+body on a plane touches it by MuJoCo's soft contact, with the options of the adapter of MuJoCo except pads and noslip. MuJoCo
+Warp raises a tolerance of the constraint solver below 1e-6 to this value, and has no reset after a bad state: such a run ends
+with states that are not numbers.
 
 Links are those of the adapter of MuJoCo, which compiles the model.
 

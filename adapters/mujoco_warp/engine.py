@@ -16,14 +16,16 @@ from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
+from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.stepping import InTurn, Loop
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts.
-OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "pads"}
+#: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts, and `noslip`, because
+#: MuJoCo Warp has no noslip solver.
+OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key not in ("pads", "noslip")}
 
 
 def integrators() -> tuple[Integrator, ...]:
@@ -75,22 +77,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-read_robot, contact_law = robots.read_robot, mujoco.contact_law
-
-
-def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
-    """Add drag, with the coefficient `drag` (kg/m), to forces on coordinates whose first velocities are the body's (world).
-
-    Warp compiles this function as a kernel. The first axis of both arrays is the axis of worlds.
-    """
-    world = wp.tid()
-    velocity = wp.vec3(velocities[world, 0], velocities[world, 1], velocities[world, 2])
-    force = -drag * wp.length(velocity) * velocity
-    for axis in range(3):
-        forces[world, axis] += force[axis]
-
-
-drag_kernel = wp.kernel(add_drag)
+read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
@@ -154,10 +141,7 @@ def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any,
         If MuJoCo or MuJoCo Warp refuses the model.
     """
     model, data, rows = handed_over(xml, joints)
-    if scene.drag:
-        model.callback.passive = lambda model, data: wp.launch(
-            drag_kernel, dim=data.nworld, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
-        )
+    resist(model, scene.drag)
     return model, data, rows
 
 

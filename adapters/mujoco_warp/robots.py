@@ -17,11 +17,13 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.mujoco.robot_joints import body_name, columns
+from bodycheck.adapters.mujoco.robot_joints import body_name, columns, joints_of
+from bodycheck.adapters.mujoco.robot_steps import joint_states, state_of, steppable
 from bodycheck.adapters.mujoco.robot_terms import leave_out_what_is_not_asked, mass_matrix
 from bodycheck.adapters.mujoco.robots import described, loaded
+from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.robot_numbers import pose
-from bodycheck.adapters.robot_reading import ModelRefused, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import JointStates, ModelRefused, RobotFile, RobotReading
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
@@ -55,6 +57,21 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     columns_of_states = columns(compiled, file.format, states)
     terms = terms_of(compiled, model, worlds, columns_of_states, gravity)
     return replace(reading, terms=terms, rounding=rounding(compiled, columns_of_states[0]))
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of MuJoCo Warp, as `RobotSteps.step_robot` does. All starts are worlds of one model."""
+    compiled = steppable(file, timestep)
+    joints, model = joints_of(compiled, file.format), mjw.put_model(compiled)
+    worlds = mjw.put_data(compiled, mujoco.MjData(compiled), nworld=len(starts))
+    qpos, qvel, _, _ = columns(compiled, file.format, [state_of(start) for start in starts])
+    worlds.qpos.assign(qpos)
+    worlds.qvel.assign(qvel)
+    graph = graphs.record(lambda: mjw.step(model, worlds))
+    for _ in range(steps):
+        graphs.replay(graph)
+    ends = zip(doubles(worlds.qpos), doubles(worlds.qvel), strict=True)
+    return [joint_states(joints, *end) for end in ends]
 
 
 def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:

@@ -8,12 +8,14 @@ import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Usage, single_bodies, states
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
+from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
 from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
+from bodycheck.adapters.newton.robots import step_robot as step_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import InTurn, Loop, Normalised
 from bodycheck.adapters.touching import corners_of_brick, lying_shape
@@ -24,6 +26,9 @@ from bodycheck.reference.trajectory import Array
 
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
 wp.config.enable_backward = False
+
+#: The solver of Newton's first tutorial, which takes ten steps in each of 60 frames in a second.
+TUTORIAL = Usage("XPBD:iterations=10", 1 / 600, "https://newton-physics.github.io/newton/stable/tutorials/00_introduction.html")
 
 engine = Engine(
     name="newton",
@@ -37,6 +42,7 @@ engine = Engine(
     precision="float32",
     device=graphs.DEVICE,
     batch=2,
+    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), TUTORIAL)},
 )
 
 #: The friction law of contacts.
@@ -104,12 +110,15 @@ def stepper(
 ) -> Callable[[], None]:
     """Return a function that takes a step of `state` in place; `following` is a second state, used as workspace."""
     solver, control = solver_of_method.make(model, method), model.control()
+    if solver_of_method.own_passive_forces:
+        resist(solver.mjw_model, scene.drag)
+    pushed = scene.drag and not solver_of_method.own_passive_forces
     pipeline = newton.CollisionPipeline(model) if scene.plane is not None and solver_of_method.collides else None
     contacts = pipeline.contacts() if pipeline is not None else None
 
     def step() -> None:
         state.clear_forces()
-        if scene.drag:
+        if pushed:
             wp.launch(drag_kernel, dim=model.body_count, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
         if pipeline is not None:
             pipeline.collide(state, contacts)

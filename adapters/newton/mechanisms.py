@@ -80,13 +80,22 @@ def in_order(mechanism: Mechanism) -> list[Joint | None]:
     return [mechanism.joint_of[index] for index in depth_first(mechanism)]
 
 
+def numbers(mechanism: Mechanism) -> dict[int, int]:
+    """Return the number of each body in Newton's model by its index in the mechanism; the number of `WORLD` is -1.
+
+    Each body has the number of the joint that it hangs on: `SolverFeatherstone` reads the inertia of a joint's body by the
+    number of the joint, so that bodies in another order than the joints would have each other's inertias.
+    """
+    return {WORLD: -1} | {index: number for number, index in enumerate(depth_first(mechanism))}
+
+
 def built(mechanism: Mechanism, method: Method) -> Any:
     """Return Newton's model of a mechanism, whose default state is the initial state."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -mechanism.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
-    first = frames(mechanism)
-    for body, frame in zip(mechanism.bodies, first, strict=True):
-        link = link_of(body)
+    first, number_of = frames(mechanism), numbers(mechanism)
+    for index in depth_first(mechanism):
+        frame, link = first[index], link_of(mechanism.bodies[index])
         number = builder.add_link(
             xform=transform(frame.position, frame.quaternion),
             com=wp.vec3(*link.center_of_mass),
@@ -104,10 +113,11 @@ def built(mechanism: Mechanism, method: Method) -> Any:
             builder.add_articulation(tree)
             tree = []
         if joint is None:
-            number = builder.add_joint_free(index)
-            positions, velocities = [*transform(first[index].position, first[index].quaternion)], [*builder.body_qd[index]]
+            body = number_of[index]
+            number = builder.add_joint_free(body)
+            positions, velocities = [*transform(first[index].position, first[index].quaternion)], [*builder.body_qd[body]]
         else:
-            number = add_joint(builder, joint)
+            number = add_joint(builder, joint, (number_of[joint.parent], number_of[joint.child]))
             positions, velocities = in_newton(joint, *values[index])
         tree.append(number)
         at, by = builder.joint_q_start[number], builder.joint_qd_start[number]
@@ -119,10 +129,9 @@ def built(mechanism: Mechanism, method: Method) -> Any:
     return builder.finalize(skip_validation_inertia=True)
 
 
-def add_joint(builder: Any, joint: Joint) -> int:
-    """Add a joint to a builder, and return its number."""
+def add_joint(builder: Any, joint: Joint, between: tuple[int, int]) -> int:
+    """Add a joint between two bodies of a builder, the parent first, and return its number."""
     ends: dict[str, Any] = {"parent_xform": transform(joint.position, exact.nearest_turn(joint.attitude))}
-    between = (-1 if joint.parent == WORLD else joint.parent), joint.child
     acting = {
         "armature": joint.armature,
         "damping": joint.damping,
@@ -152,10 +161,10 @@ def in_newton(joint: Joint, position: Array, velocity: Array) -> tuple[list[floa
 
 def rows(mechanism: Mechanism, seen: Array) -> Array:
     """Return the states (n, bodies, 13) of the contract from poses and twists (n, 13 bodies); see `engine.rows`."""
-    engine_rows = seen.reshape(len(seen), -1, 13)
+    engine_rows, number_of = seen.reshape(len(seen), -1, 13), numbers(mechanism)
     states_of_bodies = []
     for index, body in enumerate(mechanism.bodies):
-        engine_rows_of_body = engine_rows[:, index]
+        engine_rows_of_body = engine_rows[:, number_of[index]]
         turn = engine_rows_of_body[:, [6, 3, 4, 5]]
         unit = normalise(turn)
         centre = engine_rows_of_body[:, :3] + rotate(

@@ -27,7 +27,7 @@ import warp as wp
 
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import components, finite, matrix, pose, scalar_first, vector
-from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import JointStates, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values
@@ -104,14 +104,56 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         )
 
 
-def imported(file: RobotFile) -> Imported:
-    """Return Newton's model of a file. Raises `ModelRefused`."""
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Newton's solver `SolverMuJoCo`, as `RobotSteps.step_robot` does. Raises `ModelRefused`.
+
+    Of Newton's solvers it is the one that has all of limits, rules of following, damping and friction. All starts are worlds of
+    one model.
+    """
+    with overheard(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        robot = imported(file, len(starts))
+        model, state = robot.model, robot.state
+        model.set_gravity((0.0, 0.0, 0.0))
+        single = [
+            joint for joint in robot.joints[: len(robot.joints) // len(starts)] if joint.type in ("revolute", "prismatic")
+        ]
+        q, qd = (array.numpy().reshape(len(starts), -1) for array in (model.joint_q, model.joint_qd))
+        for row, start in enumerate(starts):
+            for joint in single:
+                q[row, joint.held] = start.positions.get(joint.name, q[row, joint.held])
+                qd[row, joint.moved] = start.velocities.get(joint.name, 0.0)
+        state.joint_q.assign(q.ravel())
+        state.joint_qd.assign(qd.ravel())
+        newton.eval_fk(model, state.joint_q, state.joint_qd, state)
+        try:
+            solver = newton.solvers.SolverMuJoCo(model, disable_contacts=True)
+        except Exception as error:  # the conversion to MuJoCo raises exceptions of many types
+            raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
+        control = model.control()
+        for _ in range(steps):
+            solver.step(state, state, control, None, timestep)
+        q, qd = (array.numpy().reshape(len(starts), -1).astype(float) for array in (state.joint_q, state.joint_qd))
+        return [
+            JointStates(
+                {joint.name: float(positions[joint.held.start]) for joint in single},
+                {joint.name: float(velocities[joint.moved.start]) for joint in single},
+            )
+            for positions, velocities in zip(q, qd, strict=True)
+        ]
+
+
+def imported(file: RobotFile, worlds: int = 1) -> Imported:
+    """Return Newton's model of a file, or of several worlds with one robot each. Raises `ModelRefused`."""
     builder = newton.ModelBuilder()
     try:
         if file.format == "urdf":
             builder.add_urdf(file.path)
         else:
             builder.add_mjcf(file.path)
+        if worlds > 1:
+            one, builder = builder, newton.ModelBuilder()
+            builder.replicate(one, worlds)
         model = builder.finalize()
     except Exception as error:  # the importers raise exceptions of many types, also `Exception` itself
         raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error

@@ -6,7 +6,7 @@ from typing import Any
 
 from newton import solvers
 
-from bodycheck.adapters.contract import KINDS, Kind, Method, Option, choice
+from bodycheck.adapters.contract import KINDS, Kind, Method, Option, Range, choice
 
 #: The time-stepping schemes of the solver that passes a model to MuJoCo Warp, as Newton spells them.
 OF_MUJOCO = ("euler", "rk4", "implicit", "implicitfast", "discrete")
@@ -36,6 +36,9 @@ class Solver:
         The options of its methods.
     collides
         Whether Newton's collision detection runs before each step; if not, the solver has its own collision detection.
+    own_passive_forces
+        Whether drag is one of the solver's own passive forces, which it evaluates with the accelerations, at each stage of a
+        step. If not, drag is an external force, which is computed at the start of a step and held through it.
     lacks
         The features of mechanisms that the solver does not model, or ignores; see `Engine.models`.
     """
@@ -46,6 +49,7 @@ class Solver:
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
     collides: bool = True
+    own_passive_forces: bool = False
     lacks: frozenset[str] = frozenset()
 
 
@@ -57,7 +61,11 @@ def keeps_damping(method: Method) -> bool:
 def mujoco(scheme: str) -> Solver:
     """Return the solver that passes a model to MuJoCo Warp, with one of MuJoCo Warp's integrators."""
     stages = 4 if scheme == "rk4" else 1
-    return Solver(lambda model, method: solvers.SolverMuJoCo(model, integrator=scheme), stages, stages, collides=False)
+
+    def make(model: Any, method: Method) -> Any:
+        return solvers.SolverMuJoCo(model, integrator=scheme)
+
+    return Solver(make, stages, stages, collides=False, own_passive_forces=True)
 
 
 def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
@@ -75,6 +83,16 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
     )
 
 
+def xpbd(model: Any, method: Method) -> Any:
+    """Return the solver XPBD; its two factors of relaxation of joints are those of the method, or Newton's own."""
+    chosen: dict[str, Any] = {}
+    if (iterations := method.option("iterations")) is not None:
+        chosen["iterations"] = int(iterations)
+    if (relaxation := method.option("relaxation")) is not None:
+        chosen |= {"joint_linear_relaxation": float(relaxation), "joint_angular_relaxation": float(relaxation)}
+    return solvers.SolverXPBD(model, **chosen)
+
+
 SOLVERS: dict[str, Solver] = {
     "SemiImplicit": Solver(
         lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
@@ -82,7 +100,16 @@ SOLVERS: dict[str, Solver] = {
         options={"settings": choice("engine")},
     ),
     "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction"})),
-    "XPBD": Solver(lambda model, method: solvers.SolverXPBD(model, angular_damping=0.0), kinds=ONE_BODY),
+    "XPBD": Solver(
+        xpbd,
+        options={
+            "iterations": Option("an integer of at least 1", numbers=((Range(1, whole=True),),)),
+            "relaxation": Option(
+                "a factor for the joints' impulses above 0 and at most 1", numbers=((Range(0, 1, above=True),),)
+            ),
+        },
+        lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction"}),
+    ),
     "VBD": Solver(lambda model, method: solvers.SolverVBD(model), kinds=ONE_BODY),
     "Steel": Solver(
         lambda model, method: solvers.SolverSteel(model),
@@ -95,10 +122,11 @@ SOLVERS: dict[str, Solver] = {
 }
 
 #: Spellings of methods with options that are run in addition to the integrators: the methods with Newton's damping (DAMPED),
-#: and all methods by kind of scene (VARIANTS).
+#: and all methods by kind of scene (VARIANTS), XPBD without relaxation of joints beside XPBD with it.
 DAMPED = ("SemiImplicit:settings=engine", "Steel:settings=engine")
 VARIANTS: dict[Kind, tuple[str, ...]] = {
     "flight": DAMPED,
     "drag": DAMPED,
     "plane": (*DAMPED, "Kamino-euler:dynamics_solver=dvi", "Kamino-euler:dynamics_solver=lox"),
+    "mechanism": ("XPBD:relaxation=1",),
 }

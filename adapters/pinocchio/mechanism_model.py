@@ -11,8 +11,9 @@ frame:
 - universal: `JointModelUniversal`, or two revolute joints in a release without it.
 - fixed: none. The inertia is added to the inertia of the parent's joint, as Pinocchio's readers of files do.
 
-Joints are added depth first. `aba` accepts any order, but `constraintDynamics` silently returns wrong accelerations if the
-joints of a branch do not follow one another. Pinocchio's quaternions are x, y, z, w.
+Joints are added depth first, as Pinocchio's documentation requires: `aba` accepts any order, but `constraintDynamics` and
+other algorithms return wrong numbers if the joints of a branch do not follow one another, and `model.check(data)` is then
+False. Pinocchio's quaternions are x, y, z, w.
 """
 
 import math

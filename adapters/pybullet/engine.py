@@ -12,7 +12,17 @@ from importlib.metadata import version
 import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Simulation, choice, states
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    Integrator,
+    Method,
+    SceneUnsupported,
+    Simulation,
+    Usage,
+    choice,
+    states,
+)
 from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.pybullet import INSTALLATION
@@ -33,12 +43,21 @@ with no_stderr():
     from bodycheck.adapters.pybullet.links import BASE, load, weld
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
+    from bodycheck.adapters.pybullet.robots import step_robot as step_robot
 
 #: Half the length of the ground (m), which is much longer than any slide, and half its height (m).
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
 
 #: The method with PyBullet's own damping and limits.
 ENGINE_SETTINGS = "multibody:settings=engine"
+
+#: The method of the first example of PyBullet's guide, which sets no time step. The guide advises against the other integrator:
+#: "experimental, best to leave it 0/false" (`useMaximalCoordinates`).
+QUICK_START = Usage(
+    ENGINE_SETTINGS,
+    1 / 240,
+    "https://github.com/bulletphysics/bullet3/blob/master/docs/pybullet_quickstart_guide/PyBulletQuickstartGuide.md.html",
+)
 
 
 def defaults() -> dict[str, str]:
@@ -60,6 +79,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
     defaults=defaults(),
+    roles={"default": dict.fromkeys(sorted(KINDS), QUICK_START), "recommended": dict.fromkeys(sorted(KINDS), QUICK_START)},
 )
 
 #: The friction law of contacts.
@@ -155,7 +175,8 @@ def step(world: World) -> World:
 def resisted_step(drag: float) -> Callable[[World], World]:
     """Return a function that takes a time step with the drag -c |v| v at the centre of mass.
 
-    `drag` is c (kg/m), and v is the velocity at the start of the step.
+    `drag` is c (kg/m), and v is the velocity at the start of the step: the order of a motion with drag is one, whatever
+    Bullet's order is.
     """
 
     def resisted(world: World) -> World:

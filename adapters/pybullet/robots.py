@@ -10,11 +10,12 @@ inertia has 1 kg and moments of 1 kg m^2.
 From an MJCF of one tree on the world PyBullet keeps masses, and centres of mass in single precision, but not the inertia of an
 `inertial`. A joint moves a link without mass, which PyBullet names, and the body is fixed to this link.
 
-PyBullet has damping and friction of a joint, but no armature and no mimic joints. A joint of the type "floating" becomes a
-fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller passes, so that they do not
-contain the damping of links and the motors, which PyBullet applies in every step. PyBullet offers no forward dynamics, and no
-Jacobians of a robot with a spherical or planar joint. A robot with a spherical joint has no terms except poses, and a robot
-with a planar joint has no terms.
+PyBullet has damping of a joint, but no armature and no mimic joints. It tells the friction of a joint, and the limits that a
+file states for a continuous joint, and enforces neither, as trials by motion show (`step_robot`). A joint of the type
+"floating" becomes a fixed joint. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller passes,
+so that they do not contain the damping of links and the motors, which PyBullet applies in every step. PyBullet offers no
+forward dynamics, and no Jacobians of a robot with a spherical or planar joint. A robot with a spherical joint has no terms
+except poses, and a robot with a planar joint has no terms.
 """
 
 import re
@@ -29,7 +30,15 @@ import pybullet
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms
@@ -128,6 +137,37 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
             rounding=ROUNDING,
             notes=(*NOTES, *(f"PyBullet warns: {warning}" for warning in warnings)),
         )
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Bullet, as `RobotSteps.step_robot` does. Raises `ModelRefused`.
+
+    A server has no gravity unless it is set.
+    """
+    with server() as client, overheard():
+        robot, _ = loaded(client, file)
+        pybullet.setTimeStep(timestep, physicsClientId=client)
+        for index in (BASE, *(joint.index for joint in robot.joints)):
+            pybullet.changeDynamics(robot.body, index, linearDamping=0, angularDamping=0, physicsClientId=client)
+        for joint in robot.moving:
+            motor = {"controlMode": pybullet.VELOCITY_CONTROL, "force": 0}
+            pybullet.setJointMotorControl2(robot.body, joint.index, **motor, physicsClientId=client)
+        try:
+            return [moved(robot, start, steps) for start in starts]
+        except pybullet.error as error:  # PyBullet stores the states of at most 128 joints, including fixed joints
+            raise ModelRefused(refusal(file.path, str(error))) from error
+
+
+def moved(robot: Loaded, start: JointStates, steps: int) -> JointStates:
+    """Return the state of the joints with one velocity after steps from a state."""
+    single = [joint for joint in robot.moving if joint.count == 1]
+    for joint in single:
+        position, velocity = start.positions.get(joint.name, 0.0), start.velocities.get(joint.name, 0.0)
+        pybullet.resetJointState(robot.body, joint.index, position, velocity, physicsClientId=robot.client)
+    for _ in range(steps):
+        pybullet.stepSimulation(physicsClientId=robot.client)
+    states = [pybullet.getJointState(robot.body, joint.index, physicsClientId=robot.client) for joint in single]
+    return JointStates(*({joint.name: state[part] for joint, state in zip(single, states, strict=True)} for part in (0, 1)))
 
 
 @contextmanager

@@ -5,9 +5,11 @@ velocity by an explicit Euler step of the angular momentum in the body frame, sc
 adds the acceleration of forces, and then advances the pose with the new velocities. The attitude q becomes (1 + h w / 2) q,
 normalised, for the angular velocity w: a rotation by 2 atan(h |w| / 2) instead of h |w|.
 
-Rapier's four substeps in each step, its limits of pi/4 of rotation in a step and of 400 m/s, sleeping, and continuous collision
-detection are switched off. The step itself makes the iterations of the contact solver that Rapier distributes over its
-substeps. With `settings=engine` all of these are as Rapier sets them. Rapier sets no damping.
+The first method in tables is `settings=engine`, with Rapier's own settings: its contacts and joints are made for four substeps
+in each step. In the method without options, which shows the scheme by itself, Rapier's four substeps in each step, its limits
+of pi/4 of rotation in a step and of 400 m/s, sleeping, and continuous collision detection are switched off. The step itself
+makes the iterations of the contact solver that Rapier distributes over its substeps. Rapier sets no damping. Drag is a force
+that is computed at the start of a step and held through it, so that the order against drag is that of the adapter.
 
 Frames, as found by experiment: Rapier returns the position and the velocity of the centre of mass and the angular velocity in
 the world frame. `Rotation3` is built from w, x, y, z, but its attribute `quaternion` is x, y, z, w. The adapter makes the

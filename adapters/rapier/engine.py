@@ -13,11 +13,22 @@ import rapier3d
 from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, EngineReset, Integrator, Method, Simulation, choice, states
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    EngineReset,
+    Integrator,
+    Method,
+    Simulation,
+    Usage,
+    choice,
+    states,
+)
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
+from bodycheck.adapters.rapier.robots import step_robot as step_robot
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.adapters.urdf import urdf
@@ -32,17 +43,24 @@ NO_LIMIT = float(np.finfo(np.float32).max)
 
 #: The option that keeps Rapier's settings, and the option that selects a friction cone at each contact.
 OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
-ENGINE_SETTINGS, COULOMB = "symplectic-euler:settings=engine", "symplectic-euler:friction=coulomb"
+PLAIN, ENGINE_SETTINGS, COULOMB = (f"symplectic-euler{options}" for options in ("", ":settings=engine", ":friction=coulomb"))
+
+#: The parameters of a world that sets none.
+PARAMETERS = Usage(
+    ENGINE_SETTINGS, 1 / 60, "https://docs.rs/rapier3d/latest/rapier3d/dynamics/struct.IntegrationParameters.html"
+)
 
 engine = Engine(
     name="rapier",
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
-    integrators=(Integrator("symplectic-euler", order=1, evaluations=1, options=OPTIONS),),
+    integrators=(Integrator(PLAIN, order=1, evaluations=1, options=OPTIONS),),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "plane": (COULOMB, ENGINE_SETTINGS)},
+    # Rapier's own settings come first: its contacts and joints are made for four substeps.
+    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS, PLAIN)), "plane": (ENGINE_SETTINGS, PLAIN, COULOMB)},
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
+    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), PARAMETERS)},
 )
 
 #: The functions of Rapier that steps call from Python.

@@ -15,7 +15,7 @@ Rapier computes the poses. It has no function for the mass matrix, or for the ot
 a time step. Its reader of MJCF is not used.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,15 @@ from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
@@ -90,10 +98,51 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     )
 
 
-def loaded(file: RobotFile) -> Loaded:
-    """Return the robot of a URDF. Raises `ModelRefused`."""
-    options = loader.UrdfLoaderOptions(make_roots_fixed=True, squeeze_empty_fixed_links=False)
-    bodies, colliders, joints = rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet()
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of Rapier, as `RobotSteps.step_robot` does. Bodies of a robot have no shapes."""
+    world = rapier3d.PhysicsWorld(gravity=(0.0, 0.0, 0.0))
+    world.integration_parameters.dt = timestep
+    robot = loaded(file, (world.rigid_bodies, world.colliders, world.multibody_joints), with_shapes=False)
+    robot.tree.set_damping([0.0] * robot.tree.ndofs)
+    before = robot.tree.ndofs
+    world.step()  # the first step removes the velocities of a fixed root
+    gone = before - robot.tree.ndofs
+    single = {joint.name: joint.first + ROOT - gone for joint in robot.joints if joint.count == 1}
+    return [moved(world, robot, single, start, steps) for start in starts]
+
+
+def moved(world: Any, robot: Loaded, joints: Mapping[str, int], start: JointStates, steps: int) -> JointStates:
+    """Return the state of joints, given with the indices of their velocities, after steps from a state."""
+    displacements, velocities = -np.array(robot.tree.generalized_position()), np.zeros(robot.tree.ndofs)
+    for name, index in joints.items():
+        displacements[index] += start.positions.get(name, 0.0)
+        velocities[index] = start.velocities.get(name, 0.0)
+    robot.tree.apply_displacements(displacements.tolist())
+    robot.tree.set_generalized_velocity(velocities.tolist())
+    robot.tree.forward_kinematics(world.rigid_bodies)
+    robot.tree.update_rigid_bodies(world.rigid_bodies, False)
+    for _ in range(steps):
+        world.step()
+    ends = robot.tree.generalized_position(), robot.tree.generalized_velocity()
+    return JointStates(*({name: float(values[index]) for name, index in joints.items()} for values in ends))
+
+
+def loaded(file: RobotFile, sets: tuple[Any, Any, Any] | None = None, with_shapes: bool = True) -> Loaded:
+    """Return the robot of a URDF. Raises `ModelRefused`.
+
+    Parameters
+    ----------
+    file
+        The file.
+    sets
+        The sets of bodies, colliders and joints of a world to which the robot is added; new sets if None.
+    with_shapes
+        Whether the bodies have their shapes of collision.
+    """
+    options = loader.UrdfLoaderOptions(
+        make_roots_fixed=True, squeeze_empty_fixed_links=False, create_colliders_from_collision_shapes=with_shapes
+    )
+    bodies, colliders, joints = sets or (rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet())
     try:
         with overheard():
             robot, description = loader.UrdfRobot.from_file(file.path, options)

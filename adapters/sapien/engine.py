@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, choice, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, Usage, choice, states
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
@@ -34,12 +34,19 @@ with warnings.catch_warnings():
     from bodycheck.adapters.sapien import mechanisms
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
+    from bodycheck.adapters.sapien.robots import step_robot as step_robot
 
 #: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
 X_TO_Z = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
 
 OPTIONS = {"settings": choice("engine")}
 SOLVERS = ("PGS", "TGS")
+
+
+#: The method of the example with which SAPIEN's tutorial begins, which sets a time step and nothing else.
+HELLO_WORLD = Usage(
+    "TGS:settings=engine", 0.01, "https://github.com/haosulab/SAPIEN/blob/3.0.0dev/python/py_package/example/hello_world.py"
+)
 
 
 def defaults() -> dict[str, str]:
@@ -57,6 +64,7 @@ engine = Engine(
     variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
     precision="float32",
     defaults=defaults(),
+    roles={"default": dict.fromkeys(sorted(KINDS), HELLO_WORLD)},
 )
 
 #: The functions of SAPIEN that steps call from Python.
@@ -131,7 +139,7 @@ def step(world: World) -> World:
 def resisted_step(drag: float) -> Callable[[World], World]:
     """Return a function that takes a time step with the drag -c |v| v, c in kg/m, at the centre of mass.
 
-    The velocity v is the velocity at the start of the step.
+    The velocity v is the velocity at the start of the step: the order of a motion with drag is one, whatever PhysX's order is.
     """
 
     def resisted(world: World) -> World:

@@ -5,7 +5,9 @@ separate body; with further links the loader fails (`KeyError`). A root without 
 Cameras in the file are left out, because they need a renderer. SAPIEN drops an inertia whose mass or tensor is zero; PhysX then
 computes the inertia from the shapes of collision, or uses 1e-6 kg and 1e-6 kg m^2. Joints have damping, as PhysX's drive.
 Friction and effort limits in the file are dropped; PhysX's joints have their own friction, with a coefficient of 0.05. A mimic
-joint becomes a tendon of PhysX, but only if one of the two joints is on the other's child, or if both are on the same link.
+joint becomes a tendon of PhysX, but only if one of the two joints is on the other's child, or if both are on the same link. The
+rule of a mimic joint is that of the loader's record, because SAPIEN does not report tendons. Trials by motion (`step_robot`)
+show which rule PhysX enforces: on the same link it is the inverse.
 
 Masses, frames and properties of joints are those of PhysX, in single precision, and so are poses and the forces of gravity and
 of Coriolis (`compute_passive_force`). The other terms are those of SAPIEN's `create_pinocchio_model`: SAPIEN writes the
@@ -30,7 +32,16 @@ from sapien.wrapper.urdf_loader import URDFLoader
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import floating_joints, on_root, places_on_root
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import (
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    ReadBody,
+    ReadJoint,
+    RobotFile,
+    RobotReading,
+)
+from bodycheck.adapters.sapien.links import switch_off
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms
@@ -150,12 +161,38 @@ def loaded(file: RobotFile) -> Loaded:
 
 
 def tendons(builder: Any, articulation: Any) -> Iterator[tuple[str, Mimic]]:
-    """Yield the names and the mimic elements of the mimic joints for which SAPIEN has made tendons."""
+    """Yield the names and mimic elements, as the loader tells them, of the joints for which SAPIEN has made tendons."""
     for record in builder.mimic_joint_records:
         joint, leader = articulation.find_joint_by_name(record.joint), articulation.find_joint_by_name(record.mimic)
         below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None
         if below or joint.parent_link == leader.parent_link:
             yield record.joint, Mimic(record.mimic, record.multiplier, record.offset)
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of PhysX, as `RobotSteps.step_robot` does. Shapes are in no group, so that none touch."""
+    with overheard(), warnings.catch_warnings(), pulled((0.0, 0.0, 0.0)):
+        warnings.simplefilter("ignore")
+        robot = loaded(file)
+        robot.scene.physx_system.set_timestep(timestep)
+        switch_off(robot.articulation)
+        for joint in robot.articulation.get_active_joints():
+            joint.set_friction(0.0)  # SAPIEN's own 0.05, which no file states
+        for link in robot.links:
+            for shape in link.collision_shapes:
+                shape.set_collision_groups([0, 0, 0, 0])
+        return [moved(robot.scene.physx_system, robot.articulation, start, steps) for start in starts]
+
+
+def moved(system: Any, articulation: Any, start: JointStates, steps: int) -> JointStates:
+    """Return the state of an articulation after steps from a state."""
+    names = [joint.name for joint in articulation.get_active_joints()]
+    articulation.set_qpos([start.positions.get(name, 0.0) for name in names])
+    articulation.set_qvel([start.velocities.get(name, 0.0) for name in names])
+    for _ in range(steps):
+        system.step()
+    positions, velocities = articulation.get_qpos().astype(float), articulation.get_qvel().astype(float)
+    return JointStates(*(dict(zip(names, values.tolist(), strict=True)) for values in (positions, velocities)))
 
 
 def read_body(link: Any) -> ReadBody:

@@ -1,24 +1,25 @@
 """The adapter of Simbody, Stanford's C++ engine, by the Python package `opensim` of OpenSim, which is built on it.
 
-A body is on OpenSim's `FreeJoint`, and OpenSim's `Manager` takes steps of a fixed size, which switches off the error control.
-The methods are Simbody's integrators with the names that `Manager` gives them: ExplicitEuler, SemiExplicitEuler2
-(two half steps in each step), Verlet, RungeKutta2, RungeKutta3, RungeKuttaMerson (order 4), RungeKuttaFeldberg (order 4 as
-observed, although Simbody's documentation says fifth), and CPodes. CPodes stays at order 1 if its step cannot change, and stops
-with an error if its own test of accuracy fails. The test fails in the first steps of a contact, so CPodes is not offered on a
-plane. The accuracy at which iterations end, for instance in Verlet, is Simbody's default. SemiExplicitEuler2 reproduces
-Simbody's row of OSRF's box benchmark of 2015.
+A body is on OpenSim's `FreeJoint`, and OpenSim's `Manager` takes steps of a fixed size, which switches off the error control,
+unless the method has the option `accuracy`. All integrators have it: OpenSim's integrator accuracy, with the time step as the
+largest step. Simbody counts steps and evaluations ("realizations"). A step ends at each sample, as `Manager.integrate` does;
+OpenSim's reporters, which interpolate, are not used. The methods are Simbody's integrators with the names that `Manager` gives
+them: ExplicitEuler, SemiExplicitEuler2 (two half steps in each step), Verlet, RungeKutta2, RungeKutta3, RungeKuttaMerson (order
+4), RungeKuttaFeldberg (order 4 as observed, although Simbody's documentation says fifth), and CPodes. CPodes is made for error
+control: it stays at order 1 if its step cannot change, and stops with an error if its own test of accuracy fails. The test
+fails in the first steps of a contact, so CPodes is not offered on a plane. The accuracy at which iterations end, for instance
+in Verlet, is Simbody's default in fixed steps. SemiExplicitEuler2 reproduces Simbody's row of OSRF's box benchmark of 2015.
 
 - A method without options uses Simbody's quaternions, which are Simbody's own default. OpenSim switches them off, and its
   Python package has no function that switches them on again; the adapter calls the function of Simbody's library by its C++
   name.
-- `settings=engine` is OpenSim's default: three angles about the body's x, y and z axes, in this order. They are in gimbal lock
-  if the second angle is a right angle, and lose digits near it.
+- `settings=engine` is OpenSim's default of the coordinates, but not of the step control: three angles about the body's x, y and
+  z axes, in this order. They are in gimbal lock if the second angle is a right angle, and lose digits near it.
 
 Nothing else has to be switched off: a free joint has no damping and no limits.
 
-Drag is a force on the joint's coordinates that is computed from the velocity at the start of a step and kept constant in the
-step, because OpenSim has no force of this form and accepts no force that is written in Python. All integrators have order 1
-with drag.
+Drag is a force of OpenSim that is evaluated wherever Simbody evaluates forces, so that every integrator keeps its order; see
+`models.add_drag`. Releases of OpenSim without expressions of several velocities do not model it.
 
 A brick touches the plane by OpenSim's `HuntCrossleyForce` on a small sphere at each of its four lower corners. OpenSim has no
 default for the stiffness: the spheres sink in by a hundredth of the body's half-height under its weight, and the damping is

@@ -1,8 +1,7 @@
 """The adapter of Simbody by OpenSim: the model of a scene, and the loop of its steps."""
 
 import ctypes
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from importlib import metadata
@@ -12,13 +11,18 @@ import numpy as np
 import opensim
 
 from bodycheck.adapters.contract import (
+    ACCURACY,
     KINDS,
     Engine,
     EngineDiverged,
     Integrator,
+    Kind,
     Method,
+    Role,
     Simulation,
     Strides,
+    Usage,
+    Work,
     choice,
     single,
     states,
@@ -29,8 +33,8 @@ from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
-from bodycheck.adapters.simbody.models import described, started
-from bodycheck.adapters.stepping import Normalised
+from bodycheck.adapters.simbody.models import DRAG, described, started
+from bodycheck.adapters.stepping import Controlled, Normalised, NormalisedControl
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -63,15 +67,23 @@ STEP_LIMIT = 2**31 - 1
 #: The beginning of the names of integrators in `Manager`.
 PREFIX = "IntegratorMethod_"
 
-#: The C++ function `Integrator::getAccuracyInUse() const` of Simbody, by its name in its library.
-ACCURACY = ("libSimTKmath", "_ZNK5SimTK10Integrator16getAccuracyInUseEv")
+#: The library of Simbody's integrators, and C++ functions of the class `Integrator`, by their names in it: the accuracy in use,
+#: and the numbers of steps taken, of steps attempted, and of realizations, which are evaluations of the accelerations.
+LIBRARY = "libSimTKmath"
+ACCURACY_IN_USE = "_ZNK5SimTK10Integrator16getAccuracyInUseEv"
+STEPS_TAKEN = "_ZNK5SimTK10Integrator16getNumStepsTakenEv"
+STEPS_ATTEMPTED = "_ZNK5SimTK10Integrator20getNumStepsAttemptedEv"
+REALIZATIONS = "_ZNK5SimTK10Integrator18getNumRealizationsEv"
+
+#: Whether Simbody's library has all of these functions.
+COUNTS = all(function(LIBRARY, name, ()) for name in (ACCURACY_IN_USE, STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
 
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release."""
     here = [name.removeprefix(PREFIX) for name in dir(opensim.Manager) if name.startswith(PREFIX)]
     names = sorted(here, key=lambda name: [*CLAIMS, name].index(name))
-    options = {"settings": choice("engine")}
+    options = {"settings": choice("engine")} | ({"accuracy": ACCURACY} if COUNTS else {})
     flight = KINDS - {"plane"}
     return tuple(
         Integrator(name, *CLAIMS.get(name, (None, None)), kinds=flight if name == CPODES else KINDS, options=options)
@@ -86,9 +98,24 @@ def defaults() -> dict[str, str]:
     manager = opensim.Manager(model)
     manager.initialize(state)  # before this, Simbody has no accuracy
     names = {getattr(opensim.Manager, PREFIX + integrator.name): integrator.name for integrator in integrators()}
-    accuracy = function(*ACCURACY, (ctypes.c_void_p,), ctypes.c_double)
-    tolerance = {} if accuracy is None else {"tolerance": f"{accuracy(int(manager.getIntegrator())):g}"}
+    tolerance = {"tolerance": f"{told(manager, ACCURACY_IN_USE, ctypes.c_double):g}"} if COUNTS else {}
     return {"integrator": names[manager.getIntegratorMethod()], **tolerance}
+
+
+def told(manager: Any, name: str, result: Any = ctypes.c_int) -> Any:
+    """Return what a C++ function of the integrator of a manager returns, of a `ctypes` type."""
+    integrator_function = function(LIBRARY, name, (ctypes.c_void_p,), result)
+    assert integrator_function is not None
+    return integrator_function(int(manager.getIntegrator()))
+
+
+def roles(defaults: Mapping[str, str]) -> dict[Role, dict[Kind, Usage]]:
+    """Return the method of a manager whose integrator is not changed, from the defaults. OpenSim recommends no integrator."""
+    if "tolerance" not in defaults:
+        return {}
+    method = f"{defaults['integrator']}:accuracy={defaults['tolerance']},settings=engine"
+    page = "https://simtk.org/api_docs/opensim/api_docs/classOpenSim_1_1Manager.html"
+    return {"default": dict.fromkeys(KINDS - {"contact"}, Usage(method, None, page))}
 
 
 engine = Engine(
@@ -96,11 +123,12 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction"}) | DRAG | mechanisms.MODELS,
     variants=dict.fromkeys(
         ("flight", "mechanism"), tuple(f"{integrator.name}:settings=engine" for integrator in integrators())
     ),
     defaults=defaults(),
+    roles=roles(defaults()),
 )
 
 #: The friction law of contacts.
@@ -121,19 +149,15 @@ class Simbody:
         OpenSim's manager, and its model. They are destroyed in this order, because the manager uses the model until it is
         destroyed.
     timestep
-        The time step (s).
+        The time step (s); with error control the largest step.
     seen
         Returns a copy of the numbers (k,) that describe a state of the model.
     rows
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     complains
         Whether the integrator's C code writes to stderr the same message that an exception contains.
-    drag
-        The coefficient of drag (kg/m).
-    actuators
-        The forces on the coordinates x, y and z; none without drag.
     taken
-        The number of steps taken.
+        The number of steps taken by `advance`.
     """
 
     manager: Any
@@ -142,8 +166,6 @@ class Simbody:
     seen: Callable[[Any], Array]
     rows: Callable[[Array], Array]
     complains: bool
-    drag: float = 0.0
-    actuators: Sequence[Any] = ()
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
@@ -151,42 +173,33 @@ class Simbody:
 
         Quaternions may have any norm.
         """
-        with no_stderr() if self.complains else nullcontext():
-            return self._advance(strides)
-
-    def _advance(self, strides: Strides) -> Array:
         seen: list[Array] = []
         for stride in strides.tolist():
             try:
-                self._stride(stride)
-            except RuntimeError as error:
-                seen.append(self.seen(self.manager.getState()))
-                # The C++ function and the place in its source are before the message.
-                words = " ".join(str(error).split())
-                signal = EngineDiverged(f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}")
-                signal.states = single(self.rows(np.array(seen)))
-                raise signal from error
-            seen.append(self.seen(self.manager.getState()))
+                seen.append(self.at((self.taken + stride) * self.timestep))
+            except EngineDiverged as signal:
+                signal.states = single(self.rows(np.array([*seen, self.seen(self.manager.getState())])))
+                raise
+            self.taken += stride
         return single(self.rows(np.array(seen)))
 
-    def _stride(self, steps: int) -> None:
-        if steps and not self.actuators:
-            self.manager.integrate((self.taken + steps) * self.timestep)
-            self.taken += steps
-        for _ in range(steps if self.actuators else 0):
-            now = self.manager.getState()
-            self._hold_drag(now)
-            # Simbody adds up times in the same way. At any other time it would interpolate, and lose the drag in that state.
-            self.manager.integrate(now.getTime() + self.timestep)
-            self.taken += 1
+    def at(self, time: float) -> Array:
+        """Step to a time (s), where a step ends, and return the numbers that describe the state; raises `EngineDiverged`."""
+        if time > self.manager.getState().getTime():
+            with no_stderr() if self.complains else nullcontext():
+                try:
+                    self.manager.integrate(time)
+                except RuntimeError as error:
+                    # The C++ function and the place in its source are before the message.
+                    words = " ".join(str(error).split())
+                    text = f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}"
+                    raise EngineDiverged(text) from error
+        return self.seen(self.manager.getState())
 
-    def _hold_drag(self, now: Any) -> None:
-        """Apply the drag at the current state until it is set again."""
-        velocity = now.getU().to_numpy()[3:].tolist()
-        slowing = -self.drag * math.hypot(*velocity)
-        for actuator, speed in zip(self.actuators, velocity, strict=True):
-            actuator.setOverrideActuation(now, slowing * speed)
-        self.model.realizeAcceleration(now)  # the next step begins with these accelerations
+    def work(self) -> Work:
+        """Return the work of the integrator so far."""
+        taken, attempted, realizations = (told(self.manager, name) for name in (STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
+        return Work(taken, attempted - taken, realizations)
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
@@ -207,23 +220,25 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     built = mechanisms.built(mechanism)
     state = mechanisms.started(mechanism, built, method.option("settings") != "engine")
     seen = mechanisms.seer(mechanism, built)
-    return Simbody(managed(built.model, state, method), built.model, method.timestep, seen, in_body_axes, complains(method))
+    steps = Simbody(managed(built.model, state, method), built.model, method.timestep, seen, in_body_axes, complains(method))
+    return steps if method.accuracy is None else Controlled(method.timestep, steps.at, steps.rows, steps.work)
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
     """Return the simulation of a scene with its body, or with links in place of it. Raises `SceneUnsupported`."""
-    model, actuators = described(scene, links)
+    model = described(scene, links)
     quaternions = method.option("settings") != "engine"
     state = started(scene, model, quaternions)
-    for actuator in actuators:
-        actuator.overrideActuation(state, True)
 
     def rows(seen: Array) -> Array:
         position, attitude = poses(seen[:, :7], quaternions)
         return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
 
     manager = managed(model, state, method)
-    return Normalised(Simbody(manager, model, method.timestep, coordinates, rows, complains(method), scene.drag, actuators))
+    steps = Simbody(manager, model, method.timestep, coordinates, rows, complains(method))
+    if method.accuracy is None:
+        return Normalised(steps)
+    return NormalisedControl(Controlled(method.timestep, steps.at, steps.rows, steps.work))
 
 
 def coordinates(state: Any) -> Array:
@@ -237,10 +252,17 @@ def complains(method: Method) -> bool:
 
 
 def managed(model: Any, state: Any, method: Method) -> Any:
-    """Return OpenSim's manager of a model, which starts at a state and takes the fixed steps of a method."""
+    """Return OpenSim's manager of a model, which starts at a state.
+
+    Its steps have a fixed size, or are chosen by error control if the method has an accuracy.
+    """
     manager = opensim.Manager(model)
     manager.setIntegratorMethod(getattr(opensim.Manager, PREFIX + method.integrator))
-    manager.setIntegratorFixedStepSize(method.timestep)
+    if method.accuracy is None:
+        manager.setIntegratorFixedStepSize(method.timestep)
+    else:
+        manager.setIntegratorAccuracy(method.accuracy)
+        manager.setIntegratorMaximumStepSize(method.timestep)
     manager.setIntegratorInternalStepLimit(STEP_LIMIT)
     for records in (manager.setWriteToStorage, manager.setPerformAnalyses, manager.setRecordStatesTrajectory):
         records(False)

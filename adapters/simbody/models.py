@@ -13,9 +13,12 @@ from bodycheck.adapters.simbody.contact import add_contact
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Scene
 
+#: The features of a scene that only releases of OpenSim with forces along a path of any function have; see `Engine.models`.
+DRAG = frozenset({"drag"} if hasattr(opensim, "ExpressionBasedPathForce") else ())
 
-def described(scene: Scene, links: Sequence[Link] = ()) -> tuple[Any, list[Any]]:
-    """Return OpenSim's model of a scene, and its forces on the coordinates x, y and z, which are empty without drag.
+
+def described(scene: Scene, links: Sequence[Link] = ()) -> Any:
+    """Return OpenSim's model of a scene.
 
     Parameters
     ----------
@@ -39,12 +42,36 @@ def described(scene: Scene, links: Sequence[Link] = ()) -> tuple[Any, list[Any]]
         weld(model, number, body, link)
     if scene.plane is not None:
         add_contact(model, body, scene, scene.plane)
-    actuators = []
-    for axis in range(3) if scene.drag else ():
-        actuators.append(opensim.CoordinateActuator(joint.getCoordinate(3 + axis).getName()))
-        actuators[-1].setName(f"drag_{axis}")
-        model.addForce(actuators[-1])
-    return model, actuators
+    if scene.drag:
+        add_drag(model, [joint.getCoordinate(3 + axis).getAbsolutePathString() for axis in range(3)], scene.drag)
+    return model
+
+
+def add_drag(model: Any, coordinates: Sequence[str], drag: float) -> None:
+    """Add the drag (kg/m) of a body to a model, as a force that OpenSim evaluates wherever it evaluates forces.
+
+    OpenSim's only forces with an expression of several velocities are those along a path: the lengthening speed of a
+    `FunctionBasedPath` may be any function of coordinates and speeds, and an `ExpressionBasedPathForce` may have this speed as
+    its tension. Each of the three paths acts on one of the coordinates x, y and z, which are given by their paths in the model.
+    """
+    for axis, speed in enumerate(("u", "v", "w")):
+        path = opensim.FunctionBasedPath()
+        path.setLengthFunction(expression("0*x", "xyz"))
+        for number, coordinate in enumerate(coordinates):
+            path.appendCoordinatePath(coordinate)
+            path.appendMomentArmFunction(expression(f"0*x+{int(number == axis)}", "xyz"))
+        path.setLengtheningSpeedFunction(expression(f"-{drag!r}*sqrt(u*u+v*v+w*w)*{speed}", "xyzuvw"))
+        force = opensim.ExpressionBasedPathForce(f"drag_{axis}", 0.0, "ldot", False)
+        force.set_path(path)
+        model.addForce(force)
+
+
+def expression(text: str, variables: str) -> Any:
+    """Return OpenSim's function of variables, each a single letter."""
+    function = opensim.ExpressionBasedFunction()
+    function.setExpression(text)
+    function.setVariables(opensim.StdVectorString(list(variables)))
+    return function
 
 
 def added(model: Any, name: str, link: Link) -> Any:

@@ -15,7 +15,16 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotModels, RobotReading
+from bodycheck.adapters.robot_reading import (
+    Behaviour,
+    FormatUnknown,
+    JointStates,
+    ModelRefused,
+    RobotFile,
+    RobotModels,
+    RobotReading,
+    RobotSteps,
+)
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut, crash
@@ -25,6 +34,7 @@ from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 from bodycheck.results.outcome import AdapterFault
 from bodycheck.running.engines import home
+from bodycheck.running.robot_trials import TIMESTEP_S, behaviours
 
 #: Time limit (s) for the reading of one file by one engine. Some engines compile code for it.
 TIME_LIMIT_S = 120.0
@@ -56,6 +66,13 @@ class AtFault:
     status: ClassVar[Literal["adapter-fault"]] = "adapter-fault"
 
 
+@dataclass(frozen=True)
+class Tried:
+    """The behaviour of the joints of a robot in an engine."""
+
+    behaviours: Mapping[str, Behaviour]
+
+
 Answer = RobotReading | Refused | FormatMissing | AtFault | Crashed | TimedOut
 
 
@@ -73,8 +90,22 @@ class Call:
     gravity: Vector
 
 
-#: A function from a file, states and gravity to the answers of all engines by name.
-Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
+@dataclass(frozen=True)
+class TrialCall:
+    """A file that an engine has read, whose joints it moves. model: the model that the file describes."""
+
+    call: Call
+    reading: RobotReading
+    model: RobotModel
+
+    @property
+    def engine(self) -> str:
+        """The name of the engine."""
+        return self.call.engine
+
+
+#: A function from a file, the model that it describes, states and gravity to the answers of all engines by name.
+Reader = Callable[[RobotFile, RobotModel | None, Sequence[RobotState], Vector], dict[str, Answer]]
 
 #: A function from an MJCF file to the model that MuJoCo, which defines the format, makes of it.
 Compile = Callable[[RobotFile], RobotModel | Refused | Crashed | TimedOut]
@@ -93,18 +124,64 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
     limit
         The time limit of the reading of one file by one engine (s).
     """
-    with temporary_folder() as copies, pool.Workers(read, jobs, limit, group=_engine, home=home, kept=True) as workers:
+    with temporary_folder() as copies, pool.Workers(answered, jobs, limit, group=_engine, home=home, kept=True) as workers:
 
-        def read_file(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> dict[str, Answer]:
+        def read_file(
+            file: RobotFile, model: RobotModel | None, states: Sequence[RobotState], gravity: Vector
+        ) -> dict[str, Answer]:
             calls = [Call(name, file, str(copies), tuple(states), gravity) for name in engines]
             answers = {call.engine: answer for call, answer in workers.map(calls)}
+            if model is not None and states:
+                readings = [(call, answers[call.engine]) for call in calls]
+                trials = [TrialCall(call, one, model) for call, one in readings if isinstance(one, RobotReading)]
+                answers |= {trial.engine: _with_behaviours(trial.reading, one) for trial, one in workers.map(trials)}
             return {name: answers[name] for name in engines}
 
         yield read_file
 
 
+def _with_behaviours(reading: RobotReading, answer: Tried | Refused | AtFault | Crashed | TimedOut) -> Answer:
+    """Return a reading with the behaviour of its joints, or with a note that says why nothing is tried."""
+    match answer:
+        case Tried(behaviours=tried):
+            return replace(reading, behaviours=tried)
+        case AtFault():
+            return answer
+        case Refused(reason=reason) | Crashed(reason=reason) | TimedOut(reason=reason):
+            return replace(reading, notes=(*reading.notes, f"nothing is tried by motion: {reason}"))
+
+
+def answered(call: Call | TrialCall) -> RobotReading | Refused | FormatMissing | AtFault | Tried:
+    """Return an engine's reading of a file, or the behaviour of the joints of a file that it has read.
+
+    This is called in the worker process of the engine.
+    """
+    return read(call) if isinstance(call, Call) else tried(call)
+
+
+def tried(trial: TrialCall) -> Tried | Refused | AtFault:
+    """Return the behaviour of the joints of a robot in an engine; empty if its adapter has no `RobotSteps`."""
+    adapter, call = registry.load(trial.engine), trial.call
+    if not isinstance(adapter, RobotSteps):
+        return Tried({})
+    rounding = float(np.finfo(adapter.engine.precision).eps)
+    with own_copy(call.file, call.copies) as file, np.errstate(all="ignore"):  # motions that overflow decide nothing
+
+        def step(starts: Sequence[JointStates], steps: int) -> Sequence[JointStates]:
+            return adapter.step_robot(file, starts, TIMESTEP_S, steps)
+
+        try:
+            return Tried(behaviours(step, trial.reading, trial.model, call.states[0], rounding))
+        except ModelRefused as error:
+            return Refused(str(error))
+        except MemoryError:
+            raise
+        except Exception as error:  # as in `read`
+            return AtFault(f"the adapter of {call.engine} is at fault: {crash(error).reason}")
+
+
 def read(call: Call) -> RobotReading | Refused | FormatMissing | AtFault:
-    """Return an engine's reading of a file. This is called in the worker process of the engine."""
+    """Return an engine's reading of a file."""
     adapter = registry.load(call.engine)
     if not isinstance(adapter, RobotModels):
         return FormatMissing(f"{call.engine} has no reader of robot models", none_at_all=True)
@@ -178,7 +255,7 @@ def _compiled(call: tuple[RobotFile, str]) -> RobotModel | Refused:
     return model
 
 
-def _engine(call: Call) -> str:
+def _engine(call: Call | TrialCall) -> str:
     return call.engine
 
 

@@ -15,7 +15,7 @@ from tests.support.documents import blocks
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 #: Folders of the repository; a document that names a file in one of them names a file that exists.
-FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
+FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "claims", "docs", "reference", "reports", "tests")
 
 #: The words for numbers.
 NUMBERS = {9: "nine", 10: "ten", 11: "eleven", 12: "twelve", 13: "thirteen", 14: "fourteen", 15: "fifteen"}

@@ -47,6 +47,12 @@ def test_what_is_left_for_vanishing_steps_is_extrapolated(script: dict[str, Any]
     assert np.isnan(script["_extrapolated"](*(np.array([[value]]) for value in (1.0, -1.0, 1.0))))
 
 
+def test_settings_of_the_engine_have_a_row_unless_they_change_nothing(script: dict[str, Any]) -> None:
+    cells = {"A": ["1"], "A:settings=engine": ["1"], "B": ["1"], "B:settings=engine": ["2"], "C": ["–"]}
+    rows = list(script["_rows"]("toy", cells))
+    assert rows == ["| toy A | 1 |", "| toy B | 1 |", "| toy B:settings=engine | 2 |"]
+
+
 def test_the_page_has_a_row_for_each_engine_with_mechanisms(script: dict[str, Any]) -> None:
     rows = tables((ROOT / "docs" / "mechanisms.md").read_text("utf-8"))
     engines = ["brax", "dart", "drake", "exudyn", "mjx", "mujoco_warp", "newton", "pybullet", "rapier", "sapien", "simbody"]

@@ -1,19 +1,53 @@
-"""The tables of figures and axes in the documentation are those of the source code."""
+"""Pages have the tables of the source code and the sentences of the claims."""
 
 import runpy
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.support import ROOT
 
-SCRIPT = ROOT / "docs" / "tables.py"
+
+@pytest.fixture(scope="module")
+def script() -> dict[str, Any]:
+    return runpy.run_path(str(ROOT / "docs" / "tables.py"))
 
 
-def test_the_page_has_the_tables_of_the_source_code() -> None:
-    page = (ROOT / "docs" / "cases.md").read_text("utf-8")
-    assert runpy.run_path(str(SCRIPT))["renewed"](page) == page, "renew it with: python docs/tables.py"
+def test_pages_are_what_the_script_writes(script: dict[str, Any]) -> None:
+    pages = script["pages"]()
+    assert {ROOT / "docs" / "cases.md", ROOT / "docs" / "claims.md"} <= pages.keys()
+    stale = [page.relative_to(ROOT) for page, text in pages.items() if page.read_text("utf-8") != text]
+    assert stale == [], "renew them with: python docs/tables.py"
 
 
-def test_a_page_without_the_places_of_the_tables_is_refused() -> None:
+def test_a_page_without_the_places_of_the_tables_is_refused(script: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="no place for the table 'Axes'"):
-        runpy.run_path(str(SCRIPT))["renewed"]("a page")
+        script["renewed"]("a page")
+
+
+def test_sentences_of_claims_are_inserted_into_a_page(script: dict[str, Any]) -> None:
+    page = "a\n<!-- claims: mujoco/flip -->\nold\n<!-- end of claims -->\nb\n"
+    renewed = script["with_claims"](page, ROOT / "docs" / "page.md")
+    assert "2.1" in renewed
+    assert "old" not in renewed
+    assert script["with_claims"](renewed, ROOT / "docs" / "page.md") == renewed
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("<!-- claims: mujoco/nothing -->\n<!-- end of claims -->\n", "there is no claim 'mujoco/nothing'"),
+        ("<!-- claims: mujoco/flip -->\n", "1 lines are"),
+        ("<!-- end of claims -->\n", "1 lines are"),
+        ("<!-- claims: mujoco/flip -->\n<!-- claims: mujoco/flip -->\n<!-- end of claims -->\n", "2 lines are"),
+    ],
+)
+def test_a_place_of_claims_that_is_wrong_is_refused(script: dict[str, Any], text: str, fault: str) -> None:
+    with pytest.raises(ValueError, match=fault):
+        script["with_claims"](text, Path("page.md"))
+
+
+def test_links_of_a_sentence_lead_from_the_page(script: dict[str, Any]) -> None:
+    linked = script["_with_links"]("[a](docs/contacts.md#rest), [b](https://b)", ROOT / "docs" / "start" / "findings.md")
+    assert linked == "[a](../contacts.md#rest), [b](https://b)"

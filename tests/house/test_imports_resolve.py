@@ -21,7 +21,7 @@ PLANTED = {
 }
 
 #: Everything in the checkout that is Python.
-FOLDERS = ("bodycheck", "reference", "adapters", "reports", "tests", "docs", "benchmarks")
+FOLDERS = ("bodycheck", "reference", "adapters", "reports", "claims", "tests", "docs", "benchmarks")
 
 
 def outlined(source: str) -> str:

@@ -1,5 +1,6 @@
 """Known issues: their file has threads on the web, of engines, scenes, figures and robots that there are."""
 
+import re
 from urllib.parse import urlsplit
 
 import pytest
@@ -12,6 +13,7 @@ from bodycheck.site import known
 from bodycheck.site.known import Issue
 from bodycheck.studies.audit.rows import PROPERTIES
 from bodycheck.studies.parity.quantities import CAUSES
+from claims import records
 from tests.site import submissions as make
 from tests.support.wording import facts
 
@@ -20,8 +22,8 @@ from tests.support.wording import facts
 def test_the_file_has_the_form_that_pages_expect(issue: Issue) -> None:
     address = urlsplit(issue.url)
     assert (address.scheme, address.netloc) == ("https", "github.com")
-    assert address.path.split("/")[3] in ("issues", "pull")
-    assert address.path.rpartition("/")[2].isdigit()
+    *_, kind, number = address.path.split("/")
+    assert re.fullmatch({"issues": r"\d+", "pull": r"\d+", "commit": r"[0-9a-f]{8}"}[kind], number)
     assert issue.engine in registry.names()
     assert issue.title
     assert not issue.title.endswith(".")
@@ -37,6 +39,12 @@ def test_the_file_has_the_form_that_pages_expect(issue: Issue) -> None:
         assert issue.audit in PROPERTIES
     for version in filter(None, (issue.since, issue.until)):
         Version(version)
+
+
+@pytest.mark.parametrize("issue", known.issues(), ids=lambda issue: f"{issue.engine} {issue.url.rpartition('/')[2]}")
+def test_a_claim_about_the_engine_quotes_the_thread(issue: Issue) -> None:
+    of_engine = [claim for claim in records.claims().values() if claim.engine == issue.engine]
+    assert [claim.name for claim in of_engine if issue.url in (page.address for page in claim.documentation)]
 
 
 def test_an_issue_shows_the_last_version_that_has_it_and_the_first_that_has_not() -> None:

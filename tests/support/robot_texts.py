@@ -40,6 +40,18 @@ def robot(*parts: str) -> str:
 #: The limits that URDF demands of revolute and prismatic joints.
 LIMIT = '<limit lower="-3" upper="3" effort="10" velocity="5"/>'
 
+#: A joint with limits, damping and friction.
+BRAKED = robot(
+    link("base"), link("arm"), joint("hinge", "revolute", "base", "arm", LIMIT + '<dynamics damping="0.5" friction="0.2"/>')
+)
+
+#: A joint without limits, for which the file states limits all the same.
+FULL_TURN = robot(
+    link("base"),
+    link("arm"),
+    joint("hinge", "continuous", "base", "arm", '<limit lower="-6.28" upper="6.28" effort="1" velocity="1"/>'),
+)
+
 #: Its root is welded to the world with its mass, and to it another link.
 WELDED_BASE = robot(
     link("base"),

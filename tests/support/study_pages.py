@@ -127,7 +127,7 @@ def extremes_page() -> StudyReport:
     rows = [
         row("Euler", "spin", 1.0, "ok"),
         row("Euler", "spin", 100.0, "energy-gain", detail="energy of rotation 48.3 times the initial one"),
-        row("Euler", "spin", 300.0, "silent-reset", "MuJoCo reset itself after BADQACC at t = 0.29 s", lost),
+        row("Euler", "spin", 300.0, "reset", "MuJoCo reset itself after BADQACC at t = 0.29 s", lost),
         row("RK4", "spin", 1.0, "ok"),
         row("RK4", "spin", 100.0, "inaccurate", detail="attitude off by 1.5 rad, centre of mass by 0 m"),
         row("RK4", "spin", 300.0, "crashed", "nothing", "its process exited with code 7"),

@@ -102,7 +102,7 @@ def _diverged(scene: AnyScene, outcome: Diverged) -> Diagnosis:
     if outcome.trajectory is None or before is None:
         return Diagnosis("diverged", outcome.reason, "there are no states to look at")
     again = None if isinstance(scene, Mechanism) else restart(scene, outcome.trajectory.part(slice(-2, None)))
-    status = "silent-reset" if outcome.signal == "reset" and again is not None else "diverged"
+    status = "reset" if outcome.signal == "reset" and again is not None else "diverged"
     return Diagnosis(status, outcome.reason, "; ".join([again or "its states show no break", *earlier]))
 
 

@@ -18,7 +18,7 @@ from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
 MOST_VALUES = 4
 
 #: Statuses of runs that broke down.
-BROKEN = ("diverged", "silent-reset", "crashed", "frozen")
+BROKEN = ("diverged", "reset", "crashed", "frozen")
 
 #: Anchors of the parts about all cases.
 UNREPORTED, STABILITY = "unreported-errors", "stability"
@@ -32,8 +32,8 @@ READING = (
     "the distance travelled, and the rotational energy within 1 % of its initial value. inaccurate: the motion is bounded, but "
     "one of these limits is exceeded. energy-gain and energy-loss: the rotational energy changes in one direction by more than "
     "1 %. frozen: a value that should change stays the same to the last bit. diverged: a value is not a number or out of all "
-    "bounds, or the engine gave up. silent-reset: the engine continued from a state of its own, which only its warning "
-    "counters show. crashed: there was an error, or the process died. timeout: the run did not end in the time allowed. "
+    "bounds, or the engine gave up. reset: the engine warned of a bad state, put the body back to a state of its own and "
+    "continued. crashed: there was an error, or the process died. timeout: the run did not end in the time allowed. "
     "unsupported: the engine refused the run.",
     "An engine reported no problem if it stepped to the end and signalled nothing; the column engine_said of extremes.csv "
     "is then “healthy”. That file has every run, with what the engine reported and what the states show.",
@@ -102,7 +102,7 @@ def _long_runs(rows: Sequence[Row]) -> list[Finding]:
 
 
 def _resets(rows: Sequence[Row]) -> list[Finding]:
-    resets = [row for row in rows if row.status == "silent-reset"]
+    resets = [row for row in rows if row.status == "reset"]
     axes: dict[str, list[Row]] = defaultdict(list)
     for row in resets:
         axes[row.axis].append(row)
@@ -116,7 +116,7 @@ def _resets(rows: Sequence[Row]) -> list[Finding]:
     engines = listing(sorted({row.engine for row in resets}))
     runs = count(len(resets), "run")
     where = f"{verb(len(resets), 'In this run', 'Among these runs')}, {listing(places)}."
-    return [Finding("Silent resets", f"{engines} started over in {runs} and reported no error to the caller. {where}")]
+    return [Finding("Resets", f"{engines} gave a warning in {runs}, reset the simulation and continued. {where}")]
 
 
 def _stability(limits: Sequence[Limit]) -> list[Finding]:

@@ -14,7 +14,7 @@ HEALTHY, NOTHING = "healthy", "nothing"
 #: The statuses, from the best to the worst. The last status is not a judgement of the method.
 STATUSES = (
     *("ok", "inaccurate", "energy-loss", "energy-gain", "frozen", "diverged"),
-    *("silent-reset", "crashed", "timeout", "unsupported"),
+    *("reset", "crashed", "timeout", "unsupported"),
 )
 
 

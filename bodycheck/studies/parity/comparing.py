@@ -204,7 +204,7 @@ def _rows(comparison: Comparison) -> Iterator[Compared]:
     asked, reading, match = comparison.asked, comparison.reading, comparison.match
     yield from tree.order(match, asked.model, reading)
     yield from tree.parents(match, reading)
-    yield from tree.joint_types(match, asked.model, comparison.tolerance)
+    yield from tree.joint_types(match, asked.model, reading, comparison.tolerance)
     yield from tree.gravity(asked.model, reading, asked.gravity_stated, comparison.tolerance)
     yield from numbers.total_mass(match, reading, comparison.tolerance)
     yield from numbers.bodies(match, reading, comparison.sizes.length, comparison.tolerance)

@@ -48,7 +48,9 @@ READING = (
     "which makes joints of all kinds comparable, and are relative to the largest of their kind. Accelerations are compared as "
     "the forces that their difference takes. Lengths are relative to the reach of the robot.",
     "A cause is named only if the file, with that fault put into it, has the engine's numbers. What is not explained in this "
-    "way is called unexplained. The conventions in which an engine writes velocities and Jacobians are found by trying and are "
+    "way is called unexplained. Values with the source behaviour are what the engine computes, or how its joints move: limits, "
+    "mimics, damping and friction are tried by the engine's own steps. Values with the source told are in the engine's records "
+    "and were not tried. The conventions in which an engine writes velocities and Jacobians are found by trying and are "
     "no difference. A base that an engine welds to the world and whose mass it forgets is no difference either.",
 )
 
@@ -150,13 +152,13 @@ def _robot(anchor: str, one: Parity) -> Part:
 
 def _rows(rows: Sequence[ParityRow]) -> Table:
     return Table(
-        columns=("Quantity", "Subject", "Engine has", "File has", "Relative", "Cause"),
-        numeric=(False, False, False, False, True, False),
+        columns=("Quantity", "Subject", "Engine has", "File has", "Relative", "Cause", "Source"),
+        numeric=(False, False, False, False, True, False, False),
         rows=tuple(
             (
                 Entry(name_of(row.quantity), meaning="" if row.quantity is None else MEANINGS[row.quantity]),
                 *(Entry(row.subject), Entry(row.engine_value), Entry(row.truth_value)),
-                *(Entry(number(row.relative, 3), row.relative), Entry(row.cause or row.status)),
+                *(Entry(number(row.relative, 3), row.relative), Entry(row.cause or row.status), Entry(row.source)),
             )
             for row in rows
         ),

@@ -37,6 +37,7 @@ ROWS: tuple[Column[ParityRow], ...] = (
     attribute("difference", goes=4),
     attribute("relative", goes=2),
     attribute("cause"),
+    attribute("source", goes=6),
 )
 
 

@@ -20,11 +20,15 @@ Status = Literal[
 #: The statuses of which any ends the command with exit code 1.
 FAILED: tuple[Status, ...] = ("unreadable", "crashed", "timeout", "adapter-fault", "refused", "differs")
 
+#: The origin of an engine's value: what the engine computes or how it moves, or what its records of the model say. Empty in
+#: rows without a value of the engine.
+Source = Literal["behaviour", "told", ""]
+
 #: The cause of a difference; empty if there is none. "base-welded" alone is no difference.
 Cause = Literal[
     "armature", "inertia-turned", "inertia-dropped", "inertia-fused", "inertia-balanced", "mass", "center-of-mass",
-    "damping-ignored", "friction-ignored", "mimic-ignored", "frame", "coordinate-order", "representation", "base-welded",
-    "unexplained", "",
+    "damping-ignored", "friction-ignored", "mimic-ignored", "mimic-inverted", "limits-ignored", "frame", "coordinate-order",
+    "representation", "base-welded", "unexplained", "",
 ]  # fmt: skip
 
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)

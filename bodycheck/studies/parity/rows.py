@@ -7,7 +7,7 @@ from typing import Annotated
 
 from bodycheck.results.tables import Meaning, table_of
 from bodycheck.robots.elements import printable
-from bodycheck.studies.parity.quantities import FAILED, FILE, Cause, Quantity, Status
+from bodycheck.studies.parity.quantities import FAILED, FILE, Cause, Quantity, Source, Status
 
 #: The most characters of a text in a row. Messages of engines and lists of joints repeat the names in a stranger's file.
 LONGEST = 1000
@@ -36,6 +36,8 @@ class Compared:
         Why it differs.
     convention
         The convention in which the engine writes the quantity, if that differs from bodycheck's.
+    source
+        The origin of the engine's value.
     """
 
     status: Status
@@ -47,6 +49,7 @@ class Compared:
     relative: float | None = None
     cause: Cause = ""
     convention: str = ""
+    source: Source = ""
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,14 @@ class ParityRow:
             "is that of bodycheck",
         ),
     ] = ""
+    source: Annotated[
+        Source,
+        Meaning(
+            "Source",
+            "behaviour: the engine computes the value, or moves accordingly; told: it is in the engine's records of the model, "
+            "and was not tried",
+        ),
+    ] = ""
 
 
 READINGS = table_of(
@@ -91,7 +102,7 @@ READINGS = table_of(
     "parity",
     "readings of robot models",
     filled=("model", "engine", "status", "subject"),
-    later=("convention",),
+    later=("convention", "source"),
 )
 
 #: The tables of the study.

@@ -20,6 +20,7 @@ from bodycheck.reports.quantities import count
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
 from bodycheck.running.robot_readings import Answer, AtFault, Compile, FormatMissing, Reader
+from bodycheck.studies.parity.behaviours import as_moving, with_sources
 from bodycheck.studies.parity.comparing import Asked, asked, compare
 from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
@@ -174,7 +175,7 @@ def _compared(engines: Mapping[str, Engine], robot_read: Robot, asks: Asking, re
         if robot_read.model is None
         else seeded_states(robot_read.model, fitting(robot_read.model, asks.states) + PROBES, asks.seed)
     )
-    answers = reader(robot_read.file, states, gravity)
+    answers = reader(robot_read.file, robot_read.model, states, gravity)
     if only_readers:
         answers = robot_readings.readable(answers)
     given = None if robot_read.model is None else asked(robot_read.model, states, gravity, robot_read.stated_gravity)
@@ -216,12 +217,12 @@ def of_answer(
         content = f"{count(len(answer.bodies), 'body', 'bodies')}, {count(len(answer.joints), 'joint')}"
         return (Compared("accepted-unphysical", None, MODEL, content),), answer.notes
     least = SINGLE_PRECISION if engine.precision == "float32" else 0.0
-    compared = compare(given, answer, max(asks.tolerance, least, answer.rounding))
+    compared = compare(given, as_moving(answer), max(asks.tolerance, least, answer.rounding))
     diagnosis = diagnosed(compared)
     notes = [*answer.notes, *compared.convention.notes]
     if asks.motion and diagnosis.model is not None:
         notes.append(sentence(compared.match.bodies, diagnosis.model, given.states[0], given.gravity, asks.motion))
-    return diagnosis.rows, tuple(notes)
+    return tuple(with_sources(diagnosis.rows, compared.rows, answer)), tuple(notes)
 
 
 def file_rows(robot_read: Robot) -> Iterator[Compared]:
@@ -246,13 +247,13 @@ def judged(rows: Sequence[Compared], answer: Answer, robot_read: Robot) -> Itera
     for one in rows:
         text = None if one.status == "not-modelled" else left.pop((one.quantity, one.subject), None)
         if text is not None and one.status == "agrees":
-            yield Compared("accepted-unphysical", one.quantity, one.subject, one.engine_value, text)
+            yield Compared("accepted-unphysical", one.quantity, one.subject, one.engine_value, text, source=one.source)
         else:
             yield one
     names = {*answer.links, *(joint.name for joint in answer.joints), MODEL}
     for (quantity, subject), text in left.items():
         if subject in names:
-            yield Compared("accepted-unphysical", quantity, subject, "", text)
+            yield Compared("accepted-unphysical", quantity, subject, "", text, source="told")
 
 
 def _quantity(name: str) -> Quantity | None:

@@ -38,8 +38,9 @@ def parents(match: Match, reading: RobotReading) -> Iterator[Compared]:
             yield Compared("not-modelled", "parent", name, "", expected.name)
 
 
-def joint_types(match: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
+def joint_types(match: Match, model: RobotModel, reading: RobotReading, tolerance: float) -> Iterator[Compared]:
     """Yield a row for each joint that moves: its type, its limits, and the joint that it mimics."""
+    tried = {name for name, behaviour in reading.behaviours.items() if "limits" in behaviour.tried}
     for joint in model.joints:
         if joint.type == "fixed":
             continue
@@ -53,7 +54,7 @@ def joint_types(match: Match, model: RobotModel, tolerance: float) -> Iterator[C
         same = (
             same_type(joint, joint_read)
             and same_mimic(joint.mimic, joint_read.mimic)
-            and same_limits(joint, joint_read, tolerance)
+            and same_limits(joint, joint_read, tolerance, joint_read.name in tried)
         )
         yield Compared("agrees" if same else "differs", "joint_type", joint.name, words, expected)
     for extra in match.extra:
@@ -74,9 +75,9 @@ def same_mimic(expected: Mimic | None, engine: Mimic | None) -> bool:
     return expected.joint == engine.joint and all(abs(a - b) <= 1e-9 * max(1.0, abs(a)) for a, b in numbers)
 
 
-def same_limits(joint: RobotJoint, joint_read: ReadJoint, tolerance: float) -> bool:
-    """Return whether a joint has the same limits on both sides; True if the engine reports no limits."""
-    if joint.type not in ("revolute", "prismatic") or (joint_read.lower is None and joint_read.upper is None):
+def same_limits(joint: RobotJoint, joint_read: ReadJoint, tolerance: float, tried: bool) -> bool:
+    """Return whether a joint has the same limits on both sides; True if the engine reports no limits and none were tried."""
+    if joint.type not in ("revolute", "prismatic") or (not tried and joint_read.lower is None and joint_read.upper is None):
         return True
     pairs = [(joint.lower, joint_read.lower), (joint.upper, joint_read.upper)]
     for expected, engine in ((none_if_unlimited(a), none_if_unlimited(b)) for a, b in pairs):
@@ -117,11 +118,18 @@ def gravity(model: RobotModel, reading: RobotReading, stated: bool, tolerance: f
 
 
 def _words(kind: str, lower: float | None, upper: float | None, mimic: Mimic | None) -> str:
-    parts = [kind]
+    return " ".join([kind, *_limits_and_rule(lower, upper, mimic)])
+
+
+def limits_and_rule(joint: ReadJoint) -> str:
+    """Return the limits of a joint and the rule by which it follows another one, in words."""
+    return " ".join(_limits_and_rule(joint.lower, joint.upper, joint.mimic)) or "no limits"
+
+
+def _limits_and_rule(lower: float | None, upper: float | None, mimic: Mimic | None) -> Iterator[str]:
     limits = [none_if_unlimited(limit) for limit in (lower, upper)]
     if any(limit is not None for limit in limits):
         low, high = ("none" if limit is None else repr(limit) for limit in limits)
-        parts.append(f"from {low} to {high}")
+        yield f"from {low} to {high}"
     if mimic is not None:
-        parts.append(f"mimics {mimic.joint} times {mimic.multiplier!r} plus {mimic.offset!r}")
-    return " ".join(parts)
+        yield f"mimics {mimic.joint} times {mimic.multiplier!r} plus {mimic.offset!r}"

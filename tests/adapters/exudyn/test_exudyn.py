@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
-from bodycheck.adapters.exudyn import contact
+from bodycheck.adapters.contract import EngineDiverged, ErrorControlled, Method, SceneUnsupported
+from bodycheck.adapters.exudyn import contact, stepping
 from bodycheck.adapters.exudyn import engine as adapter
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.kinematics import geodesic_angle
@@ -78,8 +78,8 @@ def test_the_loop_over_strides_is_exudyns_own(scene: Scene, method: str) -> None
     here.advance(np.array([100, 0, 500]))
     data = here.system.systemData
     ours = np.concatenate([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()])
-    # Explicit steps differ by the rounding of the time step, which Exudyn gets from a sum. Modified Newton and the full one
-    # here stop at different errors below the tolerance 1e-8 of each step.
+    # Explicit steps differ by the rounding of the time step, which Exudyn gets from a sum. Modified Newton begins again with
+    # each stride, and stops at another error below the tolerance 1e-8 of each step.
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 if method == "RK44" else 2e-5)
 
 
@@ -128,3 +128,41 @@ def test_a_brick_sinks_in_as_the_contacts_are_stiff_and_loses_speed_by_friction(
 def test_a_cylinder_has_no_contacts() -> None:
     with pytest.raises(SceneUnsupported, match=r"corners, which .*cylinder does not have"):
         end(load("curling-disk").scene, "RK44", 1e-3, 1)
+
+
+@pytest.mark.parametrize(("method", "order"), [("ODE23", 3), ("DOPRI5", 5)])
+def test_solvers_with_an_estimate_control_their_error_and_count_their_steps(method: str, order: int) -> None:
+    """The work of a hundredth of the tolerance grows as the order of the solver says."""
+    exact, steps, errors = truth(FLIGHT, np.array([0.0, 1.0])).trajectory.quaternion[-1], [], []
+    for accuracy in ("1e-6", "1e-8"):
+        simulation = adapter.prepare([FLIGHT], Method.parse(f"{method}:accuracy={accuracy}", 1.0))
+        assert isinstance(simulation, ErrorControlled)
+        errors.append(geodesic_angle(simulation.reach(np.array([1.0]))[0, 0, 0, 3:7], exact))
+        steps.append(simulation.work.steps)
+    assert errors[1] < errors[0] < 1e-3
+    # The estimate has the order of the solver; a step is at most a fifth longer or shorter than it says.
+    assert steps[1] / steps[0] == pytest.approx(100 ** (1 / order), rel=0.2)
+
+
+def test_samples_end_steps_with_error_control_and_change_no_more() -> None:
+    """The state at a sample is that of the time, and control goes on with the last step."""
+    method, times = Method.parse("DOPRI5:accuracy=1e-8", 1.0), np.linspace(0.0, 1.0, 11)
+    exact = truth(FLIGHT, times).trajectory
+    simulation = adapter.prepare([FLIGHT], method)
+    assert isinstance(simulation, ErrorControlled)
+    rows = simulation.reach(times)[0, :, 0]
+    assert geodesic_angle(rows[:, 3:7], exact.quaternion).max() < 1e-6
+    np.testing.assert_allclose(rows[:, :3], exact.position, rtol=0, atol=1e-7)  # a parabola, and rounding of the end time
+    free = adapter.prepare([FLIGHT], method)
+    assert isinstance(free, ErrorControlled)
+    free.reach(times[-1:])
+    assert free.work.steps < simulation.work.steps < free.work.steps + 3 * len(times)
+
+
+def test_the_engines_own_settings_are_those_of_exudyn() -> None:
+    """Only the step and what is written differ from the settings that a user gets."""
+    own, plain = exudyn.SimulationSettings().timeIntegration, Method.parse("GeneralizedAlpha:settings=engine", 1e-3)
+    here = stepping.settings(plain, constrained=True).timeIntegration
+    assert here.newton.useModifiedNewton == own.newton.useModifiedNewton
+    assert here.adaptiveStep == own.adaptiveStep
+    assert here.generalizedAlpha.spectralRadius == own.generalizedAlpha.spectralRadius

@@ -55,3 +55,9 @@ def test_the_order_of_an_integrator(integrator: str) -> None:
     order = observed_order(adapter, scene, integrator, (0.08, 0.04, 0.02), 0.32)["attitude"]
     # The next term of the error is smaller by w h = 0.1 at these steps, which are so large that single precision shows order 4.
     assert order == pytest.approx(4 if integrator == "RK4" else 1, abs=0.2)
+
+
+def test_a_solver_that_it_lacks_is_not_offered() -> None:
+    """MuJoCo Warp refuses every model with iterations of the noslip solver."""
+    assert not any("noslip" in integrator.options for integrator in ENGINE.integrators)
+    assert all("impratio" in integrator.options for integrator in ENGINE.integrators)

@@ -49,6 +49,17 @@ def test_rotation_is_damped_by_newtons_own_settings_alone(method: str, damping: 
     assert last[12] == pytest.approx(3.0 * (1 - damping * h) ** steps, rel=1e-4)
 
 
+@pytest.mark.parametrize(("integrator", "order"), [("MuJoCo-rk4", 4), ("MuJoCo-euler", 1), ("Featherstone", 1)])
+def test_the_order_against_drag_is_that_of_the_engine_where_it_evaluates_drag_itself(integrator: str, order: int) -> None:
+    """MuJoCo's solvers have drag among their passive forces; for the others it is held through a step."""
+    falling = replace(load("football-no-spin").scene, initial=State(velocity=(20.0, 3.0, 9.0)))
+    if order == 4:  # errors at small steps are rounding, so that only the size of the error at a large step shows the order
+        speeds = [np.linalg.norm(rows(falling, integrator, step, [round(1.6 / step)])[0, 7:10]) for step in (0.2, 0.01)]
+        assert speeds[0] == pytest.approx(speeds[1], rel=1e-5)
+    else:
+        assert observed_order(NEWTON, falling, integrator, (0.2, 0.1, 0.05), 1.6)["position"] == pytest.approx(order, abs=0.1)
+
+
 def test_vbd_slows_a_rotation_by_its_scheme() -> None:
     """Its angular velocity is smaller by (w h)^2 / 12 in each step: 1 / w^2 grows by h t / 6."""
     h, spin, duration = 8e-3, 10.0, 2.0

@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bodycheck.adapters import registry
 from bodycheck.adapters.pybullet import robots
 from bodycheck.adapters.robot_numbers import components
 from bodycheck.reference.robots.dynamics import terms
 from tests.support.robot_mjcf import ON_A_HINGE
-from tests.support.robot_texts import GRAVITY, LIMIT, RIDES, hinges, joint, link, on, ridden, robot, written
+from tests.support.robot_motions import in_engine
+from tests.support.robot_texts import BRAKED, FULL_TURN, GRAVITY, LIMIT, RIDES, hinges, joint, link, on, ridden, robot, written
 from tests.support.tree_readings import assert_trees_agree
 
 
@@ -42,6 +44,29 @@ def test_damping_and_friction_are_kept_and_limits_of_a_continuous_joint_are_none
     )
     (own,) = robots.read_robot(written(text, tmp_path), [hinges("hinge")], GRAVITY).joints
     assert (own.damping, own.friction, own.armature, own.lower, own.upper) == (0.3, 0.2, 0.0, None, None)
+
+
+def test_limits_and_damping_act_and_friction_is_told_and_does_not(tmp_path: Path) -> None:
+    file = written(BRAKED, tmp_path)
+    known = in_engine(registry.load("pybullet"), file)["hinge"]
+    assert (known.lower, known.upper, known.damping, known.friction) == (-3.0, 3.0, 0.5, 0.0)
+    (told,) = robots.read_robot(file, [hinges("hinge")], GRAVITY).joints
+    assert told.friction == 0.2
+
+
+def test_limits_of_a_continuous_joint_are_told_and_stop_nothing(tmp_path: Path) -> None:
+    file = written(FULL_TURN, tmp_path)
+    (told,) = robots.read_robot(file, [hinges("hinge")], GRAVITY).joints
+    assert (told.lower, told.upper) == (-6.28, 6.28)
+    known = in_engine(registry.load("pybullet"), file)["hinge"]
+    assert (known.tried, known.lower, known.upper) == ({"limits"}, None, None)
+
+
+def test_the_warning_of_an_impossible_inertia_is_a_note(tmp_path: Path) -> None:
+    bad = '<inertial><mass value="1"/><inertia ixx="1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    text = robot(link("base"), link("arm", bad), joint("hinge", "revolute", "base", "arm", LIMIT))
+    notes = robots.read_robot(written(text, tmp_path), [], GRAVITY).notes
+    assert any("Bad inertia tensor properties, setting inertia to zero for link: arm" in note for note in notes), notes
 
 
 def test_a_robot_with_a_ball_has_its_poses(tmp_path: Path) -> None:

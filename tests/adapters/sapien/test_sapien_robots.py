@@ -7,7 +7,8 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.robot_reading import ModelRefused, RobotModels
 from bodycheck.reference.robots.model import Mimic
-from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, TIP, hinges, joint, link, robot, written
+from tests.support.robot_motions import in_engine
+from tests.support.robot_texts import BRAKED, GRAVITY, LIMIT, MIMIC, TIP, hinges, joint, link, robot, written
 from tests.support.tree_readings import assert_trees_agree
 
 LOADED = registry.load("sapien")
@@ -45,6 +46,30 @@ def test_a_robot_that_cannot_move_has_its_links_where_the_file_puts_them(tmp_pat
 def test_a_mimic_joint_on_the_same_link_is_a_tendon(tmp_path: Path) -> None:
     reading = SAPIEN.read_robot(written(MIMIC, tmp_path), [], GRAVITY)
     assert [own.mimic for own in reading.joints] == [None, Mimic("first", -2.0, 0.1)]
+
+
+def test_siblings_follow_by_the_inverse_rule_though_the_record_is_right(tmp_path: Path) -> None:
+    """The file says -2 times the leader plus 0.1; the leader follows the follower by this rule."""
+    known = in_engine(LOADED, written(MIMIC, tmp_path))["second"]
+    assert known.mimic is not None
+    assert (known.mimic.multiplier, known.mimic.offset) == (-0.5, 0.05)
+
+
+def test_a_chain_follows_by_the_rule_of_the_file(tmp_path: Path) -> None:
+    rule = '<mimic joint="first" multiplier="-2" offset="0.1"/>'
+    text = robot(
+        *map(link, ("base", "left", "right")),
+        joint("hold", "revolute", "base", "left", LIMIT),
+        link("tip"),
+        joint("first", "revolute", "left", "right", '<axis xyz="0 0 1"/>' + LIMIT),
+        joint("second", "revolute", "right", "tip", f'<axis xyz="0 0 1"/>{LIMIT}{rule}'),
+    )
+    assert in_engine(LOADED, written(text, tmp_path))["second"].mimic == Mimic("first", -2.0, 0.1)
+
+
+def test_limits_and_damping_act(tmp_path: Path) -> None:
+    known = in_engine(LOADED, written(BRAKED, tmp_path))["hinge"]
+    assert (known.lower, known.upper, known.damping) == (-3.0, 3.0, 0.5)
 
 
 def test_an_inertia_that_is_not_positive_is_refused(tmp_path: Path) -> None:

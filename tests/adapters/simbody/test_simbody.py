@@ -1,4 +1,4 @@
-"""What is special about Simbody: orders, quaternions and angles, half steps, drag that is held, spheres at corners."""
+"""What is special about Simbody: orders, quaternions and angles, half steps, drag, spheres at corners."""
 
 from dataclasses import replace
 
@@ -8,7 +8,8 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Integrator, Method
+from bodycheck.adapters.contract import ErrorControlled, Integrator, Method
+from bodycheck.reference import truth as reference
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
@@ -72,15 +73,23 @@ def test_the_row_of_simbody_in_the_box_benchmark_of_2015_is_that_of_two_half_ste
         np.testing.assert_allclose([measured[name] for name in names], anchor[names].astype(float), rtol=3e-4)
 
 
-@pytest.mark.parametrize("integrator", ["ExplicitEuler", "RungeKuttaMerson"])
-def test_drag_is_held_through_a_step(integrator: str) -> None:
-    """The velocity then changes as by a constant force, twice, with every integrator."""
-    drag, timestep = 0.4, 0.1
-    velocity = np.array([3.0, -4.0, 12.0])
-    scene = Scene(BODY, State(velocity=(3.0, -4.0, 12.0)), gravity=9.81, drag=drag)
-    for _ in range(2):
-        velocity = velocity + timestep * (-drag * np.linalg.norm(velocity) * velocity / BODY.mass - [0.0, 0.0, 9.81])
-    np.testing.assert_allclose(after(scene, integrator, timestep, 2)[7:10], velocity, rtol=1e-13)
+@pytest.mark.parametrize(
+    ("integrator", "order"), [("ExplicitEuler", 1), ("Verlet", 2), ("RungeKutta3", 3), ("RungeKuttaMerson", 4)]
+)
+def test_drag_is_evaluated_within_a_step(integrator: str, order: int) -> None:
+    """A force that is held over a step would make the order of the position 1 with every integrator."""
+    scene = Scene(BODY, State(velocity=(3.0, -4.0, 12.0)), gravity=9.81, drag=0.4)
+    exact = reference.truth(scene, np.array([0.0, 0.5])).trajectory.position[-1]
+    errors = [float(np.linalg.norm(after(scene, integrator, 0.5 / steps, steps)[:3] - exact)) for steps in (20, 40, 80)]
+    # The next term of the error: drag slows the body at a rate of 4 per second, times a step of up to 25 ms.
+    np.testing.assert_allclose(np.log2(errors[:-1]) - np.log2(errors[1:]), order, atol=0.1)
+
+
+def test_a_small_drag_is_written_with_all_its_digits() -> None:
+    """The velocity after a step is that of the formula, so that OpenSim reads a coefficient with an exponent."""
+    scene = Scene(BODY, State(velocity=(0.0, 100.0, 0.0)), drag=1.25e-7)
+    velocity = after(scene, "ExplicitEuler", 0.01, 1)[8]
+    assert 100.0 - velocity == pytest.approx(0.01 * 1.25e-7 * 100.0**2 / BODY.mass, rel=1e-7)  # of a velocity of 100
 
 
 def test_spheres_sink_in_as_far_as_they_are_made_to() -> None:
@@ -92,3 +101,29 @@ def test_spheres_sink_in_as_far_as_they_are_made_to() -> None:
     assert depths[-1] == pytest.approx(5e-4, rel=1e-9)
     # The spheres are softer where they begin to touch, where the damping is not critical yet.
     assert depths.max() < 5e-4 * 1.2
+
+
+@pytest.mark.parametrize("integrator", [own.name for own in SIMBODY.engine.integrators])
+def test_every_integrator_controls_its_error_and_counts_its_work(integrator: str) -> None:
+    """A tolerance that is a hundred times smaller gives a smaller error for more work."""
+    exact, work, errors = reference.truth(TUMBLE, np.array([0.0, 1.0])).trajectory.quaternion[-1], [], []
+    for accuracy in ("1e-3", "1e-5"):
+        simulation = SIMBODY.prepare([TUMBLE], Method.parse(f"{integrator}:accuracy={accuracy}", 1.0))
+        assert isinstance(simulation, ErrorControlled)
+        errors.append(geodesic_angle(simulation.reach(np.array([1.0]))[0, 0, 0, 3:7], exact))
+        work.append(simulation.work)
+    coarse, fine = work
+    assert errors[1] < errors[0] < 1
+    assert 0 < coarse.steps < fine.steps
+    assert coarse.rejected is not None
+    assert coarse.evaluations is not None
+    assert fine.evaluations is not None
+    # Each step needs an evaluation, and each rejected one another.
+    assert coarse.steps + coarse.rejected <= coarse.evaluations < fine.evaluations
+
+
+def test_the_largest_step_limits_error_control() -> None:
+    simulation = SIMBODY.prepare([TUMBLE], Method.parse("RungeKuttaMerson:accuracy=0.1", 0.01))
+    assert isinstance(simulation, ErrorControlled)
+    simulation.reach(np.array([1.0]))
+    assert 100 <= simulation.work.steps <= 103  # it begins with shorter steps

@@ -118,7 +118,7 @@ def head(motion: Trajectory, rows: int) -> Trajectory:
     return Trajectory(*(getattr(motion, name)[:rows] for name in vars(motion)))
 
 
-def test_a_silent_reset_takes_both_the_signal_and_the_states() -> None:
+def test_a_reset_takes_both_the_signal_and_the_states() -> None:
     sound = head(MOTION, 201)
     again = Trajectory(
         *(
@@ -127,7 +127,7 @@ def test_a_silent_reset_takes_both_the_signal_and_the_states() -> None:
         )
     )
     found = reset("reset", again)
-    assert (found.status, found.engine_said) == ("silent-reset", "the engine's words")
+    assert (found.status, found.engine_said) == ("reset", "the engine's words")
     assert "has jumped" in found.detail
     only_said = reset("reset", sound)
     assert (only_said.status, only_said.detail) == ("diverged", "its states show no break")

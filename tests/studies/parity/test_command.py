@@ -45,7 +45,7 @@ def test_each_way_of_an_engine_to_fail_is_told_apart(folder: Path) -> None:
     states = seeded_states(clean_model(), 2, 0)
     # The engine that hangs costs this long; the others answer at once, and are far from it on any machine that runs tests.
     with robot_readings.reader(names, 2, 6) as read_file:
-        found = read_file(RobotFile(str(folder / "arm.urdf"), "urdf"), states, GRAVITY)
+        found = read_file(RobotFile(str(folder / "arm.urdf"), "urdf"), None, states, GRAVITY)
     kinds = {name: type(answer) for name, answer in found.items()}
     assert kinds == dict(zip(names, (RobotReading, Refused, FormatMissing, Crashed, TimedOut, FormatMissing), strict=True))
     assert found["picky"] == Refused("joint elbow is not to my taste")

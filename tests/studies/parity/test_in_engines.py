@@ -59,7 +59,7 @@ def rows(
     """
     states = seeded_states(model, count + PROBES, 0)
     found: dict[str, tuple[Compared, ...] | Answer] = {}
-    for name, answer in read(file, states, GRAVITY).items():
+    for name, answer in read(file, None, states, GRAVITY).items():
         if isinstance(answer, RobotReading):
             tolerance = max(SINGLE_PRECISION if name in single else TOLERANCE, answer.rounding)
             answer = diagnosed(compare(asked(model, states, GRAVITY, False), answer, tolerance)).rows

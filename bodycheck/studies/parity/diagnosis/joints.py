@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bodycheck.adapters.robot_reading import ReadJoint
-from bodycheck.reference.robots.model import RobotJoint
+from bodycheck.reference.robots.model import Mimic, RobotJoint
 from bodycheck.studies.parity.comparing import Comparison
 from bodycheck.studies.parity.diagnosis.fault import Fault
 from bodycheck.studies.parity.diagnosis.inertias import same
@@ -75,5 +75,21 @@ def _type_cause(joint: RobotJoint, joint_read: ReadJoint | None) -> Cause:
     if joint_read is None or not same_type(joint, joint_read):
         return "representation"
     if not same_mimic(joint.mimic, joint_read.mimic):
-        return "mimic-ignored" if joint_read.mimic is None else "unexplained"
+        if joint_read.mimic is None:
+            return "mimic-ignored"
+        return "mimic-inverted" if joint.mimic and _is_inverse(joint.mimic, joint_read.mimic) else "unexplained"
+    pairs = ((joint.lower, joint_read.lower), (joint.upper, joint_read.upper))
+    if all(limit is None or limit == expected for expected, limit in pairs):
+        return "limits-ignored"
     return "representation"
+
+
+def _is_inverse(file: Mimic, engine: Mimic) -> bool:
+    """Return whether the leader of a joint follows the joint by the rule by which the joint should follow its leader.
+
+    The engine's rule is measured, with errors of some percent.
+    """
+    if not file.multiplier or file.joint != engine.joint:
+        return False
+    inverse = (1 / file.multiplier, -file.offset / file.multiplier)
+    return bool(np.allclose((engine.multiplier, engine.offset), inverse, rtol=0.05, atol=0.05 * abs(inverse[0])))
