@@ -24,6 +24,7 @@ from bodycheck.studies.recommend import study as recommend
 from bodycheck.studies.tradeoff import study as tradeoff
 from tests.support.cases import a_case, expecting, shortened
 from tests.support.commands import bodycheck
+from tests.support.planted_engines import plant
 
 FLIP = replace(load("intermediate-axis-flip"), expectations=())
 PENDULUM = replace(load("double-pendulum"), expectations=())
@@ -272,3 +273,27 @@ def test_the_command_runs_aliases_and_leaves_out_a_library_with_one_line(tmp_pat
     refused = bodycheck("run", path, "--engine", "pinocchio", "--integrator", "default")
     assert refused.returncode == 2
     assert "--integrator default: pinocchio has no default method" in refused.stderr
+
+
+DYING = """
+import os
+from dataclasses import replace
+from bodycheck.adapters.contract import Usage
+usual = Usage("step", 0.01, "https://example.org")
+engine = replace(RECORD, models=frozenset({"rotation"}), roles={"default": {"flight": usual}, "recommended": {"flight": usual}})
+
+def prepare(scenes, method):
+    os._exit(3)
+"""
+
+
+def test_a_run_whose_process_dies_has_its_role(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant(tmp_path / "planted", {"dying": DYING})
+    monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))
+    monkeypatch.syspath_prepend(tmp_path / "planted")
+    path = tmp_path / "spin.case.toml"
+    path.write_text(a_case(), "utf-8")
+    done = bodycheck("run", path, "--engine", "dying", "--integrator", "default", "--json")
+    (row,) = json.loads(done.stdout)
+    assert (row["status"], row["timestep"], row["role"]) == ("crashed", 0.01, "default, recommended")
+    assert (done.returncode, "there is no result of the integrator default" in done.stderr) == (1, True)

@@ -22,8 +22,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     before = submission([run(case=FREE, version="3.0", attitude_error=1e-3)], day="2026-01-01")
     after = submission(
         [
-            run(case=FREE, attitude_error=1e-5),
-            run(case=FREE, integrator="RK4", attitude_error=1e-9),
+            run(case=FREE, attitude_error=1e-5, role="default"),
+            run(case=FREE, integrator="RK4", attitude_error=1e-9, role="recommended"),
             submissions.broken(case=CONTACT),
             ended("unsupported", "mujoco refuses the model: no", case=MECHANISM),
         ],
@@ -86,6 +86,7 @@ def test_filters_go_into_the_address_and_the_address_into_the_filters(visit: Vis
         ("#verdicts=failed,refused", [CONTACT, MECHANISM], ["✗", "", "", "⊘"]),
         ("#changed=1", [FREE], ["", "1e-5"]),
         ("#method=best", [FREE, CONTACT, MECHANISM], ["2.1", "1e-9", "✗", "!0.25", "·", "⊘"]),
+        ("#method=recommended", [FREE, CONTACT, MECHANISM], ["·", "1e-9", "·", "·", "·", "·"]),
         ("#engines=nobody", [FREE, CONTACT, MECHANISM], []),
         ("#q=nothing+such", [], []),
         ("#kind=%22%3E%3Cb%3E&verdicts=,,&engines=%00", [], []),
@@ -97,10 +98,12 @@ def test_a_state_in_the_address_is_shown(browser: Any, site: Path, place: str, t
         assert texts(visit.page) == numbers
 
 
-def test_the_own_methods_come_back_after_the_best_ones(visit: Visit) -> None:
+def test_the_default_methods_come_back_after_the_best_and_the_recommended_ones(visit: Visit) -> None:
     before = visit.page.locator("#matrix tbody").all_inner_texts()
     visit.page.locator("[name=method]").select_option("best")
-    assert "1e-9" in texts(visit.page)
+    assert texts(visit.page) == ["2.1", "1e-9", "✗", "!0.25", "·", "⊘"]
+    visit.page.locator("[name=method]").select_option("recommended")
+    assert texts(visit.page) == ["·", "1e-9", "·", "·", "·", "·"]
     visit.page.locator("[name=method]").select_option("")
     assert visit.page.locator("#matrix tbody").all_inner_texts() == before
 
