@@ -23,7 +23,7 @@ for method, accuracy in (("RungeKuttaMerson", 1e-3), ("RungeKuttaMerson", 1e-8),
     run.integrate(10.0)
     states = run.getStatesTrajectory()
     for state in (states.get(index) for index in range(1, states.getSize())):
-        pair = (body.getTransformInGround(s).R() for s in (state, exact.integrate(state.getTime())))
+        pair = (model.realizePosition(s) or body.getTransformInGround(s).R() for s in (state, exact.integrate(state.getTime())))
         a, b = (np.array([q.get(i) for i in range(4)]) for q in (turn.convertRotationToQuaternion() for turn in pair))
         largest = max(largest, 4 * np.arcsin(min(np.linalg.norm(a - b), np.linalg.norm(a + b)) / 2))
     print(f"{method}_{-np.log10(accuracy):.0f}", largest)
