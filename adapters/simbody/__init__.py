@@ -2,13 +2,14 @@
 
 A body is on OpenSim's `FreeJoint`, and OpenSim's `Manager` takes steps of a fixed size, which switches off the error control,
 unless the method has the option `accuracy`. All integrators have it: OpenSim's integrator accuracy, with the time step as the
-largest step. Simbody counts steps and evaluations ("realizations"). A step ends at each sample, as `Manager.integrate` does;
-OpenSim's reporters, which interpolate, are not used. The methods are Simbody's integrators with the names that `Manager` gives
-them: ExplicitEuler, SemiExplicitEuler2 (two half steps in each step), Verlet, RungeKutta2, RungeKutta3, RungeKuttaMerson (order
-4), RungeKuttaFeldberg (order 4 as observed, although Simbody's documentation says fifth), and CPodes. CPodes is made for error
-control: it stays at order 1 if its step cannot change, and stops with an error if its own test of accuracy fails. The test
-fails in the first steps of a contact, so CPodes is not offered on a plane. The accuracy at which iterations end, for instance
-in Verlet, is Simbody's default in fixed steps. SemiExplicitEuler2 reproduces Simbody's row of OSRF's box benchmark of 2015.
+largest step. Simbody counts steps and evaluations ("realizations"). No step ends at a sample: OpenSim records the ends of the
+steps, and the state at a sample is computed by a step of another manager from the last of them. The methods are Simbody's
+integrators with the names that `Manager` gives them: ExplicitEuler, SemiExplicitEuler2 (two half steps in each step), Verlet,
+RungeKutta2, RungeKutta3, RungeKuttaMerson (order 4), RungeKuttaFeldberg (order 4 as observed, although Simbody's documentation
+says fifth), and CPodes. CPodes is made for error control: it stays at order 1 if its step cannot change, and stops with an
+error if its own test of accuracy fails. The test fails in the first steps of a contact, so CPodes is not offered on a plane.
+The accuracy at which iterations end, for instance in Verlet, is Simbody's default in fixed steps. SemiExplicitEuler2 reproduces
+Simbody's row of OSRF's box benchmark of 2015.
 
 - A method without options uses Simbody's quaternions, which are Simbody's own default. OpenSim switches them off, and its
   Python package has no function that switches them on again; the adapter calls the function of Simbody's library by its C++

@@ -1,7 +1,7 @@
 """The adapter of Simbody by OpenSim: the model of a scene, and the loop of its steps."""
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from importlib import metadata
@@ -148,24 +148,21 @@ class Simbody:
     manager, model
         OpenSim's manager, and its model. They are destroyed in this order, because the manager uses the model until it is
         destroyed.
-    timestep
-        The time step (s); with error control the largest step.
+    method
+        The method.
     seen
         Returns a copy of the numbers (k,) that describe a state of the model.
     rows
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
-    complains
-        Whether the integrator's C code writes to stderr the same message that an exception contains.
     taken
         The number of steps taken by `advance`.
     """
 
     manager: Any
     model: Any
-    timestep: float
+    method: Method
     seen: Callable[[Any], Array]
     rows: Callable[[Array], Array]
-    complains: bool
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
@@ -176,7 +173,7 @@ class Simbody:
         seen: list[Array] = []
         for stride in strides.tolist():
             try:
-                seen.append(self.at((self.taken + stride) * self.timestep))
+                seen.append(self.at((self.taken + stride) * self.method.timestep))
             except EngineDiverged as signal:
                 signal.states = single(self.rows(np.array([*seen, self.seen(self.manager.getState())])))
                 raise
@@ -185,16 +182,53 @@ class Simbody:
 
     def at(self, time: float) -> Array:
         """Step to a time (s), where a step ends, and return the numbers that describe the state; raises `EngineDiverged`."""
-        if time > self.manager.getState().getTime():
-            with no_stderr() if self.complains else nullcontext():
-                try:
-                    self.manager.integrate(time)
-                except RuntimeError as error:
-                    # The C++ function and the place in its source are before the message.
-                    words = " ".join(str(error).split())
-                    text = f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}"
-                    raise EngineDiverged(text) from error
+        self.integrate(self.manager, time)
         return self.seen(self.manager.getState())
+
+    def between(self, times: Array) -> Iterator[Array]:
+        """Yield the numbers that describe the states at ascending times (n,), in s, without ending a step of the manager there.
+
+        The manager goes to the last time and records the ends of its own steps. Each state is computed by another manager, from
+        the end of the last step before its time. Raises `EngineDiverged`.
+        """
+        self.manager.setRecordStatesTrajectory(True)
+        self.manager.initialize(self.manager.getState())
+        failed = None
+        try:
+            self.integrate(self.manager, float(times[-1]))
+        except EngineDiverged as signal:
+            failed = signal
+        ends, last = self.manager.getStatesTrajectory(), 0
+        side = managed(self.model, ends.get(0), self.method)
+        for time in times.tolist():
+            while last + 1 < ends.getSize() and ends.get(last + 1).getTime() <= time:
+                last += 1
+            state = ends.get(last)
+            if state.getTime() < time:
+                if failed is not None and last + 1 == ends.getSize():
+                    raise failed
+                side.initialize(state)
+                self.integrate(side, time)
+                state = side.getState()
+            yield self.seen(state)
+
+    def integrate(self, manager: Any, time: float) -> None:
+        """Let a manager step to a time (s), where a step ends, unless it is there already. Raises `EngineDiverged`."""
+        if time <= manager.getState().getTime():
+            return
+        # The C code of CPodes writes to stderr the same message that the exception contains.
+        with no_stderr() if self.method.integrator == CPODES else nullcontext():
+            try:
+                manager.integrate(time)
+            except RuntimeError as error:
+                # The C++ function and the place in its source are before the message.
+                words = " ".join(str(error).split())
+                text = f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}"
+                raise EngineDiverged(text) from error
+
+    def controlled(self) -> Controlled:
+        """Return the simulation of a method with error control."""
+        return Controlled(self.method.timestep, self.at, self.rows, self.work, self.between)
 
     def work(self) -> Work:
         """Return the work of the integrator so far."""
@@ -220,8 +254,8 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     built = mechanisms.built(mechanism)
     state = mechanisms.started(mechanism, built, method.option("settings") != "engine")
     seen = mechanisms.seer(mechanism, built)
-    steps = Simbody(managed(built.model, state, method), built.model, method.timestep, seen, in_body_axes, complains(method))
-    return steps if method.accuracy is None else Controlled(method.timestep, steps.at, steps.rows, steps.work)
+    steps = Simbody(managed(built.model, state, method), built.model, method, seen, in_body_axes)
+    return steps if method.accuracy is None else steps.controlled()
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
@@ -234,21 +268,13 @@ def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Norm
         position, attitude = poses(seen[:, :7], quaternions)
         return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
 
-    manager = managed(model, state, method)
-    steps = Simbody(manager, model, method.timestep, coordinates, rows, complains(method))
-    if method.accuracy is None:
-        return Normalised(steps)
-    return NormalisedControl(Controlled(method.timestep, steps.at, steps.rows, steps.work))
+    steps = Simbody(managed(model, state, method), model, method, coordinates, rows)
+    return Normalised(steps) if method.accuracy is None else NormalisedControl(steps.controlled())
 
 
 def coordinates(state: Any) -> Array:
     """Return the coordinates and velocities in a state of a model."""
     return np.concatenate([state.getQ().to_numpy(), state.getU().to_numpy()])
-
-
-def complains(method: Method) -> bool:
-    """Return whether the C code of a method's integrator writes its errors to stderr, in addition to raising exceptions."""
-    return method.integrator == CPODES
 
 
 def managed(model: Any, state: Any, method: Method) -> Any:
