@@ -123,7 +123,8 @@ def place(skeleton: "dart.dynamics.Skeleton", initial: State) -> None:
 
 def prepare_boxes(scene: Mechanism, method: Method) -> Loop[None]:
     """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
-    world, plane, skeletons = dart.simulation.World(), plane_of(scene), []
+    world, plane = dart.simulation.World(), plane_of(scene)
+    skeletons: list[dart.dynamics.Skeleton] = []
     world.setGravity([0.0, 0.0, -scene.gravity])
     world.setTimeStep(method.timestep)
     for box in touching_bodies(scene):

@@ -45,8 +45,12 @@ Property = Literal[
 
 #: The kind of scene by which a property shows. A property that is not listed shows in free flight.
 KIND_OF: Mapping[Property, Kind] = {
-    **dict.fromkeys(("friction-anisotropy", "sideways-friction", "hidden-state"), "plane"),
-    **dict.fromkeys(("impact_energy_error", "impact_momentum_error", "impact_angular_momentum_error"), "plane"),
+    "friction-anisotropy": "plane",
+    "sideways-friction": "plane",
+    "impact_energy_error": "plane",
+    "impact_momentum_error": "plane",
+    "impact_angular_momentum_error": "plane",
+    "hidden-state": "plane",
     "order-of-bodies": "mechanism",
 }
 

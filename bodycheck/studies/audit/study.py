@@ -179,10 +179,10 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
                 kinds[method.name].add(kind)
         methods += [Planned(name, method, frozenset(kinds[spelling])) for spelling, method in by_spelling.items()]
     refuse_nothing(methods, engines, integrators)
-    long_runs = ((name, default_method(engine)) for name, engine in engines.items()) if long else ()
-    return Plan(
-        engines, tuple(methods), tuple(integrators), flip, tuple((name, method) for name, method in long_runs if method)
+    long_runs = tuple(
+        (name, method) for name, engine in engines.items() if long and (method := default_method(engine)) is not None
     )
+    return Plan(engines, tuple(methods), tuple(integrators), flip, long_runs)
 
 
 def default_method(engine: Engine) -> Method | None:

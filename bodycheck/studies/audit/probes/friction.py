@@ -66,8 +66,11 @@ def _findings(pilot: Pilot, words: str, *, turned: bool) -> tuple[Finding, ...]:
     values = (1 - float(along.min() / along.max()), float(across[np.abs(across).argmax()]))
     return tuple(
         Finding(
-            *(name, f"friction: {words}: {_listed(parts)} of mu N at {ANGLES}", "found" if abs(value) > LEAST else "none"),
-            *(value, "", "0"),
+            name,
+            f"friction: {words}: {_listed(parts)} of mu N at {ANGLES}",
+            "found" if abs(value) > LEAST else "none",
+            value,
+            expected="0",
         )
         for name, parts, value in zip(PROPERTIES, (along, across), values, strict=True)
     )

@@ -82,13 +82,13 @@ def impact(pilot: Pilot) -> tuple[Finding, ...]:
             return not_probed("impact", result.reason, *PROPERTIES)
     assert not isinstance(here, NotFlown)
     assert not isinstance(finer, NotFlown)
-    energy, *others = (
+    of_energy, *others = (
         _finding(name, error, left) for name, error, left in zip(PROPERTIES, here.errors, finer.errors, strict=True)
     )
-    if min(here.restitution, finer.restitution) < GIVES_BACK and not (energy.verdict == "found" and here.errors[0] > 0):
+    if min(here.restitution, finer.restitution) < GIVES_BACK and not (of_energy.verdict == "found" and here.errors[0] > 0):
         reason = f"the contact gives back {here.restitution:.2g} of the speed of approach, where 1 is asked for"
-        energy = not_probed("impact", reason, "impact_energy_error")[0]
-    return energy, *others
+        of_energy = not_probed("impact", reason, "impact_energy_error")[0]
+    return of_energy, *others
 
 
 def _finding(name: Property, error: float, finer: float) -> Finding:

@@ -76,10 +76,10 @@ def permuted(mechanism: Mechanism, bodies: Sequence[int], joints: Sequence[int])
 
     bodies, joints: the indices in the given mechanism, in the new order.
     """
-    place = {WORLD: WORLD} | {former: index for index, former in enumerate(bodies)}
+    new_index = {WORLD: WORLD} | {former: index for index, former in enumerate(bodies)}
     reordered = (mechanism.joints[index] for index in joints)
     return replace(
         mechanism,
         bodies=tuple(mechanism.bodies[index] for index in bodies),
-        joints=tuple(replace(joint, parent=place[joint.parent], child=place[joint.child]) for joint in reordered),
+        joints=tuple(replace(joint, parent=new_index[joint.parent], child=new_index[joint.child]) for joint in reordered),
     )
