@@ -151,8 +151,8 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods, and aliases; all that the engines offer in free flight, for a sliding box and for a mechanism if it
-        is empty.
+        Spellings of methods, and aliases; all that the engines offer in free flight, for a sliding box and for a mechanism if
+        it is empty.
     timestep
         The time step (s); None for 2 ms, or the time step of an alias.
     long
