@@ -53,6 +53,36 @@ class Loop(Generic[State]):
         return np.array(self.rows(seen.reshape(-1, seen.shape[-1])).reshape(*seen.shape[:2], 1, 13).swapaxes(0, 1))
 
 
+Body = TypeVar("Body")
+
+
+def several(
+    step: Callable[[], object], bodies: Sequence[Body], seen: Callable[[Body], Array], rows: Callable[[Array], Array]
+) -> Loop[None]:
+    """Return the simulation of one scene with several bodies, from functions for one of them.
+
+    Parameters
+    ----------
+    step
+        Takes a time step of the whole scene; it may raise `EngineDiverged`.
+    bodies
+        The bodies, in the form that the engine uses.
+    seen, rows
+        As in `Loop`, for one body.
+    """
+
+    def stepped(_: None) -> None:
+        step()
+
+    def together(_: None) -> Array:
+        return np.concatenate([seen(body) for body in bodies])
+
+    def of_each(numbers: Array) -> Array:
+        return rows(numbers.reshape(len(numbers) * len(bodies), -1)).reshape(len(numbers), len(bodies), 13)
+
+    return Loop(None, stepped, together, of_each)
+
+
 @dataclass
 class Controlled:
     """A simulation of one scene by a method with error control, which reaches one time after another.

@@ -2,16 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.planar import describe_shape, planar_state
-from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State, Vector
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,23 @@ class TouchingBody:
     body: Body
     shape: Shape
     start: State
+
+
+@runtime_checkable
+class Boxes(Protocol):
+    """An adapter that can give its engine free boxes that touch, though its record offers no bodies that touch.
+
+    It is for `bodycheck audit`, which needs no truth of these scenes. An adapter whose record models contacts prepares them by
+    `Adapter.prepare` instead.
+    """
+
+    def prepare_boxes(self, scene: Mechanism, method: Method) -> Simulation:
+        """Return a simulation of free bricks that touch the level plane of the scene and each other, at t = 0.
+
+        The friction and the restitution of the plane are the coefficients of all pairs. There are no joints, pushes or other
+        pairs. Raises `SceneUnsupported`.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -54,6 +72,13 @@ def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
         shape = _shaped(shape_of(body))
         bodies.append(TouchingBody(body.name, Body(inertia.mass, (xx, yy, zz), shape), shape, state))
     return tuple(bodies)
+
+
+def half_lengths(body: TouchingBody) -> Vector:
+    """Return half the lengths of a brick (m). Raises `SceneUnsupported` for a body of another shape."""
+    if not isinstance(body.shape, Brick):
+        raise SceneUnsupported(f"{describe_shape(body.shape)} among boxes that touch")
+    return body.shape.semi_axes
 
 
 def plane_of(scene: AnyScene) -> Plane:

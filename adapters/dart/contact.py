@@ -1,5 +1,6 @@
 """A body that lies on a plane in DART: shapes, collision detection, and the solver of the contacts."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -55,16 +56,21 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
     Raises `SceneUnsupported` for a body that does not lie flat.
     """
     shape = lying_shape(scene)
+    touching(body, solid(shape), plane)
+    add_ground(world, plane, method, bricks=isinstance(shape, Brick))
+
+
+def add_ground(world: "dart.simulation.World", plane: Plane, method: Method, *, bricks: bool) -> None:
+    """Add to a world the plane under bodies, which are bricks or cylinders, and the detector and solver of a method."""
     ground = dart.dynamics.Skeleton("ground")
     _, fixed = ground.createWeldJointAndBodyNodePair()
     side, height = 2 * GROUND_HALF_SIDE_M, 2 * GROUND_HALF_HEIGHT_M
     below = touching(fixed, dart.dynamics.BoxShape([side, side, height]), plane)
     below.setRelativeTranslation([0.0, 0.0, -GROUND_HALF_HEIGHT_M])
-    touching(body, solid(shape), plane)
     world.addSkeleton(ground)
 
     solver, keeps_defaults = world.getConstraintSolver(), method.option("settings") == "engine"
-    name = method.option("detector") or ("fcl" if keeps_defaults else "bullet" if isinstance(shape, Brick) else "ode")
+    name = method.option("detector") or ("fcl" if keeps_defaults else "bullet" if bricks else "ode")
     solver.setCollisionDetector(DETECTORS[name]())
     solver_name = method.option("solver")
     if solver_name == "pgs":
@@ -87,10 +93,15 @@ def solid(shape: Brick | Cylinder) -> "dart.dynamics.Shape":
 
 
 def touching(body: "dart.dynamics.BodyNode", shape: "dart.dynamics.Shape", plane: Plane) -> "dart.dynamics.ShapeNode":
-    """Add a shape to a body, with the friction of the plane and without restitution, and return its node."""
+    """Add a shape to a body, with the friction and the restitution of the plane, and return its node.
+
+    DART uses the smaller coefficient of friction of two shapes, and the product of their coefficients of restitution.
+    """
     node = body.createShapeNode(shape)
     node.createCollisionAspect()
-    node.createDynamicsAspect().setFrictionCoeff(plane.friction)
+    dynamics = node.createDynamicsAspect()
+    dynamics.setFrictionCoeff(plane.friction)
+    dynamics.setRestitutionCoeff(math.sqrt(plane.restitution))
     return node
 
 

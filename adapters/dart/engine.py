@@ -12,11 +12,12 @@ from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.dart.robots import read_robot as read_robot
 from bodycheck.adapters.dart.robots import step_robot as step_robot
-from bodycheck.adapters.links import Link, links_of
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.links import Link, link_of, links_of
+from bodycheck.adapters.stepping import Loop, several
+from bodycheck.adapters.touching import half_lengths, plane_of, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.scene import Scene, State
 from bodycheck.reference.trajectory import Array
 
 INTEGRATOR = "semi-implicit-euler"
@@ -86,10 +87,7 @@ def loop(built: Model, drag: float = 0.0) -> Loop[None]:
         if not body.computeKineticEnergy() < LARGEST_ENERGY_J:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
-    def seen(state: None) -> Array:
-        return np.concatenate([skeleton.getPositions(), skeleton.getVelocities()])
-
-    return Loop(None, step, seen, rows)
+    return Loop(None, step, lambda _: coordinates(skeleton), rows)
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
@@ -112,10 +110,38 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     if scene.plane is not None:
         contact.add(world, body, scene, scene.plane, method)
     world.addSkeleton(skeleton)
+    place(skeleton, initial)
+    return Model(world, skeleton, body)
+
+
+def place(skeleton: "dart.dynamics.Skeleton", initial: State) -> None:
+    """Set the state of the body of a skeleton, which is on a free joint."""
     attitude = np.array(initial.quaternion)
     skeleton.setPositions(np.array([*rotation_vector(attitude), *initial.position]))
     skeleton.setVelocities(np.array([*rotate(attitude, np.array(initial.angular_velocity)), *initial.velocity]))
-    return Model(world, skeleton, body)
+
+
+def prepare_boxes(scene: Mechanism, method: Method) -> Loop[None]:
+    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
+    world, plane = dart.simulation.World(), plane_of(scene)
+    skeletons: list[dart.dynamics.Skeleton] = []
+    world.setGravity([0.0, 0.0, -scene.gravity])
+    world.setTimeStep(method.timestep)
+    for box in touching_bodies(scene):
+        skeleton = dart.dynamics.Skeleton(box.name)
+        _, body = skeleton.createFreeJointAndBodyNodePair()
+        body.setInertia(inertia(link_of(box.body)))
+        contact.touching(body, dart.dynamics.BoxShape([2 * half for half in half_lengths(box)]), plane)
+        world.addSkeleton(skeleton)
+        place(skeleton, box.start)
+        skeletons.append(skeleton)
+    contact.add_ground(world, plane, method, bricks=True)
+    return several(world.step, skeletons, coordinates, rows)
+
+
+def coordinates(skeleton: "dart.dynamics.Skeleton") -> Array:
+    """Return the coordinates and velocities (12,) of a skeleton with one free joint."""
+    return np.concatenate([skeleton.getPositions(), skeleton.getVelocities()])
 
 
 def rows(seen: Array) -> Array:

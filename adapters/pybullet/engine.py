@@ -5,8 +5,9 @@ The docstring of the package describes the integrators, the settings that are sw
 
 import math
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -27,12 +28,12 @@ from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.stepping import Loop
-from bodycheck.adapters.touching import corners_of_brick, lying_shape
+from bodycheck.adapters.stepping import Loop, several
+from bodycheck.adapters.touching import corners_of_brick, half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Brick, Scene, State
+from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Array
 
 # When PyBullet is imported, its C code writes the time of its build to standard error.
@@ -200,7 +201,8 @@ def built(scene: Scene, method: Method) -> World:
     body = pybullet.createMultiBody(scene.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
     world = World(client, body)
     weakref.finalize(world, pybullet.disconnect, client)
-    set_properties(world, scene, method)
+    friction = {} if scene.plane is None else {"lateralFriction": scene.plane.friction}
+    set_properties(world, scene.body, friction, method)
     set_state(world, along_principal_axes(scene).initial)
     return world
 
@@ -225,28 +227,50 @@ def collision_shape(scene: Scene) -> dict[str, object]:
     return {"shapeType": pybullet.GEOM_CYLINDER, "radius": shape.radius, "height": 2 * shape.half_length, **turned}
 
 
-def add_ground(client: int, maximal: bool) -> None:
-    """Add a box whose upper face is the plane z = 0. Its friction is 1, because Bullet multiplies both coefficients."""
+def add_ground(client: int, maximal: bool) -> int:
+    """Add a box whose upper face is the plane z = 0, and return its number.
+
+    Its friction is 1, because Bullet multiplies both coefficients.
+    """
     size = (GROUND_HALF_LENGTH_M, GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M)
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=size, physicsClientId=client)
-    ground = pybullet.createMultiBody(
+    ground: int = pybullet.createMultiBody(
         0, shape, basePosition=(0, 0, -GROUND_HALF_HEIGHT_M), useMaximalCoordinates=maximal, physicsClientId=client
     )
     pybullet.changeDynamics(ground, BASE, lateralFriction=1, physicsClientId=client)
+    return ground
 
 
-def set_properties(world: World, scene: Scene, method: Method) -> None:
-    """Set the inertia and the friction of the body, and switch off damping and limits unless the method keeps them."""
-    properties = switched_off(method)
-    if scene.plane is not None:
-        properties["lateralFriction"] = scene.plane.friction
+def prepare_boxes(scene: Mechanism, method: Method) -> Loop[None]:
+    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
+    plane, maximal = plane_of(scene), method.integrator == "maximal"
+    client = connected(scene.gravity, method)
+    # Bullet multiplies the coefficients of two bodies.
+    coefficients = {"lateralFriction": math.sqrt(plane.friction), "restitution": math.sqrt(plane.restitution)}
+    pybullet.changeDynamics(add_ground(client, maximal), BASE, physicsClientId=client, **coefficients)
+    worlds = []
+    for box in touching_bodies(scene):
+        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half_lengths(box), physicsClientId=client)
+        body = pybullet.createMultiBody(box.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
+        worlds.append(world := World(client, body))
+        set_properties(world, box.body, coefficients, method)
+        set_state(world, box.start)
+
+    simulation = several(partial(pybullet.stepSimulation, physicsClientId=client), worlds, seen, rows)
+    weakref.finalize(simulation, pybullet.disconnect, client)
+    return simulation
+
+
+def set_properties(world: World, body: Body, coefficients: Mapping[str, float], method: Method) -> None:
+    """Set the inertia and the coefficients of the body, and switch off damping and limits unless the method keeps them."""
     pybullet.changeDynamics(
         world.body,
         BASE,
-        mass=scene.body.mass,
-        localInertiaDiagonal=scene.body.moments,
+        mass=body.mass,
+        localInertiaDiagonal=body.moments,
         physicsClientId=world.client,
-        **properties,
+        **switched_off(method),
+        **coefficients,
     )
 
 

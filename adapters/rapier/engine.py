@@ -29,13 +29,13 @@ from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.rapier.robots import step_robot as step_robot
-from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.adapters.touching import lying_shape
+from bodycheck.adapters.stepping import Loop, Normalised, several
+from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Brick, Scene
+from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
 #: The largest number in single precision, by which Rapier says that there is no limit.
@@ -136,9 +136,14 @@ def seen(world: World) -> Array:
 def step(world: World) -> World:
     """Take a time step. Raises `EngineReset` if Rapier has taken the body out of the simulation."""
     world.world.step()
+    check(world)
+    return world
+
+
+def check(world: World) -> None:
+    """Raise `EngineReset` if Rapier has taken the body out of the simulation."""
     if not world.body.is_enabled:
         raise EngineReset("Rapier quarantined the body, because its state is no longer finite, and put it back")
-    return world
 
 
 def resisted_step(drag: float) -> Callable[[World], World]:
@@ -163,18 +168,44 @@ def built(scene: Scene, method: Method) -> World:
     world = new_world(scene.gravity, method)
     if scene.plane is not None:
         world.add_collider(rapier3d.Collider.halfspace((0, 0, 1)).friction(scene.plane.friction))
-    initial = along_principal_axes(scene).initial
+    body = moving(scene.body, along_principal_axes(scene).initial)
+    handle = world.add_body(unlimited(body, method), [shape] if shape is not None else None)
+    return World(world, world.rigid_bodies[handle])
+
+
+def moving(body: Body, initial: State) -> "rapier3d.RigidBodyBuilder":
+    """Return the builder of a body without a shape, from the initial state of its principal axes."""
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
-    inertia = rapier3d.MassProperties((0, 0, 0), scene.body.mass, scene.body.moments)
-    body = (
+    return (
         rapier3d.RigidBody.dynamic()
         .position(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
         .linvel(initial.velocity)
         .angvel(spin)
-        .additional_mass_properties(inertia)
+        .additional_mass_properties(rapier3d.MassProperties((0, 0, 0), body.mass, body.moments))
     )
-    handle = world.add_body(unlimited(body, method), [shape] if shape is not None else None)
-    return World(world, world.rigid_bodies[handle])
+
+
+def prepare_boxes(scene: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
+    world, plane = new_world(scene.gravity, method), plane_of(scene)
+    world.add_collider(with_coefficients(rapier3d.Collider.halfspace((0, 0, 1)), plane))
+    boxes = touching_bodies(scene)
+    shapes = [with_coefficients(rapier3d.Collider.cuboid(*half_lengths(box)), plane).density(0) for box in boxes]
+    builders = [unlimited(moving(box.body, box.start), method) for box in boxes]
+    handles = [world.add_body(body, [shape]) for body, shape in zip(builders, shapes, strict=True)]
+    worlds = [World(world, world.rigid_bodies[handle]) for handle in handles]
+
+    def step_all() -> None:
+        world.step()
+        for each in worlds:
+            check(each)
+
+    return Normalised(several(step_all, worlds, seen, rows))
+
+
+def with_coefficients(shape: "rapier3d.ColliderBuilder", plane: Plane) -> "rapier3d.ColliderBuilder":
+    """Return the builder of a shape with the friction and the restitution of a plane; Rapier uses the mean of two shapes'."""
+    return shape.friction(plane.friction).restitution(plane.restitution)
 
 
 def new_world(gravity: float, method: Method) -> "rapier3d.PhysicsWorld":

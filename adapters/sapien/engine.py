@@ -17,12 +17,12 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simul
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
-from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.adapters.touching import lying_shape
+from bodycheck.adapters.stepping import Loop, Normalised, several
+from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Brick, Scene
+from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
 with warnings.catch_warnings():
@@ -157,14 +157,22 @@ def built(scene: Scene, method: Method) -> World:
     system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
     if scene.plane is not None:
-        add_plane(whole, scene.plane.friction)
+        add_plane(whole, scene.plane)
+    entity, body = moving(whole, scene.body, along_principal_axes(scene).initial, shape, method)
+    return World(whole, system, entity, body)
+
+
+def moving(whole: Any, given: Body, initial: State, shape: Any, method: Method) -> tuple[Any, Any]:
+    """Add a body to a scene of SAPIEN, from the initial state of its principal axes, and return its entity and its component.
+
+    shape: the shape of the body; None if it touches nothing.
+    """
     body = physx.PhysxRigidDynamicComponent()
     if shape is not None:
         body.attach(shape)
-    body.set_mass(scene.body.mass)
+    body.set_mass(given.mass)
     body.set_cmass_local_pose(sapien.Pose())
-    body.set_inertia(np.array(scene.body.moments))
-    initial = along_principal_axes(scene).initial
+    body.set_inertia(np.array(given.moments))
     entity = sapien.Entity()
     entity.add_component(body)
     whole.add_entity(entity)
@@ -172,7 +180,19 @@ def built(scene: Scene, method: Method) -> World:
         switch_off(entity)
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
     place(entity, sapien.Pose(initial.position, initial.quaternion), initial.velocity, spin)
-    return World(whole, system, entity, body)
+    return entity, body
+
+
+def prepare_boxes(scene: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
+    system, plane = new_system(scene.gravity, method), plane_of(scene)
+    whole = sapien.Scene([system])
+    add_plane(whole, plane)
+    worlds = []
+    for box in touching_bodies(scene):
+        shape = physx.PhysxCollisionShapeBox(half_lengths(box), material(plane))
+        worlds.append(World(whole, system, *moving(whole, box.body, box.start, shape, method)))
+    return Normalised(several(system.step, worlds, seen, rows))
 
 
 def new_system(gravity: float, method: Method) -> Any:
@@ -190,10 +210,10 @@ def new_system(gravity: float, method: Method) -> Any:
     return system
 
 
-def add_plane(whole: Any, friction: float) -> None:
+def add_plane(whole: Any, plane: Plane) -> None:
     """Add the plane z = 0 to a scene."""
     ground = physx.PhysxRigidStaticComponent()
-    ground.attach(physx.PhysxCollisionShapePlane(material(friction)))
+    ground.attach(physx.PhysxCollisionShapePlane(material(plane)))
     entity = sapien.Entity()
     entity.add_component(ground)
     entity.set_pose(sapien.Pose((0, 0, 0), X_TO_Z))
@@ -206,20 +226,20 @@ def collision_shape(scene: Scene) -> Any:
     assert scene.plane is not None
     axes = conjugate(np.array(scene.body.axes))
     if isinstance(shape, Brick):
-        of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane.friction))
+        of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane))
     else:
-        of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane.friction))
+        of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane))
         axes = multiply(axes, np.array(X_TO_Z))
     of_shape.set_local_pose(sapien.Pose((0, 0, 0), axes))
     return of_shape
 
 
-def material(friction: float) -> Any:
-    """Return a material with a coefficient of friction.
+def material(plane: Plane) -> Any:
+    """Return a material with the coefficients of a plane.
 
-    PhysX uses the mean of the coefficients of two bodies, so the body and the plane both get the plane's coefficient.
+    PhysX uses the mean of the coefficients of two bodies, so the bodies and the plane all get the plane's coefficients.
     """
-    return physx.PhysxMaterial(friction, friction, 0.0)
+    return physx.PhysxMaterial(plane.friction, plane.friction, plane.restitution)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

@@ -4,8 +4,8 @@ import tempfile
 import warnings
 
 warnings.simplefilter("ignore")
-import sapien  # noqa: E402
-from sapien import physx  # noqa: E402
+import sapien
+from sapien import physx
 
 physx.set_scene_config(gravity=[0, 0, 0])
 INERTIA = '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>'

@@ -3,8 +3,8 @@
 import warnings
 
 warnings.simplefilter("ignore")
-import sapien  # noqa: E402
-from sapien import physx  # noqa: E402
+import sapien
+from sapien import physx
 
 physx.set_scene_config(gravity=[0, 0, 0])
 STEP, SPEED = 0.002, 0.0005

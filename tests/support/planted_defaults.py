@@ -30,11 +30,11 @@ class Defaults:
 
     linear, angular: 1/s. quadratic: 1/m. quadratic_angular: 1/rad. speed: m/s. spin: rad/s. turn: rad per step, cut from
     the angular velocity or, `turn_of_attitude`, from the attitude alone. missing: the fraction of the gyroscopic torque.
-    sleep: m/s and rad/s. norm: that of quaternions less 1. clock: the relative excess of the time of a step. reset: m.
-    energy: the relative change in a turn of a body that tumbles. light, far: the relative loss of the velocity in each step
-    of a body lighter than 50 g, and of one farther than 500 m from the origin. The states are returned with the spin along
-    the axes of the world, the velocity along those of the body, the inverse quaternion, its scalar last, or the spin before
-    the velocity.
+    sleep: m/s and rad/s. sleep_after: s, for which a body must be slow. norm: that of quaternions less 1. clock: the
+    relative excess of the time of a step. reset: m. energy: the relative change in a turn of a body that tumbles.
+    light, far: the relative loss of the velocity in each step of a body lighter than 50 g, and of one farther than 500 m
+    from the origin. The states are returned with the spin along the axes of the world, the velocity along those of the
+    body, the inverse quaternion, its scalar last, or the spin before the velocity.
     """
 
     single: bool = False
@@ -50,6 +50,7 @@ class Defaults:
     substeps: int = 1
     gravity_after: bool = False
     sleep: float = 0.0
+    sleep_after: float = 0.0
     world_spin: bool = False
     body_velocity: bool = False
     inverse: bool = False
@@ -100,6 +101,7 @@ class Stepper:
     scheme: str
     own: Defaults
     motion: Motion = field(init=False)
+    slow_since: float = 0.0
 
     def __post_init__(self) -> None:
         self.motion = self._start()
@@ -176,7 +178,8 @@ class Stepper:
         most = min(own.spin, own.turn / self.timestep)
         if (spin := size(w)) > most:
             w = times(most / spin, w)
-        if size(v) < own.sleep and size(w) < own.sleep:
+        self.slow_since = self.slow_since + h if size(v) < own.sleep and size(w) < own.sleep else 0.0
+        if self.slow_since > own.sleep_after + h / 2:
             return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         return v, w
 

@@ -14,7 +14,7 @@ from bodycheck.running.tasks import perform_run
 from bodycheck.studies.audit import nondeterminism
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding
-from bodycheck.studies.audit.probes import PROBES
+from bodycheck.studies.audit.probes import PROBES, long_run
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,8 @@ def make(call: Call | Task) -> Found | Run:
         return Found(flights=nondeterminism.repeated(pilot))
     if call.probe == nondeterminism.ELSEWHERE:
         return Found(flights=nondeterminism.elsewhere(pilot))
+    if call.probe == long_run.NAME:
+        return Found(long_run.long_run(pilot))
     return Found(PROBES[call.probe](pilot))
 
 

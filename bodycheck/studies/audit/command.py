@@ -15,6 +15,7 @@ def audit(
     *engines: Annotated[str, Parameter(help="Engines to audit. Default: all installed engines.")],
     integrator: Integrators = (),
     timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002, or that of the alias.")] = None,
+    long: bool = False,
     out: Out = None,
     jobs: Jobs = None,
     json: Json = False,
@@ -34,6 +35,8 @@ def audit(
 
     Parameters
     ----------
+    long
+        Also take ten million steps with the default method of each engine, or as many as it takes in three minutes.
     table
         Print the table of all properties of all methods after the findings. --columns, --sort and --wide do so too.
     """
@@ -49,7 +52,7 @@ def audit(
 
     tables.check(view, printing.ROWS)
     loaded = load_engines(engines, integrators=integrator)
-    planned = study.prepare(loaded.records, integrator, timestep)
+    planned = study.prepare(loaded.records, integrator, timestep, long=long)
     results = carry_out(planned, loaded, sys.argv, processes(jobs), Output(out, quiet=quiet))
     if json:
         terminal.print_json([asdict(row) for row in results.rows])

@@ -1,4 +1,4 @@
-"""Flights: short runs of one free body with one method, which are made in the present process."""
+"""Flights: short runs of one free body, or of bodies on joints or in contact, which are made in the present process."""
 
 from dataclasses import dataclass, field
 
@@ -7,7 +7,9 @@ import numpy as np
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, Normalising, SceneUnsupported, Simulation
 from bodycheck.adapters.links import Link, Links
+from bodycheck.adapters.touching import Boxes
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
@@ -19,7 +21,8 @@ class Flight:
     Parameters
     ----------
     scene
-        The scene. If there are links, its initial state is the state of the frame of the first link.
+        The scene: a body, bodies on joints, or free boxes that touch a level plane and each other. If there are links, its
+        initial state is the state of the frame of the first link.
     timestep
         The time step (s).
     strides
@@ -28,7 +31,7 @@ class Flight:
         The links of which the body is made for the engine; empty if the engine is given the body of the scene.
     """
 
-    scene: Scene
+    scene: AnyScene
     timestep: float
     strides: tuple[int, ...]
     links: tuple[Link, ...] = ()
@@ -41,7 +44,7 @@ class Flown:
     Parameters
     ----------
     states
-        The states (n, 13) after each stride, in the columns of `Simulation.advance`.
+        The states (n, 13) after each stride, in the columns of `Simulation.advance`; (n, bodies, 13) for a mechanism.
     quaternion_norm_error
         The largest deviation from 1 of the norm of a quaternion, as the engine returned it.
     """
@@ -95,17 +98,17 @@ class Pilot:
         """
         method = Method.parse(self.integrator, flight.timestep)
         try:
-            simulation = self._simulation(flight, method)
-            states = np.array(simulation.advance(np.array(flight.strides, dtype=np.int64)), dtype=np.float64)[0, :, 0]
+            simulation = self.simulation(flight, method)
+            states = np.array(simulation.advance(np.array(flight.strides, dtype=np.int64)), dtype=np.float64)[0]
         except SceneUnsupported as error:
             return NotFlown(str(error), refused=True)
         except EngineDiverged as error:
             return NotFlown(str(error))
-        norms = np.linalg.norm(states[:, 3:7], axis=1)
+        norms = np.linalg.norm(states[..., 3:7], axis=-1)
         off = float(np.nan_to_num(np.abs(norms - 1), nan=np.inf).max(initial=0.0))
         if isinstance(simulation, Normalising):
             off = max(off, simulation.quaternion_norm_error)
-        return Flown(states, off)
+        return Flown(states if isinstance(flight.scene, Mechanism) else states[:, 0], off)
 
     def recall(self, flight: Flight) -> Result:
         """Return the result of a flight. It is made only at the first call, because several probes use the same flight."""
@@ -113,9 +116,19 @@ class Pilot:
             self.log[flight] = self.fly(flight)
         return self.log[flight]
 
-    def _simulation(self, flight: Flight, method: Method) -> Simulation:
-        if not flight.links:
-            return offers.prepare(self.adapter, [flight.scene], method)
-        if not isinstance(self.adapter, Links):
-            raise SceneUnsupported("the adapter cannot give the engine a body as links")
-        return self.adapter.prepare_links(flight.links, flight.scene, method)
+    def simulation(self, flight: Flight, method: Method) -> Simulation:
+        """Return a simulation of the scene of a flight. Raises `SceneUnsupported` and `EngineDiverged`."""
+        scene, adapter = flight.scene, self.adapter
+        if flight.links:
+            assert isinstance(scene, Scene)
+            if not isinstance(adapter, Links):
+                raise SceneUnsupported("the adapter cannot give the engine a body as links")
+            return adapter.prepare_links(flight.links, scene, method)
+        if isinstance(scene, Mechanism) and scene.plane is not None:
+            if isinstance(adapter, Boxes):
+                return adapter.prepare_boxes(scene, method)
+            if "contacts" not in adapter.engine.models:
+                raise SceneUnsupported("the adapter cannot give the engine free boxes that touch")
+            if (lacking := offers.not_offered(adapter.engine, scene, method)) is not None:
+                raise SceneUnsupported(f"{adapter.engine.name} {lacking}")
+        return offers.prepare(adapter, [scene], method)

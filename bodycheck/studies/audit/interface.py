@@ -46,7 +46,7 @@ class AuditResults(StudyResults):
 
 def carry_out(planned: study.Plan, engines: Engines, command: Sequence[str], jobs: int, output: Output) -> AuditResults:
     """Audit methods, and write the tables and the report. For the parameters see `recommend.interface.carry_out`."""
-    engines.check_planned([planned.flip], planned.methods)
+    engines.check_planned([planned.flip], [(one.engine, one.method) for one in planned.methods])
     head = campaign.header(command, engines.records, engines.missing)
     facts = study.facts(engines.records)
     with (
@@ -64,6 +64,7 @@ def audit(
     *,
     integrator: Names = (),
     timestep: float | None = None,
+    long: bool = False,
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> AuditResults:
@@ -78,6 +79,8 @@ def audit(
     timestep
         The time step (s). By default, the one that belongs to each method: 2 ms, the usual largest step of a method with error
         control, or the time step of an alias.
+    long
+        Whether the default method of each engine also takes ten million steps, or as many as it takes in three minutes.
     out
         A folder for the tables and the report. An interrupted audit in it is resumed.
 
@@ -90,6 +93,6 @@ def audit(
     step = None if timestep is None else conversion.number("--timestep", timestep)
     processes, folder = arguments.jobs_of(jobs), arguments.path("--out", out)
     loaded = load_engines(named, integrators=spellings)
-    planned = study.prepare(loaded.records, spellings, step)
-    command = arguments.command("audit", named, integrator=spellings, timestep=step)
+    planned = study.prepare(loaded.records, spellings, step, long=long)
+    command = arguments.command("audit", named, integrator=spellings, timestep=step, long=long)
     return carry_out(planned, loaded, command, processes, Output(folder))

@@ -1,8 +1,10 @@
 """The type of probes: functions that make flights and return findings about properties of a method."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
+
+from bodycheck.adapters.method import Kind
 
 if TYPE_CHECKING:  # reports read findings, and make no flights
     from bodycheck.studies.audit.flights import Pilot
@@ -30,7 +32,30 @@ Property = Literal[
     "scale-dependence",
     "origin-dependence",
     "representation",
+    "friction-anisotropy",
+    "sideways-friction",
+    "impact_energy_error",
+    "impact_momentum_error",
+    "impact_angular_momentum_error",
+    "hidden-state",
+    "order-of-bodies",
+    "long-time-base",
+    "long-quaternion-norm",
 ]
+
+#: The kind of scene by which a property shows. A property that is not listed shows in free flight.
+KIND_OF: Mapping[Property, Kind] = {
+    "friction-anisotropy": "plane",
+    "sideways-friction": "plane",
+    "impact_energy_error": "plane",
+    "impact_momentum_error": "plane",
+    "impact_angular_momentum_error": "plane",
+    "hidden-state": "plane",
+    "order-of-bodies": "mechanism",
+}
+
+#: The properties that only the probe of very many steps looks for.
+OF_LONG_RUNS: tuple[Property, ...] = ("long-time-base", "long-quaternion-norm")
 
 
 @dataclass(frozen=True)

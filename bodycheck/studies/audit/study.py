@@ -8,16 +8,18 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.contract import Engine, Kind, Method
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.roles import is_of
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
@@ -28,8 +30,10 @@ from bodycheck.running.roles import refuse_timesteps
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
-from bodycheck.studies.audit.probe import Finding
-from bodycheck.studies.audit.probes import PROBES
+from bodycheck.studies.audit.probe import KIND_OF, OF_LONG_RUNS, Finding, Property
+from bodycheck.studies.audit.probes import PROBES, SCENES, long_run
+from bodycheck.studies.audit.probes.friction import sliding
+from bodycheck.studies.audit.probes.permutation import TREE
 from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Classes, Facts, Fault, Row, Status, read_classes
 
 if TYPE_CHECKING:
@@ -43,6 +47,23 @@ FLIP = "intermediate-axis-flip"
 
 
 @dataclass(frozen=True)
+class Planned:
+    """A method to audit.
+
+    Parameters
+    ----------
+    engine, method
+        The name of the engine, and the method.
+    kinds
+        The kinds of scene, among those of the probes, for which the engine offers the method.
+    """
+
+    engine: str
+    method: Method
+    kinds: frozenset[Kind]
+
+
+@dataclass(frozen=True)
 class Plan:
     """The methods to audit.
 
@@ -51,33 +72,47 @@ class Plan:
     engines
         The records of the engines by name.
     methods
-        Pairs of the name of an engine and a method, in the order of the table.
+        The methods with the kinds of scene for which they are offered, in the order of the table.
     integrators
         The spellings of methods that the user named.
     flip
-        The case `FLIP`, which every method runs to show the effect of its properties.
+        The case `FLIP`, which every method of free flight runs to show the effect of its properties.
+    long_runs
+        The engines and methods that take very many steps.
     """
 
     engines: Mapping[str, Engine]
-    methods: tuple[tuple[str, Method], ...]
+    methods: tuple[Planned, ...]
     integrators: tuple[str, ...]
     flip: Case
+    long_runs: tuple[tuple[str, Method], ...] = ()
 
     @property
     def probes(self) -> tuple[Call, ...]:
         """The calls of all probes of all methods."""
         names = (*PROBES, nondeterminism.NAME)
-        return tuple(_call(engine, method, name) for engine, method in self.methods for name in names)
+        long_runs = tuple(_call(engine, method, long_run.NAME) for engine, method in self.long_runs)
+        return long_runs + tuple(
+            _call(one.engine, one.method, name)
+            for one in self.methods
+            for name in names
+            if SCENES.get(name, "flight") in one.kinds
+        )
 
     @property
     def elsewhere(self) -> tuple[Call, ...]:
         """The calls that repeat the flight of nondeterminism in other processes, with the methods in reverse order."""
-        return tuple(_call(engine, method, nondeterminism.ELSEWHERE) for engine, method in reversed(self.methods))
+        return tuple(_call(*method, nondeterminism.ELSEWHERE) for method in reversed(self.in_flight))
 
     @property
     def flips(self) -> tuple[Task, ...]:
-        """The runs of the flip by all methods."""
-        return tuple(Task(self.flip, engine, method) for engine, method in self.methods)
+        """The runs of the flip by all methods of free flight."""
+        return tuple(Task(self.flip, engine, method) for engine, method in self.in_flight)
+
+    @property
+    def in_flight(self) -> tuple[tuple[str, Method], ...]:
+        """The engines and methods that are offered in free flight."""
+        return tuple((one.engine, one.method) for one in self.methods if "flight" in one.kinds)
 
     @property
     def size(self) -> int:
@@ -108,7 +143,7 @@ class Audit:
 Answers = dict[str, Found | Fault]
 
 
-def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float | None) -> Plan:
+def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float | None, *, long: bool = False) -> Plan:
     """Return the methods to audit.
 
     Parameters
@@ -116,9 +151,12 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
     engines
         The records of the engines by name.
     integrators
-        Spellings of methods, and aliases; all that the engines offer in free flight if it is empty.
+        Spellings of methods, and aliases; all that the engines offer in free flight, for a sliding box and for a mechanism if
+        it is empty.
     timestep
         The time step (s); None for 2 ms, or the time step of an alias.
+    long
+        Whether the default method of each engine takes very many steps.
 
     Raises
     ------
@@ -129,14 +167,33 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
     timesteps = () if timestep is None else (timestep,)
     refuse_timesteps(integrators, timesteps)
     check([flip], engines, integrators, timesteps)
-    # The answers are keyed by the spelling of the method, so that a method behind an alias is not audited at 2 ms too.
-    methods = {
-        (name, method.name): (name, method)
-        for name, engine in engines.items()
-        for method in methods_in(flip, engine, integrators, timesteps)
-    }
-    refuse_nothing(tuple(methods), engines, integrators)
-    return Plan(engines, tuple(methods.values()), tuple(integrators), flip)
+    scenes: Mapping[Kind, AnyScene] = {"flight": flip.scene, "plane": sliding(0.0, turned=False), "mechanism": TREE}
+    methods: list[Planned] = []
+    for name, engine in engines.items():
+        kinds: dict[str, set[Kind]] = defaultdict(set)
+        # The answers are keyed by the spelling of the method, so that a method behind an alias is not audited at 2 ms too.
+        by_spelling: dict[str, Method] = {}
+        for kind, scene in scenes.items():
+            for method in methods_in(replace(flip, scene=scene), engine, integrators, timesteps):
+                by_spelling[method.name] = method
+                kinds[method.name].add(kind)
+        methods += [Planned(name, method, frozenset(kinds[spelling])) for spelling, method in by_spelling.items()]
+    refuse_nothing(methods, engines, integrators)
+    long_runs = tuple(
+        (name, method) for name, engine in engines.items() if long and (method := default_method(engine)) is not None
+    )
+    return Plan(engines, tuple(methods), tuple(integrators), flip, long_runs)
+
+
+def default_method(engine: Engine) -> Method | None:
+    """Return the method that users of an engine get in free flight without choosing one; None if the engine has no stepper.
+
+    It is that of `Engine.roles`. Without an entry there it is the first integrator, at the usual time step.
+    """
+    if (usage := engine.roles.get("default", {}).get("flight")) is not None:
+        return Method.parse(usage.method, usage.timestep or engine.largest_step or DEFAULT_TIMESTEP)
+    first = next((integrator.name for integrator in engine.integrators if "flight" in integrator.kinds), None)
+    return None if first is None else Method.parse(first, DEFAULT_TIMESTEP)
 
 
 def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
@@ -174,7 +231,7 @@ def results(
         If another process is writing to the folder.
     """
     recorded_facts = {name: asdict(engine_facts) for name, engine_facts in facts(planned.engines).items()}
-    work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
+    work = (planned.methods, planned.integrators, planned.flip, planned.long_runs, tuple(PROBES))
     with resumption.opened(folder / RECORDS, head, limit, work, lost=_is_fault, what="audit", facts=recorded_facts) as log:
         answers = _read(log.records)
         if log.records:
@@ -194,10 +251,15 @@ def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> tuple[t
     """Return the rows and faults of a plan from the answers to the calls of each method, by engine and integrator."""
     rows: list[Row] = []
     faults: list[Fault] = []
-    for engine, method in planned.methods:
-        of_method = answers[engine, method.name]
-        faults += [answer for answer in of_method.values() if isinstance(answer, Fault)]
-        rows += _rows(planned.engines[engine], engine, method, of_method)
+    for one in planned.methods:
+        looked_for = [name for name in PROPERTIES if name not in OF_LONG_RUNS and KIND_OF.get(name, "flight") in one.kinds]
+        given = {name: answer for name, answer in answers[one.engine, one.method.name].items() if name != long_run.NAME}
+        faults += [answer for answer in given.values() if isinstance(answer, Fault)]
+        rows += _rows(planned.engines[one.engine], one.engine, one.method, given, looked_for)
+    for engine, method in planned.long_runs:
+        answer = answers[engine, method.name][long_run.NAME]
+        faults += [answer] if isinstance(answer, Fault) else []
+        rows += _rows(planned.engines[engine], engine, method, {long_run.NAME: answer}, OF_LONG_RUNS)
     return tuple(rows), tuple(faults)
 
 
@@ -227,7 +289,7 @@ def _is_of_engine(engine: Engine, method: Method) -> bool:
     if method.options:
         return method.option("settings") == "engine"
     integrators = {integrator.name: integrator for integrator in engine.integrators if "flight" in integrator.kinds}
-    if "settings" in integrators[method.integrator].options:
+    if method.integrator not in integrators or "settings" in integrators[method.integrator].options:
         return False
     return len(integrators) == 1
 
@@ -276,8 +338,11 @@ def _attitude_error(truth: Truth | None, run: Run) -> float | None:
     return compare(truth, run).maxima().get("attitude_error")
 
 
-def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[Row]:
-    """Return the rows of a method: one for each finding of its probes, and one for each property without a finding."""
+def _rows(engine: Engine, name: str, method: Method, answers: Answers, looked_for: Iterable[Property]) -> list[Row]:
+    """Return the rows of a method: one for each finding of its probes, and one for each property without a finding.
+
+    looked_for: the properties that the probes of the method look for.
+    """
     findings = [finding for answer in answers.values() if isinstance(answer, Found) for finding in answer.findings]
     flights = {
         when: states for answer in answers.values() if isinstance(answer, Found) for when, states in answer.flights.items()
@@ -285,7 +350,7 @@ def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[R
     if len(flights) > 1:
         findings.append(nondeterminism.judged(flights))
     silent = "; ".join(f"{one.probe}: {one.reason}" for one in answers.values() if isinstance(one, Fault))
-    for missing in PROPERTIES:
+    for missing in looked_for:
         if missing not in {finding.property for finding in findings}:
             findings.append(Finding(missing, silent or "no probe looks for it", "not-probed"))
     flip = answers.get(FLIP)

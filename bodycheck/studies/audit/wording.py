@@ -33,6 +33,15 @@ DOES: dict[Property, str] = {
     "scale-dependence": "depends on the scale of mass and length",
     "origin-dependence": "depends on the distance from the origin",
     "representation": "moves otherwise if the body is given in another form",
+    "friction-anisotropy": "brakes a sliding box by a force that depends on the direction",
+    "sideways-friction": "pushes a sliding box sideways by friction",
+    "impact_energy_error": "changes the energy in a frictionless elastic impact",
+    "impact_momentum_error": "changes the momentum in an impact",
+    "impact_angular_momentum_error": "changes the angular momentum in an impact",
+    "hidden-state": "moves otherwise after a restart from positions and velocities",
+    "order-of-bodies": "moves otherwise if bodies or joints are listed in another order",
+    "long-time-base": "advances by another time than its steps in very many steps",
+    "long-quaternion-norm": "returns quaternions whose norm is not 1 after very many steps",
 }
 
 #: The heading of findings by their status.

@@ -10,13 +10,17 @@ import pytest
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Usage, choice
 from bodycheck.studies.audit import classes, nondeterminism, study
-from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.probe import OF_LONG_RUNS, Finding
+from bodycheck.studies.audit.probes import long_run
 from bodycheck.studies.audit.rows import PROPERTIES, Row
 from bodycheck.studies.audit.wording import sentences, without_findings
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant
 from tests.support.processes import calls_here
 from tests.support.wording import facts
+
+#: The properties that are looked for without being asked for. The integrators of these engines are offered for all scenes.
+USUAL = [name for name in PROPERTIES if name not in OF_LONG_RUNS]
 
 #: An engine that is stepped by semi-implicit Euler, up to how it spoils the state from which it starts.
 STEPPED = """
@@ -102,11 +106,33 @@ def test_json_has_the_rows_of_the_table_with_every_property(planted: None, here:
     assert table[0] == [field.name for field in fields(Row)]
     assert ",".join(table[0]) == ("engine,version,integrator,timestep,property,value,unit,expected,status,probe,attitude_error")
     assert table[1:] == [["" if value is None else str(value) for value in row.values()] for row in told]
-    assert list(dict.fromkeys(row["property"] for row in told)) == list(PROPERTIES)
+    assert list(dict.fromkeys(row["property"] for row in told)) == USUAL
     with (tmp_path / "out" / "classes.csv").open(newline="") as file:
         assert {row["engine"] for row in csv.DictReader(file)} == {"clean"}
     # What the method does to the flip stands with its findings alone.
     assert all((row["attitude_error"] is not None) == (row["status"] in ("default", "deviates")) for row in told)
+
+
+def test_very_many_steps_are_taken_only_if_asked_for(
+    planted: None, here: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(study, "PROBES", {})
+    monkeypatch.setattr(long_run, "STEPS", 1000)
+    monkeypatch.setattr(classes, "TRIALS", ())
+    done = bodycheck("audit", "clean", "--long", "--json", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(done.stdout)
+    assert [name for _, name in rows] == [*USUAL, *OF_LONG_RUNS]
+    assert {rows["clean", name]["probe"] for name in OF_LONG_RUNS} == {"long-run: 1000 steps"}
+    assert bodycheck("report", tmp_path / "out").returncode == 0
+
+
+def test_the_default_method_is_that_of_the_record_and_otherwise_the_first_integrator() -> None:
+    engine = Engine("one", "one", "1.0", (Integrator("first"), Integrator("second")), frozenset())
+    assert study.default_method(engine) == Method.parse("first", 0.002)
+    usage = Usage("second", 0.01, "https://example.org")
+    assert study.default_method(replace(engine, roles={"default": {"flight": usage}})) == Method.parse("second", 0.01)
+    assert study.default_method(replace(engine, integrators=())) is None
 
 
 def test_a_report_is_written_again_from_what_was_saved(planted: None, here: None, tmp_path: Path) -> None:
@@ -148,7 +174,7 @@ def test_in_worker_processes_one_may_die_and_others_may_differ(
     lost = rows["dying", "nondeterminism"]
     assert lost["status"] == "not-probed"
     assert "its process exited with code 7" in str(lost["probe"])
-    assert [name for engine, name in rows if engine == "dying"] == list(PROPERTIES)
+    assert [name for engine, name in rows if engine == "dying"] == USUAL
     assert rows["dying", "time-base"]["status"] == "none"
     assert rows["elsewhere", "nondeterminism"]["status"] == "default"
     assert "in another process" in str(rows["elsewhere", "nondeterminism"]["probe"])

@@ -53,16 +53,26 @@ def sleeping(pilot: Pilot) -> tuple[Finding, ...]:
     if not still[-1]:
         return (Finding("sleeping", "sleeping", "none", expected=expected),)
     first = int(np.argmax(still))
-    short = (sum(strides[: first + 1]), strides[first + 1] if first + 1 < len(strides) else 1)
+    asleep = _steps_until_still(pilot, strides[: first + 1])
+    short = (max(asleep, 1), long)
 
     def sleeps(speed: float) -> bool:
         stopped = _still(pilot, speed, short)
         return not isinstance(stopped, NotFlown) and bool(stopped[-1])
 
-    words = f"sleeping: after {short[0] * pilot.timestep:.3g} s"
+    words = f"sleeping: after {asleep * pilot.timestep:.3g} s"
     if sleeps(FASTEST):
         return (Finding("sleeping", f"{words}, at any speed", "found", None, "m/s", expected),)
     return (Finding("sleeping", words, "found", threshold(sleeps, SLOWEST, FASTEST), "m/s", expected),)
+
+
+def _steps_until_still(pilot: Pilot, strides: tuple[int, ...]) -> int:
+    """Return the number of steps that a body moves, which is still in the last of some strides and stops in that before it."""
+    *before, _ = strides
+    last = before.pop() if before else 0
+    steps = last + strides[-1]
+    still = _still(pilot, SLOWEST, (*before, *(1,) * steps))
+    return sum(before) + (steps if isinstance(still, NotFlown) else int(np.argmax(still[len(before) :])))
 
 
 def _still(pilot: Pilot, speed: float, strides: tuple[int, ...]) -> NDArray[np.bool_] | NotFlown:

@@ -1,5 +1,6 @@
 """The probes find every planted default with its value, alone and in pairs, and nothing in an engine without any."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -10,7 +11,7 @@ import pytest
 
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding
-from bodycheck.studies.audit.probes import PROBES
+from bodycheck.studies.audit.probes import PROBES, SCENES
 from tests.support.planted_defaults import SCHEMES, Defaults, Planted
 
 #: s. A large one, for which truncation errors are large and flights are short.
@@ -87,9 +88,10 @@ INSEPARABLE = {
 
 
 def findings(own: Defaults, scheme: str = "steady", timestep: float = TIMESTEP) -> list[Finding]:
-    """What all probes say of a miniature engine; its bodies are not made of links."""
+    """What all probes of free flight say of a miniature engine; its bodies are not made of links."""
     pilot = Pilot(Planted(own, scheme), scheme, timestep)
-    return [finding for name, probe in PROBES.items() if name != "representation" for finding in probe(pilot)]
+    flights = [probe for name, probe in PROBES.items() if name != "representation" and name not in SCENES]
+    return [finding for probe in flights for finding in probe(pilot)]
 
 
 def found(own: Defaults, scheme: str = "steady", timestep: float = TIMESTEP) -> list[Finding]:
@@ -143,6 +145,15 @@ def test_nothing_is_found_in_a_clean_engine_but_what_its_scheme_does(scheme: str
 def test_a_scheme_that_is_not_the_only_cause_of_a_loss_does_not_hide_damping() -> None:
     seen = {one.property: one.value for one in found(Defaults(angular=0.1), "explicit")}
     assert seen["angular-damping"] == pytest.approx(0.1, rel=CLOSE)
+
+
+@pytest.mark.parametrize("after", [0.1, 0.402, 0.498, 1.7])
+def test_the_time_after_which_a_body_sleeps_is_right_to_one_percent(after: float) -> None:
+    (seen,) = found(Defaults(sleep=0.03, sleep_after=after), timestep=0.002)
+    said = re.fullmatch(r"sleeping: after ([0-9.]+) s", seen.probe)
+    assert said is not None, seen.probe
+    assert float(said[1]) == pytest.approx(after, rel=CLOSE)
+    assert seen.value == pytest.approx(0.03, rel=CLOSE)
 
 
 def test_every_property_is_named_by_exactly_the_probes_that_look_for_it() -> None:
