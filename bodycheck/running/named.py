@@ -132,8 +132,8 @@ def of_search(rows: Iterable[Mapping[str, Any]], integrators: Sequence[str]) -> 
     names = {method.name: method.over_accuracies for method in (Method.parse(spelling, 0.0) for spelling in integrators)}
     for row in rows:
         family = Method.parse(row["integrator"], 0.0).over_accuracies
-        own = [name for name, other in names.items() if other == family]
-        yield from (dict(row) | {"integrator": name} for name in own or [row["integrator"]])
+        spellings = [name for name, other in names.items() if other == family]
+        yield from (dict(row) | {"integrator": name} for name in spellings or [row["integrator"]])
 
 
 def decide(

@@ -31,7 +31,7 @@ def case(miniatures: Path) -> Case:
     """A second of a flip, sampled at instants that are no multiples of its largest step."""
     text = a_case(
         "flip",
-        body={"shape": "none", "mass": 1.0, "moments": [1.0, 2.0, 2.5]},
+        body={"shape": "brick", "semi_axes": [0.05, 0.1, 0.2], "mass": 1.0},
         initial={"angular_velocity": [0.1, 20.0, 0.1]},
         run={"duration": 1.0, "samples": 8},
     )

@@ -32,7 +32,7 @@ def case(miniatures: Path, monkeypatch: pytest.MonkeyPatch) -> Case:
     monkeypatch.setattr(cost, "ROUNDS", 2)
     text = a_case(
         "flip",
-        body={"shape": "none", "mass": 1.0, "moments": [1.0, 2.0, 2.5]},
+        body={"shape": "brick", "semi_axes": [0.05, 0.1, 0.2], "mass": 1.0},
         initial={"angular_velocity": [0.1, 20.0, 0.1]},
         run={"duration": 0.5, "samples": 11},
     )
