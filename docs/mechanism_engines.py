@@ -175,10 +175,10 @@ def benchmark_rows(name: str, found: Mapping[str, Mapping[str, Found]]) -> Itera
 
 def _rows(name: str, cells: Mapping[str, Sequence[str]]) -> Iterator[str]:
     """The rows of an engine from the cells of its methods, without empty ones and settings of the engine that change none."""
-    for method, own in cells.items():
+    for method, row in cells.items():
         plain = cells.get(method.removesuffix(":settings=engine"))
-        if any(cell != "–" for cell in own) and (own is plain or own != plain):
-            yield f"| {name} {method} | {' | '.join(own)} |"
+        if any(cell != "–" for cell in row) and (row is plain or row != plain):
+            yield f"| {name} {method} | {' | '.join(row)} |"
 
 
 def _joint_cell(found: Found | None) -> str:

@@ -161,8 +161,8 @@ def test_samples_end_steps_with_error_control_and_change_no_more() -> None:
 
 def test_the_engines_own_settings_are_those_of_exudyn() -> None:
     """Only the step and what is written differ from the settings that a user gets."""
-    own, plain = exudyn.SimulationSettings().timeIntegration, Method.parse("GeneralizedAlpha:settings=engine", 1e-3)
+    defaults, plain = exudyn.SimulationSettings().timeIntegration, Method.parse("GeneralizedAlpha:settings=engine", 1e-3)
     here = stepping.settings(plain, constrained=True).timeIntegration
-    assert here.newton.useModifiedNewton == own.newton.useModifiedNewton
-    assert here.adaptiveStep == own.adaptiveStep
-    assert here.generalizedAlpha.spectralRadius == own.generalizedAlpha.spectralRadius
+    assert here.newton.useModifiedNewton == defaults.newton.useModifiedNewton
+    assert here.adaptiveStep == defaults.adaptiveStep
+    assert here.generalizedAlpha.spectralRadius == defaults.generalizedAlpha.spectralRadius
