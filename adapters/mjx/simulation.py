@@ -19,7 +19,7 @@ from jax import numpy as jnp
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
-from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as adapter
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
@@ -38,7 +38,7 @@ with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package o
 MOST_TOGETHER = 1000
 
 #: The page with the first steps of MJX, which take MuJoCo's options. It recommends no integrator.
-PAGE = f"{adapter.DOCUMENTATION}/mjx.html#minimal-example"
+PAGE = f"{options.DOCUMENTATION}/mjx.html#minimal-example"
 
 #: MuJoCo's contact options. MJX has no noslip solver.
 CONTACT_OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "noslip"}
@@ -61,8 +61,8 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         precision=precision,
         device=device(),
         batch=2,
-        defaults=adapter.defaults(),
-        roles={"default": dict.fromkeys(KINDS, replace(adapter.roles()["default"]["flight"], page=PAGE))},
+        defaults=options.defaults(),
+        roles={"default": dict.fromkeys(KINDS, replace(options.roles()["default"]["flight"], page=PAGE))},
     )
 
 

@@ -26,14 +26,11 @@ from bodycheck.adapters.contract import (
     KINDS,
     Engine,
     Integrator,
-    Kind,
     Method,
     Model,
-    Role,
     SceneUnsupported,
     Simulation,
     Strides,
-    Usage,
     choice,
     single_bodies,
 )
@@ -45,6 +42,7 @@ from bodycheck.adapters.mujoco import (
     exporting,
     mechanism_xml,
     mechanisms,
+    options,
     robot_steps,
     robots,
     touching,
@@ -80,29 +78,19 @@ XML = """
 
 INERTIAL = '<inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>'
 
-#: The address of MuJoCo's documentation.
-DOCUMENTATION = "https://mujoco.readthedocs.io/en/stable"
-
 #: The integrators of the newest known release, as its XML spells them.
 KNOWN_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
 
 
-def available() -> tuple[str, ...]:
-    """Return the integrators of the installed release, as its XML spells them, in the order of its enumeration."""
-    spelling = {"EULER": "Euler", "RK4": "RK4"}
-    members = (name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__)
-    return tuple(spelling.get(name, name.lower()) for name in members)
-
-
 def integrators() -> tuple[Integrator, ...]:
     """Return all known integrators; those that the installed release lacks are offered for no scene."""
-    options = {
+    allowed = {
         "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE, *larger_mechanisms.ADDS))),
         "drag": choice("fluid", kinds=frozenset({"drag"})),
         **contact.OPTIONS,
         **mechanism_xml.OPTIONS,
     }
-    here = available()
+    here = options.available()
     # According to MuJoCo's documentation, all integrators except RK4 are of first order.
     return tuple(
         Integrator(
@@ -110,29 +98,11 @@ def integrators() -> tuple[Integrator, ...]:
             stages,
             stages,
             KINDS if name in here else frozenset(),
-            options | (mechanism_xml.OF_EULER if name == "Euler" else {}),
+            allowed | (mechanism_xml.OF_EULER if name == "Euler" else {}),
         )
         for name in dict.fromkeys((*here, *KNOWN_INTEGRATORS))
         for stages in (4 if name == "RK4" else 1,)
     )
-
-
-def defaults() -> dict[str, str]:
-    """Return MuJoCo's defaults, which apply if a model has no element `option`."""
-    option = mujoco.MjOption()
-    return {
-        "integrator": available()[option.integrator],
-        "timestep": f"{option.timestep:g} s",
-        "tolerance": f"{option.tolerance:g} of the constraint solver",
-    }
-
-
-def roles() -> dict[Role, dict[Kind, Usage]]:
-    """Return the method of MuJoCo's own options, and the one with the integrator that its documentation recommends."""
-    option = mujoco.MjOption()
-    usual = Usage(available()[option.integrator], option.timestep, f"{DOCUMENTATION}/XMLreference.html#option", True)
-    advised = Usage("implicitfast", option.timestep, f"{DOCUMENTATION}/computation/index.html#geintegration", True)
-    return {"default": dict.fromkeys(KINDS, usual), "recommended": dict.fromkeys(KINDS, advised)}
 
 
 engine = Engine(
@@ -144,14 +114,14 @@ engine = Engine(
         {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
     ),
     variants={
-        "drag": tuple(f"{name}:drag=fluid" for name in available()),
+        "drag": tuple(f"{name}:drag=fluid" for name in options.available()),
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
         "contact": ("Euler:cone=elliptic",),
     },
     batch=BATCH,
     varies=frozenset({"body", "gravity"}),
-    defaults=defaults(),
-    roles=roles(),
+    defaults=options.defaults(),
+    roles=options.roles(),
 )
 
 

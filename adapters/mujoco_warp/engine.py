@@ -10,7 +10,7 @@ from mujoco import MjData, MjModel, mj_forward
 
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method, Role, SceneUnsupported, Usage, single_bodies
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
@@ -47,7 +47,7 @@ def defaults() -> dict[str, str]:
     """Return MuJoCo Warp's defaults, which apply to a model without an element `option`."""
     option = mjw.put_model(MjModel.from_xml_string("<mujoco/>")).opt
     return {
-        "integrator": mujoco.available()[int(option.integrator)],
+        "integrator": options.available()[int(option.integrator)],
         "timestep": f"{option.timestep.numpy()[0]:g} s",
         "tolerance": f"{option.tolerance.numpy()[0]:g} of the constraint solver",
     }
@@ -56,8 +56,8 @@ def defaults() -> dict[str, str]:
 def roles() -> dict[Role, dict[Kind, Usage]]:
     """Return the method of the first steps in MuJoCo Warp's documentation, which recommends no integrator."""
     option = mjw.put_model(MjModel.from_xml_string("<mujoco/>")).opt
-    name, timestep = mujoco.available()[int(option.integrator)], float(f"{option.timestep.numpy()[0]:g}")
-    usual = Usage(name, timestep, f"{mujoco.DOCUMENTATION}/mjwarp/index.html#minimal-example", reads_timestep=True)
+    name, timestep = options.available()[int(option.integrator)], float(f"{option.timestep.numpy()[0]:g}")
+    usual = Usage(name, timestep, f"{options.DOCUMENTATION}/mjwarp/index.html#minimal-example", reads_timestep=True)
     return {"default": dict.fromkeys(KINDS, usual)}
 
 

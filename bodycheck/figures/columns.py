@@ -112,8 +112,9 @@ def _limit(figure: Figure) -> tuple[Column, Column]:
 #: Columns with the limits of figures and their margins, which a table has only if any run has a value.
 LIMIT_COLUMNS = tuple(column for figure in FIGURES.values() if figure.limited for column in _limit(figure))
 
-#: Columns about the method of a run, at the end of each table.
+#: Columns about the method of a run and its work, at the end of each table.
 METHOD_COLUMNS = (
+    *WORK_COLUMNS,
     Column(
         "role",
         "string",
@@ -134,7 +135,6 @@ COLUMNS: dict[str, Column] = {
         *(FIGURES[name] for name in FURTHER),
         *CASE_COLUMNS,
         *LIMIT_COLUMNS,
-        *WORK_COLUMNS,
         *METHOD_COLUMNS,
     )
 }

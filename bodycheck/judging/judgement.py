@@ -13,15 +13,7 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import (
-    ALWAYS_TABLED,
-    CASE_COLUMNS,
-    FURTHER,
-    LIMIT_COLUMNS,
-    METHOD_COLUMNS,
-    WORK_COLUMNS,
-    largest_bounds,
-)
+from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, largest_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.files import columns
 from bodycheck.judging.discrepancy import Summary, compare
@@ -38,7 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The columns of every table of results. They are followed by the columns of `FURTHER` that any run has, the columns of the
-#: case, the columns of the limits and margins that any run has, and the columns of the work and of the method.
+#: case, the columns of the limits and margins that any run has, and the columns of the method.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *ALWAYS_TABLED,
@@ -291,7 +283,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more = [name for name in FURTHER if any(name in row for row in rows)]
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
-    more += [column.name for column in (*WORK_COLUMNS, *METHOD_COLUMNS)]
+    more += [column.name for column in METHOD_COLUMNS]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 

@@ -130,25 +130,27 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
             file: RobotFile, model: RobotModel | None, states: Sequence[RobotState], gravity: Vector
         ) -> dict[str, Answer]:
             calls = [Call(name, file, str(copies), tuple(states), gravity) for name in engines]
-            answers = {call.engine: answer for call, answer in workers.map(calls)}
+            answers = {call.engine: answer for call, answer in workers.map(calls) if not isinstance(answer, Tried)}
             if model is not None and states:
-                readings = [(call, answers[call.engine]) for call in calls]
-                trials = [TrialCall(call, one, model) for call, one in readings if isinstance(one, RobotReading)]
-                answers |= {trial.engine: _with_behaviours(trial.reading, one) for trial, one in workers.map(trials)}
+                readings = {call: answers[call.engine] for call in calls}
+                trials = [TrialCall(call, one, model) for call, one in readings.items() if isinstance(one, RobotReading)]
+                for trial, outcome in workers.map(trials):
+                    answers[trial.engine] = _with_behaviours(answers[trial.engine], outcome)
             return {name: answers[name] for name in engines}
 
         yield read_file
 
 
-def _with_behaviours(reading: RobotReading, answer: Tried | Refused | AtFault | Crashed | TimedOut) -> Answer:
+def _with_behaviours(reading: Answer, outcome: Answer | Tried) -> Answer:
     """Return a reading with the behaviour of its joints, or with a note that says why nothing is tried."""
-    match answer:
+    assert isinstance(reading, RobotReading)  # nothing else is tried
+    match outcome:
         case Tried(behaviours=tried):
             return replace(reading, behaviours=tried)
-        case AtFault():
-            return answer
         case Refused(reason=reason) | Crashed(reason=reason) | TimedOut(reason=reason):
             return replace(reading, notes=(*reading.notes, f"nothing is tried by motion: {reason}"))
+        case _:
+            return outcome
 
 
 def answered(call: Call | TrialCall) -> RobotReading | Refused | FormatMissing | AtFault | Tried:

@@ -100,8 +100,9 @@ def test_every_import_of_the_checkout_is_found(missed: list[str]) -> None:
 def test_mypy_misses_modules_of_bodycheck_alone(tmp_path: Path) -> None:
     """Without a list of engines: a package that is not installed may be one, but a module of bodycheck must be there."""
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    (tmp_path / "bodycheck").mkdir()
-    (tmp_path / "bodycheck" / "__init__.py").touch()
+    for package in ("bodycheck", "claims"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").touch()
     (tmp_path / "bodycheck" / "planted.py").write_text("import planted_engine\nfrom bodycheck.adapters.contrct import Engine\n")
     command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path / "cache")]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)

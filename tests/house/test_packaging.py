@@ -117,7 +117,7 @@ def test_mypy_knows_the_types_of_an_install(python: Path, script: Path) -> None:
 def test_jedi_finds_the_source_of_an_install(python: Path, script: Path) -> None:
     environment = jedi.create_environment(str(python), safe=False, env_vars=outside())
     source = jedi.Script(SCRIPT, path=script, environment=environment)
-    for line, module, name in ((1, "casefile/content.py", "Case"), (4, "adapters/contract.py", "Engine")):
+    for line, module, name in ((1, "casefile/content.py", "Case"), (4, "adapters/engine_record.py", "Engine")):
         (found,) = source.goto(line, SCRIPT.splitlines()[line - 1].index(name), follow_imports=True)
         assert (found.name, found.type) == (name, "class")
         assert found.module_path is not None

@@ -18,7 +18,8 @@ from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
 from bodycheck.results.outcome import Completed
 from bodycheck.running import plan
-from bodycheck.running.instants import default_timestep, method_of
+from bodycheck.running.instants import default_timestep
+from bodycheck.running.roles import method_of
 from bodycheck.running.simulation import run
 from tests.support import campaigns
 from tests.support.cases import a_case

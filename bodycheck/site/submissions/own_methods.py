@@ -22,15 +22,15 @@ def own_method(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Mapping
     defaults
         The settings that each engine chooses by default, as given in the header of results.
     """
-    if (place := in_role(rows, "default")) is not None:
-        return place
-    places = {row["integrator"]: place for place, row in reversed(list(enumerate(rows)))}
-    return next((places[name] for name in chosen(rows[0]["engine"], defaults) if name in places), 0)
+    if (index := in_role(rows, "default")) is not None:
+        return index
+    indices = {row["integrator"]: index for index, row in reversed(list(enumerate(rows)))}
+    return next((indices[name] for name in chosen(rows[0]["engine"], defaults) if name in indices), 0)
 
 
 def in_role(rows: Sequence[Mapping[str, Any]], role: Role) -> int | None:
     """Return the index of the first run whose method has a role; None if there is none."""
-    return next((place for place, row in enumerate(rows) if role in roles_of(row)), None)
+    return next((index for index, row in enumerate(rows) if role in roles_of(row)), None)
 
 
 def roles_of(row: Mapping[str, Any]) -> list[str]:

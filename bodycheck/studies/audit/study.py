@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.adapters.contract import Engine, Kind, Method
-from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.roles import is_of
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
@@ -26,7 +25,7 @@ from bodycheck.results.header import Header
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.engines import home
 from bodycheck.running.plan import Task, check, methods_in, refuse_nothing
-from bodycheck.running.roles import refuse_timesteps
+from bodycheck.running.roles import method_in_role, refuse_timesteps
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
@@ -180,20 +179,11 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
         methods += [Planned(name, method, frozenset(kinds[spelling])) for spelling, method in by_spelling.items()]
     refuse_nothing(methods, engines, integrators)
     long_runs = tuple(
-        (name, method) for name, engine in engines.items() if long and (method := default_method(engine)) is not None
+        (name, usual)
+        for name, engine in engines.items()
+        if long and (usual := method_in_role(engine, flip, "default")) is not None
     )
     return Plan(engines, tuple(methods), tuple(integrators), flip, long_runs)
-
-
-def default_method(engine: Engine) -> Method | None:
-    """Return the method that users of an engine get in free flight without choosing one; None if the engine has no stepper.
-
-    It is that of `Engine.roles`. Without an entry there it is the first integrator, at the usual time step.
-    """
-    if (usage := engine.roles.get("default", {}).get("flight")) is not None:
-        return Method.parse(usage.method, usage.timestep or engine.largest_step or DEFAULT_TIMESTEP)
-    first = next((integrator.name for integrator in engine.integrators if "flight" in integrator.kinds), None)
-    return None if first is None else Method.parse(first, DEFAULT_TIMESTEP)
 
 
 def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:

@@ -114,7 +114,7 @@ class Answer:
 
     @property
     def is_controlled(self) -> bool:
-        """Whether the method has error control, so that its accuracy is the answer."""
+        """True if the method has error control, so that its accuracy is the answer."""
         return Method.parse(self.integrator, 0.0).accuracy is not None
 
 

@@ -9,6 +9,7 @@ import pytest
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.mujoco import engine as adapter
+from bodycheck.adapters.mujoco import options
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -251,7 +252,7 @@ def test_numbers_are_read_as_numbers() -> None:
 
 def test_a_time_constant_is_raised_by_all_integrators_but_discrete() -> None:
     """Which is why a shorter one is refused for the others; seen in the damping that MuJoCo works with, 2/(0.95 timeconst)."""
-    for integrator in adapter.available():
+    for integrator in options.available():
         model = adapter.prepare([RESTING], Method.parse(f"{integrator}:solref=0.004 1", 2e-3)).model
         model.geom_solref[:, 0] = 0.002
         data = mujoco.MjData(model)
