@@ -97,7 +97,9 @@ def test_no_engine_is_needed_and_nothing_is_simulated(again: tuple[Path, dict[st
     assert set(again[2]) == {
         "bodycheck.adapters.contract",
         "bodycheck.adapters.engine_name",
+        "bodycheck.adapters.engine_record",
         "bodycheck.adapters.method",
+        "bodycheck.adapters.roles",
         *(name for name in BANNED if "adapters" in name),
     }
 

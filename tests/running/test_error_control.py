@@ -105,7 +105,7 @@ def test_tables_have_the_work_at_their_end(case: Case, tmp_path: Path) -> None:
     results = campaigns.results(planned, tmp_path)
     rows = {row["integrator"]: row for row in judgement.records(judgement.judge(results))}
     own, plain = rows[SPELLING], rows["plain"]
-    assert list(own)[-3:] == ["steps_taken", "steps_rejected", "evaluations"]
+    assert list(own)[-4:] == ["steps_taken", "steps_rejected", "evaluations", "role"]
     done = completed(case, SPELLING)
     assert [own[name] for name in ("steps", "steps_taken", "steps_rejected", "evaluations")] == [
         *(done.steps, done.steps, done.rejected, done.evaluations)
