@@ -165,7 +165,7 @@ def test_studies_about_steps_take_the_method_of_an_alias_and_others_its_step() -
     records = {"two": TWO}
     assert {name for name, _ in methods(tradeoff.plan([FLIP], records, ("default",), ()))} == {"euler"}
     (search,) = recommend.prepare(FLIP, records, ("recommended",), "attitude", 0.1).searches
-    assert search.method == Method.parse("rk3:accuracy=1e-6", 0.0)
+    assert search.method == Method.parse("rk3:accuracy=1e-6", 0.1).over_accuracies
     assert audit.prepare(records, ("euler", "default"), None).methods == (("two", Method.parse("euler", 0.005)),)
     case = parse(a_case(extremes={"timestep": [0.01], "mass": [2.0], "steps": [100]}), "f")
     trials = extremes.prepare([case], records, ("default",)).trials
