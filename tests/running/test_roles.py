@@ -166,7 +166,8 @@ def test_studies_about_steps_take_the_method_of_an_alias_and_others_its_step() -
     assert {name for name, _ in methods(tradeoff.plan([FLIP], records, ("default",), ()))} == {"euler"}
     (search,) = recommend.prepare(FLIP, records, ("recommended",), "attitude", 0.1).searches
     assert search.method == Method.parse("rk3:accuracy=1e-6", 0.1).over_accuracies
-    assert audit.prepare(records, ("euler", "default"), None).methods == (("two", Method.parse("euler", 0.005)),)
+    (planned,) = audit.prepare(records, ("euler", "default"), None).methods
+    assert planned.method == Method.parse("euler", 0.005)
     case = parse(a_case(extremes={"timestep": [0.01], "mass": [2.0], "steps": [100]}), "f")
     trials = extremes.prepare([case], records, ("default",)).trials
     steps = {trial.point.axis: trial.method.timestep for trial in trials}
