@@ -151,7 +151,7 @@ class Verdict:
             "reason": self.reason,
             "kind": self.kind,
             "tags": ";".join(self.tags),
-            "role": self.run.role or None,
+            "role": self.run.role or "",
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from typing import Any, get_args
 
 from bodycheck.figures.column import Column
-from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS, WORK_COLUMNS
+from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, WORK_COLUMNS
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
@@ -129,7 +129,7 @@ def _run() -> Schema:
     limits, work = (column.name for column in LIMIT_COLUMNS), [column.name for column in WORK_COLUMNS]
     figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits, *work)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
-    required = [*judgement.COLUMNS, *(column.name for column in CASE_COLUMNS), *work]
+    required = [*judgement.COLUMNS, *(column.name for column in (*CASE_COLUMNS, *METHOD_COLUMNS))]
     run = _object(properties, "One engine with one method on one case.") | {"required": required}
     measured = {name: {"type": "number"} for name in (*ALWAYS, "steps", "wall_time")}
     return run | {

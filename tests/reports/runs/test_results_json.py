@@ -20,7 +20,8 @@ from tests.support.saved_results import call
 
 Document = dict[str, Any]
 
-#: The columns that not every row has.
+#: The columns that every row has after those of `judgement.COLUMNS`, and those that not every row has.
+ALWAYS = {column.name for column in (*columns.CASE_COLUMNS, *columns.METHOD_COLUMNS)}
 OPTIONAL = {"set", *columns.FURTHER, *(column.name for column in columns.LIMIT_COLUMNS)}
 
 
@@ -140,7 +141,7 @@ def test_the_schema_refuses(status: str, name: str, value: object, document: Doc
 def test_every_column_is_described_with_its_unit(schema: Document) -> None:
     described = schema["$defs"]["run"]["properties"]
     assert list(described) == list(columns.COLUMNS)
-    assert {*judgement.COLUMNS, "kind", "tags", *OPTIONAL} == set(described)
+    assert {*judgement.COLUMNS, *ALWAYS, *OPTIONAL} == set(described)
     for name, column in columns.COLUMNS.items():
         text = described[name]["description"]
         if column.kind in ("number", "integer"):
