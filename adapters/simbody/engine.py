@@ -2,7 +2,7 @@
 
 import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
@@ -63,6 +63,9 @@ CLAIMS: dict[str, tuple[int | None, int | None]] = {
 
 #: The largest number of steps in one call. Without this limit, CPodes complains on stderr after 500 steps.
 STEP_LIMIT = 2**31 - 1
+
+#: The number of steps that a manager records at once.
+RECORDED = 5000
 
 #: The beginning of the names of integrators in `Manager`.
 PREFIX = "IntegratorMethod_"
@@ -188,17 +191,28 @@ class Simbody:
     def between(self, times: Array) -> Iterator[Array]:
         """Yield the numbers that describe the states at ascending times (n,), in s, without ending a step of the manager there.
 
-        The manager goes to the last time and records the ends of its own steps. Each state is computed by another manager, from
-        the end of the last step before its time. Raises `EngineDiverged`.
+        A manager goes to the last time and records the ends of its own steps. Each state is computed by another manager, from
+        the end of the last step before its time. A recorded state takes tens of kilobytes. If a manager takes more than
+        `RECORDED` steps, which are counted first, it records them in parts, and ends a step where a part ends. Raises
+        `EngineDiverged`.
         """
-        self.manager.setRecordStatesTrajectory(True)
-        self.manager.initialize(self.manager.getState())
+        start = self.manager.getState()
+        counting = managed(self.model, start, self.method)
+        with suppress(EngineDiverged):  # it is raised after the states before it
+            self.integrate(counting, float(times[-1]))
+        for part in np.array_split(times, min(len(times), 1 + told(counting, STEPS_TAKEN) // RECORDED)):
+            recording = managed(self.model, start, self.method, record=True)
+            yield from self._recorded(recording, part)
+            start = recording.getState()
+
+    def _recorded(self, manager: Any, times: Array) -> Iterator[Array]:
+        """Yield the numbers that describe the states at ascending times (n,), in s, between the recorded steps of a manager."""
         failed = None
         try:
-            self.integrate(self.manager, float(times[-1]))
+            self.integrate(manager, float(times[-1]))
         except EngineDiverged as signal:
             failed = signal
-        ends, last = self.manager.getStatesTrajectory(), 0
+        ends, last = manager.getStatesTrajectory(), 0
         side = managed(self.model, ends.get(0), self.method)
         for time in times.tolist():
             while last + 1 < ends.getSize() and ends.get(last + 1).getTime() <= time:
@@ -277,10 +291,11 @@ def coordinates(state: Any) -> Array:
     return np.concatenate([state.getQ().to_numpy(), state.getU().to_numpy()])
 
 
-def managed(model: Any, state: Any, method: Method) -> Any:
+def managed(model: Any, state: Any, method: Method, record: bool = False) -> Any:
     """Return OpenSim's manager of a model, which starts at a state.
 
-    Its steps have a fixed size, or are chosen by error control if the method has an accuracy.
+    Its steps have a fixed size, or are chosen by error control if the method has an accuracy. record: whether it records the
+    states at the ends of its steps.
     """
     manager = opensim.Manager(model)
     manager.setIntegratorMethod(getattr(opensim.Manager, PREFIX + method.integrator))
@@ -290,7 +305,8 @@ def managed(model: Any, state: Any, method: Method) -> Any:
         manager.setIntegratorAccuracy(method.accuracy)
         manager.setIntegratorMaximumStepSize(method.timestep)
     manager.setIntegratorInternalStepLimit(STEP_LIMIT)
-    for records in (manager.setWriteToStorage, manager.setPerformAnalyses, manager.setRecordStatesTrajectory):
-        records(False)
+    manager.setWriteToStorage(False)
+    manager.setPerformAnalyses(False)
+    manager.setRecordStatesTrajectory(record)
     manager.initialize(state)
     return manager
