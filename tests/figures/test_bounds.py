@@ -38,7 +38,7 @@ def test_the_new_columns_follow_those_that_were_there() -> None:
     assert names[first - 1] == "time_in_contact"
     assert names[first : first + len(BOUNDS)] == BOUNDS
     own = (figure.name for module in (mechanisms, touching) for figure in module.FIGURES)
-    later = ("quaternion_norm_error", *own, "kind", "tags")
+    later = ("quaternion_norm_error", *own, "kind", "tags", "steps_taken", "steps_rejected", "evaluations", "role")
     assert all(name.endswith(("_limit", "_margin")) or name in later for name in names[first + len(BOUNDS) :])
     assert list(COLUMNS).index("truth_error") < list(COLUMNS).index("steps")
 
