@@ -157,7 +157,8 @@ def test_small_numbers_are_printed_as_they_are(file: Path) -> None:
     frame = results.to_frame()
     small = frame["attitude_error"].min()
     assert 0 < small < 1e-8
-    for printed in (str(frame[["attitude_error"]]), frame[["attitude_error"]].to_html(), results.to_frame("results").to_string()):
+    errors, whole = frame[["attitude_error"]], results.to_frame("results")
+    for printed in (str(errors), errors.to_html(), whole.to_string()):
         assert re.search(r"\de-1?\d", printed), printed
     assert f"{small:.4g}" in results._repr_html_()
 
