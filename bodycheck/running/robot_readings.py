@@ -132,8 +132,8 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
             calls = [Call(name, file, str(copies), tuple(states), gravity) for name in engines]
             answers = {call.engine: answer for call, answer in workers.map(calls) if not isinstance(answer, Tried)}
             if model is not None and states:
-                readings = {call: answers[call.engine] for call in calls}
-                trials = [TrialCall(call, one, model) for call, one in readings.items() if isinstance(one, RobotReading)]
+                readings = [(call, answers[call.engine]) for call in calls]
+                trials = [TrialCall(call, one, model) for call, one in readings if isinstance(one, RobotReading)]
                 for trial, outcome in workers.map(trials):
                     answers[trial.engine] = _with_behaviours(answers[trial.engine], outcome)
             return {name: answers[name] for name in engines}

@@ -65,6 +65,17 @@ def prepare(scenes, method):
 
 CLEAN = STEPPED + "\ndef spoil(simulation):\n    pass\n"
 
+#: Its record names the method that its users get by default.
+WITH_DEFAULT = (
+    CLEAN
+    + """
+from bodycheck.adapters.contract import Usage
+
+usage = Usage(engine.integrators[0].name, 0.002, "https://example.org")
+engine = replace(engine, roles={"default": {"flight": usage}})
+"""
+)
+
 RANDOM = STEPPED + "\ndef spoil(simulation):\n    simulation.state[0] += 1e-6 * np.random.default_rng().random()\n"
 
 KEEPING = STEPPED + "\nKEPT = []\n\ndef spoil(simulation):\n    simulation.state[8] += 1e-7 * len(KEPT)\n    KEPT.append(1)\n"
@@ -82,6 +93,7 @@ def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study, "PROBES", {name: study.PROBES[name] for name in ("time-base", "energy")})
     monkeypatch.setattr(classes, "TRIALS", classes.TRIALS[:1])
     engines = {"clean": CLEAN, "random": RANDOM, "keeping": KEEPING, "elsewhere": ELSEWHERE, "dying": DYING}
+    engines["with_default"] = WITH_DEFAULT
     plant(tmp_path / "engines", engines)
     monkeypatch.syspath_prepend(tmp_path / "engines")
 
@@ -119,20 +131,12 @@ def test_very_many_steps_are_taken_only_if_asked_for(
     monkeypatch.setattr(study, "PROBES", {})
     monkeypatch.setattr(long_run, "STEPS", 1000)
     monkeypatch.setattr(classes, "TRIALS", ())
-    done = bodycheck("audit", "clean", "--long", "--json", "--out", tmp_path / "out")
+    done = bodycheck("audit", "with_default", "--long", "--json", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     rows = rows_of(done.stdout)
     assert [name for _, name in rows] == [*USUAL, *OF_LONG_RUNS]
-    assert {rows["clean", name]["probe"] for name in OF_LONG_RUNS} == {"long-run: 1000 steps"}
+    assert {rows["with_default", name]["probe"] for name in OF_LONG_RUNS} == {"long-run: 1000 steps"}
     assert bodycheck("report", tmp_path / "out").returncode == 0
-
-
-def test_the_default_method_is_that_of_the_record_and_otherwise_the_first_integrator() -> None:
-    engine = Engine("one", "one", "1.0", (Integrator("first"), Integrator("second")), frozenset())
-    assert study.default_method(engine) == Method.parse("first", 0.002)
-    usage = Usage("second", 0.01, "https://example.org")
-    assert study.default_method(replace(engine, roles={"default": {"flight": usage}})) == Method.parse("second", 0.01)
-    assert study.default_method(replace(engine, integrators=())) is None
 
 
 def test_a_report_is_written_again_from_what_was_saved(planted: None, here: None, tmp_path: Path) -> None:
