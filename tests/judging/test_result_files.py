@@ -48,7 +48,9 @@ def test_limits_and_margins_are_those_of_the_case_in_every_format(folder: Path) 
             assert run[f"{name}_limit"] == limit
             assert run[f"{name}_margin"] == limit / run[name]
         assert (run["position_error_margin"] < 1) == (run["position_error"] > 1e-9)
-    for name in added[2:]:
+    roles = pd.read_csv(folder / "results.csv", keep_default_na=False)["role"]
+    assert list(roles) == list(parquet["role"]) == [run["role"] for run in runs]
+    for name in added[2:-1]:
         assert [value if value == value else None for value in csv[name]] == [run[name] for run in runs]
         assert [None if pd.isna(value) else value for value in parquet[name]] == [run[name] for run in runs]
     assert dict(zip(csv.case, csv.kind, strict=True)) == {"spin": "turning", "slide": "contact"}
