@@ -117,9 +117,13 @@ def _cell(value: Value, command: str, folder: Path, printed: str) -> str:
     try:
         text = printed if value.table == PRINTED else (folder / value.table).read_text("utf-8")
         rows = _printed_rows(text) if value.table == PRINTED else list(csv.DictReader(io.StringIO(text)))
-        cells = {row[value.column] for row in rows if all(_equal(row[name], cell) for name, cell in value.row.items())}
-    except (OSError, KeyError) as error:
-        raise Failed(f"{command}: {value.table}: has no {error}") from error
+    except OSError as error:
+        raise Failed(f"{command}: {value.table}: cannot be read: {error}") from error
+    if missing := [name for name in (value.column, *value.row) if all(name not in row for row in rows)]:
+        raise Failed(f"{command}: {value.table}: has no column {', '.join(missing)}")
+    # A command may print several tables, of which one has all the columns.
+    whole = [row for row in rows if value.column in row and set(value.row) <= set(row)]
+    cells = {row[value.column] for row in whole if all(_equal(row[name], cell) for name, cell in value.row.items())}
     if len(cells) != 1:
         raise Failed(f"{command}: {value.table}: {len(cells)} values in rows with {dict(value.row)}, allowed: 1")
     return cells.pop()

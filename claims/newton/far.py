@@ -25,5 +25,6 @@ def spin(name, distance):
 
 
 for distance in (0, 100, 200, 250, 300, 1000):
-    print(f"featherstone_{distance} {spin('Featherstone', float(distance)):.5g}")
+    print(f"featherstone_{distance} {(after := spin('Featherstone', float(distance))):.5g}")
+    print(f"status_{distance} {'ok' if np.isfinite(after) else 'diverged'}")
     print(f"xpbd_{distance} {spin('XPBD', float(distance)):.5g}")
