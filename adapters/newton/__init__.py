@@ -52,8 +52,8 @@ dry friction of joints, `Steel` has neither dry friction nor springs, and `XPBD`
 `SemiImplicit` holds joints by springs and diverged with steps of 4 ms, and `VBD` and `Kamino` were not tried. Loops are not
 modelled.
 
-`XPBD` is not offered for joints whose frames are turned in their parents: the velocities of a chain of such joints jump in the
-first steps, for a cause that is not known and may be in this adapter.
+With `relaxation=1` the velocities of a chain of joints jump at some instant, whatever the time step, and earlier where the
+frames of joints are turned in their parents; with Newton's own factors they do not (claim `newton/xpbd_chain`).
 
 When Newton finalises a model it checks and corrects masses and inertias, which the adapter switches off
 (`skip_validation_inertia`): its bodies have the inertias of the case, also where one moment is nearly the sum of the others.

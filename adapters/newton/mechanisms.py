@@ -49,8 +49,6 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
     lacking = [name for name in of_mechanism(mechanism).names() if name in solver_of_method.lacks]
     if lacking:
         raise SceneUnsupported(f"Newton's solver {method.integrator} has no {', '.join(lacking)}")
-    if method.integrator == "XPBD" and any(turned(joint) for joint in mechanism.joints):
-        raise SceneUnsupported("XPBD is not offered for joints whose frames are turned in their parents")
     model = built(mechanism, method)
     state, following, control = model.state(), model.state(), model.control()
     forces = control.joint_f.numpy()
@@ -75,11 +73,6 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
     return Normalised(
         Loop(graph, graphs.replay, lambda _: np.hstack([poses, twists]).ravel(), lambda seen: rows(mechanism, seen))
     )
-
-
-def turned(joint: Joint) -> bool:
-    """Return whether the frame of a joint is turned in its parent: the velocities of XPBD then jump in the first steps."""
-    return exact.nearest_turn(joint.attitude)[1:] != (0.0, 0.0, 0.0)
 
 
 def in_order(mechanism: Mechanism) -> list[Joint | None]:
