@@ -25,7 +25,7 @@ def spellings(engine: Engine) -> Iterator[str]:
     """Yield the methods with error control of an engine."""
     for integrator in engine.integrators:
         if "accuracy" in integrator.options and "flight" in integrator.kinds:
-            low = integrator.order is None or integrator.order <= 1
+            low = integrator.order is not None and integrator.order <= 1
             yield from (f"{integrator.name}:accuracy={each}" for each in (ACCURACIES_OF_ORDER_1 if low else ACCURACIES))
 
 
