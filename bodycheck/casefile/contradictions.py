@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.adapters.engine_name import EngineName
+from bodycheck.adapters.method import Method
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.content import MAX_STEPS
 from bodycheck.casefile.ensemble import ensemble_faults
@@ -90,12 +91,25 @@ def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iter
                 yield (name,), "contains no limit; allowed: at_least, at_most"
             if "at_most" in allowed and number(allowed.get("at_least")) > number(allowed["at_most"]):
                 yield (name,), "at_least is larger than at_most"
+    if ORDER in limits and _controls_errors(expectation.get("integrator")):
+        yield (
+            (ORDER,),
+            "a method with an accuracy chooses its steps, and has no order in them; give one without accuracy",
+        )
     for one, other in (("known", "until"), ("until", "known")):
         if one in expectation and other not in expectation:
             yield (other,), f"is missing; {one} requires it"
     timestep = number(expectation.get("timestep")) / (REFINEMENTS[-1] if ORDER in expectation else 1)
     if duration > 0 and timestep > 0 and duration / timestep > MAX_STEPS:
         yield ("timestep",), f"results in {duration / timestep:.3g} steps; at most {MAX_STEPS:.0e} are allowed"
+
+
+def _controls_errors(integrator: Any) -> bool:
+    """Return whether a value is the spelling of a method with an accuracy; the grammar reports invalid spellings."""
+    try:
+        return isinstance(integrator, str) and Method.parse(integrator, 0.0).accuracy is not None
+    except BadInput:
+        return False
 
 
 def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:

@@ -117,6 +117,13 @@ def test_what_cannot_be_expected_is_refused(lines: list[str], fault: str) -> Non
     assert len(caught.value.faults) == 1
 
 
+def test_the_order_of_a_method_with_an_accuracy_cannot_be_expected() -> None:
+    method = 'engine = "drake"\nintegrator = "runge_kutta3:accuracy=1e-6"\ntimestep = 0.01\n'
+    with pytest.raises(CaseFaults) as caught:
+        parse(f"{BEGINNING}[[expect]]\n{method}order = 3\n", "case")
+    assert "expect[1].order: read 3; a method with an accuracy chooses its steps" in str(caught.value)
+
+
 def test_limits_below_the_most_possible_are_accepted() -> None:
     lines = ("attitude_error = 3.14159", "tilt = {at_least = 0, at_most = 3}", "stop_time_error = 10", "energy_drift = 7.0")
     (expectation,) = expecting(*lines, "order = {at_least = 0}").expectations
