@@ -96,6 +96,8 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
 
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
+    if any(joint.mimic for joint in mechanism.joints):
+        raise NotModelled("joints that follow others")
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
