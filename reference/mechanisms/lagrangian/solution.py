@@ -130,7 +130,8 @@ def _units(parts: Border) -> Units:
     lengths += [abs(value) for element in elements for body in element.carried for value in body.centre]
     lengths += [abs(value) for element in elements if element.kind == "slide" for value in element.start]
     for body in (body for element in elements for body in element.carried):
-        lengths.append((sum(body.tensor[axis][axis] for axis in range(3)) / body.mass) ** 0.5)
+        if body.mass:
+            lengths.append((sum(body.tensor[axis][axis] for axis in range(3)) / body.mass) ** 0.5)
     length = _power_of_two(max(lengths, default=0))
     mass = _power_of_two(max((body.mass for element in elements for body in element.carried), default=0))
     rates = [parts.gravity / length] if not all(element.falls for element in elements) else []
