@@ -95,8 +95,9 @@ def prepared(mechanism: Mechanism) -> Prepared:
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
     units = _units(parts)
     structure, parameters = numbers(parts, units)
-    start = [value for element in parts.elements for value in _scaled_start(element, units)]
-    start += [value for element in parts.elements for value in _scaled_velocity(element, units)]
+    alone = [element for element in parts.elements if element.rule is None]
+    start = [value for element in alone for value in _scaled_start(element, units)]
+    start += [value for element in alone for value in _scaled_velocity(element, units)]
     if structure.loops:
         chosen = independent(*_all_rows(structure), [float(value) for value in start], [float(value) for value in parameters])
         structure = replace(structure, rows=chosen)
