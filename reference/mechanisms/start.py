@@ -135,9 +135,9 @@ def _coordinates_with_followers(mechanism: Mechanism, at: dict[int, Frame]) -> t
     shares = np.zeros((len(slots), len(alone)), Wide)
     for number, row in enumerate(alone):
         shares[row, number] = 1
-        for other, (joint, _, _) in enumerate(slots):
-            if other not in alone and joint is not None:
-                rule = mimicry.rule(mechanism.joints, joint)
+        for other, (index, _, _) in enumerate(slots):
+            if other not in alone and index is not None:
+                rule = mimicry.rule(mechanism.joints, index)
                 if rule.leader == slots[row][0]:
                     shares[other, number] = wide(real(rule.multiplier))
     matrix = shares.T @ _mass_matrix(mechanism, at, slots) @ shares
