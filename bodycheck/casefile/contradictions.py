@@ -180,6 +180,8 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
 
     mass: the mass of the body (kg).
     """
+    if zero_allowed and mass == 0:
+        return _of_a_frame(inertia)
     if (moments := numbers(inertia, 3)) is not None:
         return _impossible(moments, zero_allowed) if min(moments) > 0 or (zero_allowed and min(moments) == 0) else None
     rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
@@ -193,6 +195,17 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
     if fault is not None and _impossible(_principal_moments(other_signs, mass), zero_allowed) is None:
         return fault + OTHER_SIGNS
     return fault
+
+
+def _of_a_frame(inertia: Any) -> str | None:
+    """Return why the inertia of a body without mass is not zero; None if it is, or the grammar reports the fault."""
+    rows = inertia if isinstance(inertia, list) else []
+    parts = [part for row in rows for part in (row if isinstance(row, list) else [row])]
+    return (
+        "a body without mass is a frame; allowed: zeros"
+        if any(isinstance(part, int | float) and part for part in parts)
+        else None
+    )
 
 
 def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:

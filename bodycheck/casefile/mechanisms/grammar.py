@@ -69,6 +69,8 @@ class SphereBody(JointedTable, grammar.SphereTable):
 class ShapelessBody(JointedTable, grammar.ShapelessTable):
     """A body of which only mass and inertia matter: these themselves, or particles, or parts that make them."""
 
+    mass: NonNegative | None = Field(default=None, description="kg, with inertia; 0 for a frame, whose inertia is 0")
+
 
 BODY_TABLES: dict[str, type[Table]] = {
     "brick": BrickBody,
@@ -122,6 +124,14 @@ class JointTable(Table):
     )
 
 
+class MimicTable(Table):
+    """The rule by which a joint follows another joint with one coordinate."""
+
+    joint: PartName = Field(description="name of the other joint")
+    multiplier: Number = Field(default=1.0, description="of its coordinate")
+    offset: Number = Field(default=0.0, description="added to the product, rad or m")
+
+
 class AxisTable(JointTable):
     """The keys of joints with one coordinate."""
 
@@ -132,6 +142,9 @@ class AxisTable(JointTable):
     rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
     friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
     effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
+    mimic: MimicTable | None = Field(
+        default=None, description="coordinate = multiplier * (that of the other joint) + offset, in place of initial"
+    )
 
 
 def _joint_table(form: JointForm) -> type[JointTable]:
@@ -234,6 +247,7 @@ TABLES: dict[Path, type[Table]] = {
     ("model",): ModelTable,
     ("model", "stored"): StoredTable,
     ("initial",): ModelStartTable,
+    ("joints", "mimic"): MimicTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
     ("scene", "plane"): grammar.PlaneTable,
