@@ -22,7 +22,7 @@ from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, s
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as adapter
 from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.stepping import InTurn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -79,12 +79,13 @@ def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compi
 def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
     """Return the simulation of a mechanism. Raises as `prepare` does."""
     check_precision(engine)
-    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    compiled = compiled_model(xml)
     model, data = handed_over(compiled)
     start = mujoco.MjData(compiled)
     begin(compiled, start, mechanism)
     initial_values = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
-    states = states_of(compiled, [body.name for body in mechanism.bodies])
+    states = seen_states(mechanism, xml)
     return Compiled(TAKE_COORDINATES.one, model, data.replace(**initial_values), states, len(mechanism.bodies))
 
 
