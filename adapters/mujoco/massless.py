@@ -90,9 +90,9 @@ def seats(mechanism: Mechanism, order: Iterable[int]) -> dict[int, Seat]:
     for part in _massless_parts(mechanism):
         _check(mechanism, part)
         left_out.update(part)
-    reached, places = {WORLD: Seat(WORLD)}, dict[int, Seat]()
+    reached, places, joint_of = {WORLD: Seat(WORLD)}, dict[int, Seat](), mechanism.joint_of
     for index in order:
-        joint = mechanism.joint_of[index]
+        joint = joint_of[index]
         if joint is None:
             places[index] = Seat(WORLD)
         else:
@@ -103,7 +103,8 @@ def seats(mechanism: Mechanism, order: Iterable[int]) -> dict[int, Seat]:
                 reached[index] = Seat(above.parent, pose, (*above.joints, *between))
                 continue
             back = pose.inverse()
-            mounted = (replace(before, pose=back.then(before.pose)) for before in above.joints)
+            mounted = tuple(replace(earlier, pose=back.then(earlier.pose)) for earlier in above.joints)
+            _check_balls(mechanism.bodies[index], mounted)
             places[index] = Seat(above.parent, pose, (*mounted, Mounted(joint)))
         reached[index] = Seat(index)
     return places
@@ -146,12 +147,21 @@ def _check(mechanism: Mechanism, part: Sequence[int]) -> None:
         obstacle = "it is free"
     elif len(behind) != 1:
         obstacle = f"it carries the joints {', '.join(joint.name for joint in behind)}" if behind else "it carries no joint"
-    elif before.type in ("spherical", "free") and exact.nearest_turn(behind[0].attitude)[1:] != (0.0, 0.0, 0.0):
-        obstacle = f"the frame of the joint {behind[0].name} is turned behind the ball of {before.name}"
     else:
         return
     name = mechanism.bodies[part[0]].name
     raise SceneUnsupported(f"{REASON}: the body {name} has no mass, and {obstacle}")
+
+
+def _check_balls(body: JointedBody, joints: Iterable[Mounted]) -> None:
+    """Raise `SceneUnsupported` if a ball that acts before the last joint of a body is turned in the frame of this body.
+
+    The coordinates of a ball are along the axes of the frame of the body that MuJoCo has.
+    """
+    for mounted in joints:
+        if mounted.joint.type in ("spherical", "free") and any(doubles(mounted.pose.turn[1:])):
+            where = f"is turned in the frame of {body.name}, the next body with a mass"
+            raise SceneUnsupported(f"{REASON}, and the ball of {mounted.joint.name} {where}")
 
 
 def _leads_on(joint: Joint, part: Sequence[int]) -> bool:

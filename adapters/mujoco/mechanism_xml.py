@@ -207,4 +207,4 @@ def add_equalities(
     for follower, rule in following:
         polynomial = numbers_written(rule.offset, rule.multiplier, 0, 0, 0)
         pair = {"joint1": follower, "joint2": mechanism.joints[rule.joint].name, "polycoef": polynomial}
-        ElementTree.SubElement(equality, "joint", pair | softness)
+        ElementTree.SubElement(equality, "joint", {**pair, **softness})

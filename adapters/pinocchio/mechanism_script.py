@@ -1,6 +1,7 @@
 """Write a run of a mechanism as a script that needs Pinocchio alone."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import pinocchio as pin
 
@@ -75,6 +76,7 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
     scheme, body_twist = SCHEMES[method.integrator]
     built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
     followers = bool(built_mechanism.followers)
+    dynamics: list[Callable[..., Any]]
     if followers:
         dynamics = [mechanisms.with_followers, mechanisms.coupled]
     else:

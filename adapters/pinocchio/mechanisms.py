@@ -166,9 +166,9 @@ def with_followers(
 
     def total(q: Array, v: Array) -> Array:
         of_all = forces(np.concatenate([q, ratio * q[in_q] + offset]), np.concatenate([v, ratio * v[in_v]]))
-        own = of_all[: len(v)].copy()
-        np.add.at(own, in_v, ratio * of_all[len(v) :])
-        return own
+        on_model = of_all[: len(v)].copy()
+        np.add.at(on_model, in_v, ratio * of_all[len(v) :])
+        return on_model
 
     return total
 
