@@ -129,8 +129,8 @@ def _massless_parts(mechanism: Mechanism) -> Iterator[list[int]]:
     for joint in mechanism.joints:
         if joint.type == "fixed":
             fixed.setdefault(joint.parent, []).append(joint.child)
-    for index, joint in enumerate(mechanism.joint_of):
-        if joint is None or joint.type != "fixed":
+    for index, moving in enumerate(mechanism.joint_of):
+        if moving is None or moving.type != "fixed":
             part = [index]
             for body in part:
                 part += fixed.get(body, [])

@@ -52,6 +52,13 @@ OPTIONS: dict[str, Option] = {
     "solimpfriction": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
 }
 
+#: The requirements of mechanisms that are soft constraints, and the options of their softness.
+SOFT = {
+    "loops": "solref, solimp",
+    "mimic joints": "solref, solimp",
+    "joint friction": "solreffriction, solimpfriction",
+}
+
 #: The options of `Euler` for a mechanism.
 OF_EULER = {"eulerdamp": choice("disable", kinds=JOINTED)}
 

@@ -111,8 +111,8 @@ def _mass_matrix(mechanism: Mechanism) -> Array:
     unit = np.eye(velocities + 6 * len(free))
     of_free = unit[:, velocities:].reshape(len(unit), len(free), 6).swapaxes(0, 1)
     instants = np.arange(len(unit), dtype=np.float64)
-    poses = (np.repeat(part[free], len(unit), axis=1) for part in (at_start.position, at_start.quaternion))
-    roots = Trajectory(instants, *poses, of_free[..., :3], of_free[..., 3:])
+    position, quaternion = (np.repeat(part[free], len(unit), axis=1) for part in (at_start.position, at_start.quaternion))
+    roots = Trajectory(instants, position, quaternion, of_free[..., :3], of_free[..., 3:])
     motion = JointMotion(np.repeat(joints.position, len(unit), axis=0), unit[:, :velocities])
     moving = kinematics.bodies(mechanism, motion, roots if free else None, instants)
     tensors = np.array([tensor(body) for body in mechanism.bodies])
@@ -120,4 +120,4 @@ def _mass_matrix(mechanism: Mechanism) -> Array:
     matrix += np.einsum("bni,bij,bmj->nm", moving.angular_velocity, tensors, moving.angular_velocity)
     for joint, (_, columns) in zip(mechanism.joints, places(mechanism), strict=True):
         matrix[columns, columns] += joint.armature * np.eye(columns.stop - columns.start)
-    return matrix
+    return np.asarray(matrix)
