@@ -21,7 +21,7 @@ from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.stepping import InTurn
@@ -62,6 +62,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         device=device(),
         batch=2,
         defaults=options.defaults(),
+        soft=SOFT,
         roles={"default": dict.fromkeys(KINDS, replace(options.roles()["default"]["flight"], page=PAGE))},
     )
 

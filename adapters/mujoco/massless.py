@@ -7,10 +7,11 @@ in between, so that the poses of the bodies without mass come from a second mode
 the same joints in the same order, and poses and velocities do not depend on masses.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.mechanisms import has_mass, massless_parts
 from bodycheck.reference.exact.numbers import Vector3, doubles, vector
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.frames import Place, rotated
@@ -87,7 +88,7 @@ def seats(mechanism: Mechanism, order: Iterable[int]) -> dict[int, Seat]:
     refuse.
     """
     left_out = set[int]()
-    for part in _massless_parts(mechanism):
+    for part in massless_parts(mechanism):
         _check(mechanism, part)
         left_out.update(part)
     reached, places, joint_of = {WORLD: Seat(WORLD)}, dict[int, Seat](), mechanism.joint_of
@@ -116,26 +117,6 @@ def with_masses(mechanism: Mechanism) -> Mechanism:
         return mechanism
     bodies = (body if has_mass(body) else replace(body, inertia=UNIT) for body in mechanism.bodies)
     return replace(mechanism, bodies=tuple(bodies))
-
-
-def has_mass(body: JointedBody) -> bool:
-    """Return whether a body has a mass."""
-    return exact.nearest_inertia(body).mass > 0
-
-
-def _massless_parts(mechanism: Mechanism) -> Iterator[list[int]]:
-    """Yield the sets of bodies that are fixed to each other, move, and have no mass, each with its moving body first."""
-    fixed: dict[int, list[int]] = {}
-    for joint in mechanism.joints:
-        if joint.type == "fixed":
-            fixed.setdefault(joint.parent, []).append(joint.child)
-    for index, moving in enumerate(mechanism.joint_of):
-        if moving is None or moving.type != "fixed":
-            part = [index]
-            for body in part:
-                part += fixed.get(body, [])
-            if not any(has_mass(mechanism.bodies[body]) for body in part):
-                yield part
 
 
 def _check(mechanism: Mechanism, part: Sequence[int]) -> None:

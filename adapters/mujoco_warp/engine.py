@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method,
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
@@ -73,6 +73,7 @@ engine = Engine(
     batch=2,
     defaults=defaults(),
     roles=roles(),
+    soft=SOFT,
 )
 
 calls = graphs.CALLS
