@@ -87,7 +87,8 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
 def solver() -> Solver:
     """Return the solver of trees: Taylor's method where heyoka is installed, otherwise DOP853."""
     try:
-        from bodycheck.reference.mechanisms import stick_slip, tree_equations
+        from bodycheck.reference.mechanisms import tree_equations
+        from bodycheck.reference.mechanisms.friction import stick_slip
     except ImportError:
         return followed_by_dop853
 

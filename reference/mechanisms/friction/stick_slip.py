@@ -20,8 +20,8 @@ import numpy as np
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
+from bodycheck.reference.mechanisms.friction.sticking import EQUAL, EXACT, Modes, settled, sign, with_modes
 from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, places_of_rates, split, start
-from bodycheck.reference.mechanisms.sticking import EQUAL, EXACT, Modes, settled, sign, with_modes
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 
@@ -141,7 +141,7 @@ def _at_rest(moving: Modes) -> tuple[int, ...]:
 
 def _velocities(tree: Tree) -> dict[int, int]:
     """The indices in a state of the velocities of links with dry friction, by the indices of the links."""
-    places = places_of_rates([(link.kind, link.parent) for link in tree.links])
+    places = places_of_rates(tree.links)
     return {index: places[index] for index, link in enumerate(tree.links) if link.friction}
 
 
