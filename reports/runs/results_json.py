@@ -76,7 +76,7 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    by_engine = ("environments", "demonstrations", "defaults", "without_method")
+    by_engine = ("environments", "demonstrations", "defaults", "soft", "without_method")
     kinds |= {name: {"type": "object", "additionalProperties": versions} for name in by_engine}
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {

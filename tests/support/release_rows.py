@@ -20,6 +20,7 @@ HEADER = {
     "demonstrations": {},
     "precisions": {},
     "defaults": {},
+    "soft": {},
     "without_method": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
