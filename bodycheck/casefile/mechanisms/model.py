@@ -8,7 +8,7 @@ import copy
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -24,6 +24,8 @@ from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.rotations import attitude
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.rest import is_at_rest
 from bodycheck.reference.scene import EulerAngles
 from bodycheck.robots import elements
 from bodycheck.suggestion import did_you_mean
@@ -213,6 +215,17 @@ def _base_start(start: Mapping[str, Any]) -> dict[str, Any]:
     if (angles := numbers(start.get("euler_zxz"), 3)) is not None:
         table["quaternion"] = doubles(attitude(EulerAngles(*angles)))
     return table
+
+
+#: The notice on a scene without motion.
+NOTHING_MOVES = "Nothing moves in this scene: it starts at rest in an equilibrium."
+
+
+def with_scene(notes: RobotNotes, scene: AnyScene) -> RobotNotes:
+    """Return the notes on a model with a notice if nothing moves in the scene that was made of it."""
+    if isinstance(scene, Mechanism) and is_at_rest(scene):
+        return replace(notes, notices=(NOTHING_MOVES, *notes.notices))
+    return notes
 
 
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:

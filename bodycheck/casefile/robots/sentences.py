@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Sequence
 
+from bodycheck.casefile.mechanisms.grammar import WORLD
 from bodycheck.casefile.robots.reading import Feature, Ignored, Read
 
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
@@ -30,8 +31,14 @@ def notices(read: Read, ignore: Collection[Ignored], file: str) -> Iterator[str]
         else:
             continue
         yield f"{_subject(feature, file)} {_agreeing(clause, len(feature.lines))}."
-    if read.welded:
+    if _is_held(read):
         yield WELDED
+
+
+def _is_held(read: Read) -> bool:
+    """Return whether a body with mass is fixed to the world, and none floats."""
+    of_world = {joint["type"] for joint in read.tables["joints"] if joint["parent"] == WORLD}
+    return "free" not in of_world and (read.welded or "fixed" in of_world)
 
 
 def refusals(read: Read, ignore: Collection[Ignored]) -> Iterator[str]:
