@@ -19,11 +19,13 @@ from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.robots import mjcf_tree, urdf
+from bodycheck.casefile.robots.reading import Choice
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
 from bodycheck.robots import elements
+from bodycheck.robots.named_files import NotFound
 from bodycheck.suggestion import did_you_mean
 
 #: The mark between the text of a case file and the text of its model.
@@ -31,9 +33,6 @@ MARK = "\n# The text of the model, as it was read beside this file.\n[model.stor
 
 #: The name of a file, without a folder.
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
-
-#: The functions that read the tables of bodies and joints, by the tag of the root of the file.
-READERS = {"robot": urdf.tree, "mujoco": mjcf_tree.tree}
 
 #: The path of the key with the name of the model.
 FILE: Path = ("model", "file")
@@ -152,14 +151,31 @@ def _read(text: str, file: str) -> tuple[Tables, float | None]:
     Raises `BadInput` if they cannot be read.
     """
     root = elements.parsed(text.encode("utf-8", "replace"), file)
-    if root.tag not in READERS:
+    if root.tag not in ("robot", "mujoco"):
         elements.refuse_root(root)
-    tables = READERS[root.tag](root, WORLD)
+    timestep = None
+    if root.tag == "mujoco":
+        read = mjcf_tree.tree(root, WORLD, Choice(_NoFiles()))
+        if acting := [feature for feature in read.features if feature.acts]:
+            raise BadInput("\n".join(f"{feature.lines[0]}: {feature.noun[1]} {feature.text}" for feature in acting))
+        tables, timestep = read.tables, read.timestep
+    else:
+        tables = urdf.tree(root, WORLD)
     if not tables["bodies"]:
         raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
     if len(tables["bodies"]) > MAX_BODIES:
         raise BadInput(f"{root.file}: has {len(tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
-    return tables, mjcf_tree.timestep(root)
+    return tables, timestep
+
+
+class _NoFiles:
+    """The files of a model of which only the text is at hand."""
+
+    def text(self, name: str, near: str) -> tuple[str, str]:
+        raise NotFound("is not there")
+
+    def content(self, name: str) -> bytes:
+        raise NotFound("is not there")
 
 
 def _started(document: dict[str, Any], tables: Tables, timestep: float | None) -> Expanded:

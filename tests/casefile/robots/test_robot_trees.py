@@ -234,14 +234,15 @@ def test_what_a_urdf_may_not_have(tmp_path: Path, old: str, new: str, words: str
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('<freejoint name="free"/>', "<freejoint/><joint/>", "is a second joint of one body"),
-        ('armature="0"', 'armature="0.1"', "<joint armature>: a ball joint has none in a case"),
-        ('frictionloss="0.1"', 'ref="10"', "<joint ref>: read '10', which a case cannot say"),
-        ("</worldbody>", '</worldbody><equality><weld body1="tip"/></equality>', "<weld>: is in <equality>"),
-        ("<worldbody>", '<option density="1.2"/><worldbody>', "<option density>: read '1.2'"),
-        ('<body name="tip"', '<body name="tip" gravcomp="1"', "<body gravcomp>: read '1'"),
-        ("<worldbody>", '<include file="x"/><worldbody>', "<include file>: names another file"),
-        ('<geom type="ellipsoid" size="0.1 0.2 0.3"/>', "", "has no mass and moves"),
+        ('<freejoint name="free"/>', "<freejoint/><joint/>", "is not the only joint of a body in the world"),
+        ('armature="0"', 'armature="0.1"', "ball joints have an armature"),
+        ("</worldbody>", '</worldbody><equality><weld body1="tip"/></equality>', "equalities <weld> hold their bodies"),
+        ("<worldbody>", '<option density="1.2"/><worldbody>', "media act on all bodies"),
+        ('<body name="tip"', '<body name="tip" gravcomp="1"', "bodies have gravity compensation"),
+        ("<worldbody>", '<include file="x"/><worldbody>', "<include file>: 'x' is not there"),
+        ('stiffness="3"', 'stiff="3"', "<joint stiff>: there is no such attribute; did you mean 'stiffness'?"),
+        ('<body name="weight"', '<body name="tip"', "'tip' is the name of another body"),
+        ('<geom type="ellipsoid" size="0.1 0.2 0.3"/>', "", "mass matrix is not positive definite"),
     ],
 )  # fmt: skip
 def test_what_an_mjcf_may_not_have(tmp_path: Path, old: str, new: str, words: str) -> None:
