@@ -1,4 +1,4 @@
-"""Whether a mechanism starts at rest and stays there, from the forces along its coordinates at the start."""
+"""Decide whether a mechanism starts at rest and stays there, from the forces along its coordinates at the start."""
 
 from collections.abc import Iterator
 
@@ -18,7 +18,7 @@ AXES = np.eye(3, dtype=Wide)
 
 
 def is_at_rest(mechanism: Mechanism) -> bool:
-    """Whether nothing moves: all velocities and all accelerations are zero at the start.
+    """Return whether nothing moves: all velocities and all accelerations are zero at the start.
 
     Without velocities, the accelerations are zero if the force along each coordinate is zero or is not larger than its dry
     friction. Of loops, only the open chains are looked at: where these have no forces, the loops have none either.
@@ -52,9 +52,9 @@ def is_at_rest(mechanism: Mechanism) -> bool:
 
 
 def _wrenches(mechanism: Mechanism) -> dict[int, tuple[WideArray, WideArray, Wide]]:
-    """The weight (3,) of each body with all that hangs on it (N), its torque (3,) about the body's origin (N m), and a reach.
+    """Return the weight (N) of each body with all that hangs on it, its torque about the body's origin (N m), and a reach.
 
-    Weight and torque are along the axes of the world. The reach (m) is the largest distance of a carried centre of mass.
+    Weight (3,) and torque (3,) are along the axes of the world. The reach (m) is the largest distance of a carried centre of mass.
     """
     frames = start.frames(mechanism)
     carried: dict[int, list[tuple[Wide, WideArray]]] = {index: [] for index in (WORLD, *range(len(mechanism.bodies)))}

@@ -15,11 +15,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from bodycheck.casefile.formats import is_mechanism
-from bodycheck.casefile.mechanisms import stored
+from bodycheck.casefile.mechanisms import model_reading, stored
 from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.robot_notes import JointRange, RobotNotes
-from bodycheck.casefile.robots import robot_model
 from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
@@ -122,7 +121,7 @@ def with_model(
     except tomllib.TOMLDecodeError:  # after an inline table
         return text, ((FILE, "is not in a table of its own; write it below a line [model]"),)
     try:
-        return stored.appended(text, robot_model.stored_of_file(folder / name, packages, follow, **choice(table))), ()
+        return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(table))), ()
     except BadInput as error:
         return text, tuple((FILE, line) for line in str(error).splitlines())
     except ValueError:
@@ -156,7 +155,7 @@ def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ())
     try:
         read = StoredTable.model_validate(table["stored"])
         if read.text is not None:
-            read = StoredTable.model_validate(robot_model.stored_of_text(read.text, file, **choice(table)))
+            read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(table)))
     except ValidationError:  # reported with the faults of the grammar
         return Expanded(document)
     except BadInput as error:

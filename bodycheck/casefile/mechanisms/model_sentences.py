@@ -8,7 +8,7 @@ from bodycheck.casefile.robots.reading import Feature, Ignored, Read
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
-    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "them": "it",
+    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
 }  # fmt: skip
 
 #: Most lines, or ranges of lines, that a sentence lists; more are given as one range from the first to the last.
@@ -95,6 +95,8 @@ def _of_lines(numbers: Sequence[int]) -> str:
             ranges[-1] = [ranges[-1][0], number]
         else:
             ranges.append([number])
+    if ranges == [[numbers[0], numbers[0] + 1]]:
+        ranges = [[numbers[0]], [numbers[1]]]
     if len(ranges) > MAX_RANGES:
         ranges = [[numbers[0], numbers[-1]]]
     phrases = [" to ".join(map(str, each)) for each in ranges]
