@@ -203,7 +203,8 @@ def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
     elif min(moments) <= 0:
         return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        return "no body has these moments: no moment may exceed the sum of the other two"
+        by = 2 * max(moments) - sum(moments)
+        return f"no body has these moments: no moment may exceed the sum of the other two; the largest does by {by:.3g} kg m^2"
     return None
 
 

@@ -54,7 +54,7 @@ def is_at_rest(mechanism: Mechanism) -> bool:
 def _wrenches(mechanism: Mechanism) -> dict[int, tuple[WideArray, WideArray, Wide]]:
     """Return the weight (N) of each body with all that hangs on it, its torque about the body's origin (N m), and a reach.
 
-    Weight (3,) and torque (3,) are along the axes of the world. The reach (m) is the largest distance of a carried centre of mass.
+    Weight (3,) and torque (3,) are along the axes of the world. The reach (m) is the distance of the farthest centre of mass.
     """
     frames = start.frames(mechanism)
     carried: dict[int, list[tuple[Wide, WideArray]]] = {index: [] for index in (WORLD, *range(len(mechanism.bodies)))}

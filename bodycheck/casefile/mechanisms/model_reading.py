@@ -31,7 +31,8 @@ def read(text: str, file: str, choice: Choice) -> Read:
     if reasons := list(sentences.refusals(result, choice.ignore)):
         raise BadInput("\n".join(reasons))
     if not result.tables["bodies"]:
-        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
+        advice = '; base = "free" lets it move' if result.welded else ""
+        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world{advice}")
     if len(result.tables["bodies"]) > MAX_BODIES:
         raise BadInput(f"{root.file}: has {len(result.tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
     return result
