@@ -25,16 +25,17 @@ TREE_ALONE = frozenset({"equalities"})
 
 @dataclass(frozen=True)
 class FilesOfFolder:
-    """The files of a folder and the folders in it."""
+    """The files of a folder and the folders in it. main: the folder of the model, whose path is relative to the first one."""
 
     home: Path
+    main: Path
 
     def text(self, name: str, near: str) -> tuple[str, str]:
-        path = Folders(self.home).find(name, (self.home, (self.home / near).parent))
+        path = Folders(self.home).find(name, (self.main, (self.home / near).parent))
         return path.relative_to(self.home).as_posix(), path.read_text(encoding="utf-8")
 
     def content(self, name: str) -> bytes:
-        return Folders(self.home).find(name, (self.home,)).read_bytes()
+        return Folders(self.home).find(name, (self.main,)).read_bytes()
 
 
 class NoFiles:
@@ -56,7 +57,8 @@ def read_file(path: Path, home: Path | None = None, **choice: Any) -> Read:
     """Return the result of reading a file, which may name files of its folder, or of the folder `home` around it."""
     root = elements.parsed(path.read_bytes(), path.name)
     root.file = path.relative_to(home or path.parent).as_posix()
-    return mjcf_tree.tree(root, WORLD, Choice(**{"files": FilesOfFolder((home or path.parent).resolve()), **choice}))
+    files = FilesOfFolder((home or path.parent).resolve(), path.parent.resolve())
+    return mjcf_tree.tree(root, WORLD, Choice(**{"files": files, **choice}))
 
 
 def mechanism(read: Read) -> Mechanism:
@@ -94,7 +96,9 @@ def disagreement(read: Read, compiled: mujoco.MjModel) -> dict[str, float]:
     differences = dict.fromkeys(("mass_matrix", "gravity", "bias", "passive"), 0.0)
     for state, terms in zip(states, truth, strict=True):
         for name, (one, other) in _terms(compiled, state, terms).items():
-            scale = max(np.abs(other).max(initial=0.0), np.abs(one).max(initial=0.0))
+            # Forces that are zero but for rounding are compared with those of an acceleration of 1.
+            least = 0.0 if name == "passive" else np.abs(terms.mass_matrix).max(initial=0.0)
+            scale = max(np.abs(one).max(initial=0.0), np.abs(other).max(initial=0.0), float(least))
             if scale:
                 differences[name] = max(differences[name], float(np.abs(one - other).max() / scale))
     return differences

@@ -12,9 +12,9 @@ from bodycheck.casefile.robots.mjcf_features import Kind
 from bodycheck.casefile.robots.mjcf_joints import JointOfFile
 from bodycheck.casefile.robots.mjcf_settings import Defaults, word
 from bodycheck.casefile.robots.numbers import numbers
-from bodycheck.casefile.robots.tables import Pose
+from bodycheck.casefile.robots.tables import HERE, Pose
 from bodycheck.reference.exact.numbers import MP, vector
-from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.reference.exact.rotations import IDENTITY, unit
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean
 
@@ -143,5 +143,36 @@ def _site(element: Element, attribute: str, tree: Tree) -> tuple[str, Pose]:
 
 
 def _weld(element: Element, tree: Tree) -> bool:
-    """Fix a body that floats to the other body of a <weld>; return whether one of them floats, and nothing else holds it."""
+    """Fix a body that floats to the other body of a <weld>; return whether one of them floats and does not carry the other."""
+    if "body1" in element.attributes:
+        first, second = _body(element, "body1", tree), _body(element, "body2", tree, WORLD)
+        frames = [(first, _relative(element, first, second, tree)), (second, HERE)]
+    else:
+        frames = [_site(element, attribute, tree) for attribute in ("site1", "site2")]
+    carriers = [tree.carriers[body] for body, _ in frames]
+    places = [carrier.pose.then(pose) for carrier, (_, pose) in zip(carriers, frames, strict=True)]
+    for one, other in ((0, 1), (1, 0)):
+        joint = next((each for each in tree.joints if each.table["child"] == carriers[one].name), None)
+        if joint is None or joint.table["type"] != "free" or _carries(carriers[one].name, carriers[other].name, tree):
+            continue
+        at = places[other].then(places[one].inverse())
+        joint.table = tables.joint(joint.name, "fixed", carriers[other].name, carriers[one].name, at)
+        return True
     return False
+
+
+def _relative(element: Element, first: str, second: str, tree: Tree) -> Pose:
+    """Return the pose of the second body of a <weld> in the frame of the first one."""
+    x, y, z, *turn = numbers(element, "relpose", (7,), (0.0, 1.0, *(0.0,) * 5))
+    if not any(turn):
+        return tree.carriers[first].world.inverse().then(tree.carriers[second].world)
+    w, i, j, k = map(MP.mpf, turn)
+    return Pose(vector((x, y, z)), unit((w, i, j, k)))
+
+
+def _carries(one: str, other: str, tree: Tree) -> bool:
+    """Return whether a body of the case carries another one, or is it."""
+    parents = {joint.table["child"]: joint.table["parent"] for joint in tree.joints}
+    while other != one and other in parents:
+        other = parents[other]
+    return other == one

@@ -12,9 +12,9 @@ from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import Pose, turned
 from bodycheck.reference.exact.inertia import Components, MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, plus
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, plus
 from bodycheck.robots.elements import Element, refuse
-from bodycheck.robots.orientations import turned_inertia
+from bodycheck.robots.orientations import from_axes, turned_inertia
 
 #: The largest mass (kg) that MuJoCo ignores in the sum of the geoms of a body.
 NO_MASS = 1e-14
@@ -45,7 +45,7 @@ def of_body(body: Element, parts: Sequence[Part], rules: Settings, shapes: Shape
     geoms_count = rules.inertiafromgeom == "true" or (rules.inertiafromgeom == "auto" and not inertials)
     mass_properties = _of_geoms(parts, rules, shapes) if geoms_count else None
     if inertials and mass_properties is None:
-        mass_properties = _within(stated(inertials[0].element, rules), inertials[0].frame)
+        mass_properties = within(stated(inertials[0].element, rules), inertials[0].frame)
     if mass_properties is not None:
         return _bounded(mass_properties, rules)
     if not (rules.boundmass > 0 or rules.boundinertia > 0):
@@ -77,13 +77,25 @@ def scaled(mass_properties: MassProperties, factor: Real) -> MassProperties:
     return replace(mass_properties, mass=factor * mass_properties.mass, tensor=(xx, yy, zz, xy, xz, yz))
 
 
-def moved(mass_properties: MassProperties, anchor: Vector3) -> MassProperties:
-    """Return mass properties in a frame whose origin is moved to the position `anchor`."""
-    centre = vector([one - other for one, other in zip(mass_properties.centre, anchor, strict=True)])
-    return replace(mass_properties, centre=centre)
+def principal_frame(parts: Sequence[Part], mass_properties: MassProperties, rules: Settings) -> Pose:
+    """Return the frame of a body along its principal axes of inertia: as its <inertial> states it, or the largest moment first.
+
+    Axes that the file does not state may differ from those of MuJoCo in their signs, and where moments are equal.
+    """
+    stated_axes = [
+        part.frame.then(Pose(ORIGIN, attitude(part.element, rules)))
+        for part in parts
+        if part.element.tag == "inertial" and "diaginertia" in part.element.attributes and rules.inertiafromgeom != "true"
+    ]
+    if stated_axes:
+        return Pose(mass_properties.centre, stated_axes[0].turn)
+    moments, axes = _principal(mass_properties.tensor)
+    largest, middle, _ = sorted(range(3), key=lambda index: moments[index], reverse=True)
+    first, second = ((axes[0, index], axes[1, index], axes[2, index]) for index in (largest, middle))
+    return Pose(mass_properties.centre, from_axes(first, second))
 
 
-def _within(inner: MassProperties, pose: Pose) -> MassProperties:
+def within(inner: MassProperties, pose: Pose) -> MassProperties:
     """Return mass properties of a frame in the frame around it. pose: of the inner frame."""
     centre = plus(pose.origin, turned(pose.turn, inner.centre))
     return MassProperties(inner.mass, centre, turned_inertia(inner.tensor, pose.turn))
@@ -92,7 +104,7 @@ def _within(inner: MassProperties, pose: Pose) -> MassProperties:
 def _of_geoms(parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassProperties | None:
     """Return the total mass properties of the geoms of a body that count; None if none of them has a mass."""
     solids = [
-        _within(solid, part.frame)
+        within(solid, part.frame)
         for part in parts
         if part.element.tag == "geom"
         and rules.counts(number(part.element, "group", 0.0))

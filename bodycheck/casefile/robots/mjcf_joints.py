@@ -164,11 +164,13 @@ def _coordinate(joint: Element, attribute: str, kind: str, rules: Settings) -> R
 def _properties(joint: Element, kind: str, rules: Settings, features: Features) -> dict[str, Any]:
     """Return the forces along a hinge or slide as keys of its table."""
     properties: dict[str, Any] = {}
+    if rest := _coordinate(joint, "springref", kind, rules):
+        properties["rest"] = float(rest)
     if armature := number(joint, "armature", 0.0):
         properties["armature"] = armature
     properties |= _damping(joint, features)
     if "spring" not in features.off and any(stiffness := _coefficients(joint, "stiffness")):
-        properties |= {"stiffness": stiffness[0], "rest": float(_coordinate(joint, "springref", kind, rules))}
+        properties["stiffness"] = stiffness[0]
         if any(stiffness[1:]):
             features.add((None, True, *NOT_LINEAR), joint)
         if number(joint, "springyield", 0.0):
@@ -196,7 +198,8 @@ def _coefficients(joint: Element, attribute: str) -> tuple[float, ...]:
 def _add_what_is_not_read(joint: Element, kind: str, features: Features) -> None:
     """Add what a ball or free joint has and a case does not have."""
     noun = (f"{kind} joint", f"{kind} joints")
-    if any(_coefficients(joint, "stiffness")) and "spring" not in features.off:
+    spring = any(_coefficients(joint, "stiffness")) or any(numbers(joint, "springdamper", (2,), (0.0, 0.0)))
+    if spring and "spring" not in features.off:
         features.add((None, True, "have a spring", noun), joint)
     if number(joint, "armature", 0.0):
         features.add((None, True, "have an armature", noun), joint)

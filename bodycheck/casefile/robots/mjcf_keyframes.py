@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from bodycheck.casefile.robots.mjcf_joints import SIZES, JointOfFile
-from bodycheck.casefile.robots.numbers import numbers
+from bodycheck.casefile.robots.numbers import many
 from bodycheck.errors import BadInput
-from bodycheck.robots.elements import Element, quoted
+from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean, first_names
 
 
@@ -28,7 +28,9 @@ def start(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFil
         count = sum(SIZES[joint.kind][which] for joint in joints)
         if attribute not in key.attributes:
             continue
-        values = list(numbers(key, attribute, (count,)))
+        values = list(many(key, attribute))
+        if len(values) != count:
+            refuse(key, attribute, f"read {len(values)} numbers; allowed: {count}, as many as the joints of the file have")
         for joint in joints:
             initial = joint.table.setdefault("initial", {})
             for name, size in keys[joint.kind]:

@@ -20,13 +20,14 @@ from bodycheck.casefile.robots import (
     mjcf_springs,
     tables,
 )
+from bodycheck.casefile.robots.link import without_rounding
 from bodycheck.casefile.robots.mjcf_carriers import Carrier, Tree, unlike
 from bodycheck.casefile.robots.mjcf_file import assemble
 from bodycheck.casefile.robots.mjcf_joints import JointOfFile
 from bodycheck.casefile.robots.mjcf_meshes import MeshesOfFile
 from bodycheck.casefile.robots.mjcf_options import options
 from bodycheck.casefile.robots.mjcf_parts import Part
-from bodycheck.casefile.robots.mjcf_settings import settings
+from bodycheck.casefile.robots.mjcf_settings import TRUTHS, settings, word
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.tables import HERE, Pose
@@ -159,10 +160,21 @@ def _add_moving(
         names.append(unlike(f"{name}:{part.element.attributes['name']}", read.taken[0]))
         read.taken[0].add(names[-1])
         read.inertias[names[-1]] = NOTHING
-    anchor = mjcf_joints.anchor(moving[-1])
-    read.inertias[name] = NOTHING if inertia is None else mjcf_inertia.moved(inertia, anchor)
+    own_frame = Pose(mjcf_joints.anchor(moving[-1]), HERE.turn)
+    if inertia is not None and _aligned(moving[0].element, parts, read):
+        own_frame = mjcf_inertia.principal_frame(parts, inertia, read.rules)
+        frame = replace(frame, pose=frame.pose.then(own_frame))
+    back = own_frame.inverse()
+    read.inertias[name] = NOTHING if inertia is None else without_rounding(mjcf_inertia.within(inertia, back))
     read.joints += mjcf_joints.chain(moving, [*names, name], frame.name, frame.pose, read.rules, read.features)
-    return replace(frame, name=name, pose=Pose(anchor, HERE.turn).inverse(), moves=True)
+    return replace(frame, name=name, pose=back, moves=True)
+
+
+def _aligned(joint: Element, parts: Sequence[Part], read: Tree) -> bool:
+    """Return whether a body that a joint moves gets a frame along its principal axes: one that floats alone."""
+    alone = mjcf_joints.kind_of(joint) == "free" and not any(part.element.tag == "body" for part in parts)
+    align = word(joint, "align", "auto", (*TRUTHS, "auto")) if joint.tag == "freejoint" else "auto"
+    return alone and (align == "true" or (align == "auto" and read.rules.alignfree))
 
 
 def _name_in_case(body: Element, read: Tree) -> str:
