@@ -4,6 +4,12 @@ Worker processes get these notes with the case; nothing here reads a file.
 """
 
 from dataclasses import dataclass
+from typing import Literal
+
+#: What a case may leave out of a robot's file on purpose.
+Ignored = Literal[
+    "actuators", "tendons", "equalities", "mimic", "limits", "contacts", "friction", "damping", "gravity_compensation", "medium"
+]
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
 from bodycheck.console.arguments import Engines, files_of, load_engines, processes, read_cases, tell_left_out
+from bodycheck.console.options import AS_THEY_ARE, Robots
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
@@ -40,6 +41,8 @@ class Selection:
         The number of processes; None for the number of processors.
     allow_missing
         Whether missing engines are tolerated: expectations of engines that are not installed then do not count as failed.
+    robots
+        The way in which robots' files are read.
     """
 
     cases: tuple[str, ...]
@@ -48,6 +51,7 @@ class Selection:
     timesteps: tuple[float, ...] = ()
     jobs: int | None = None
     allow_missing: bool = False
+    robots: Robots = AS_THEY_ARE
 
 
 @dataclass(frozen=True)
@@ -130,7 +134,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False,
     Failed
         If all engines that the user named fail when they are loaded.
     """
-    loaded = read_cases(selection.cases)
+    loaded = read_cases(selection.cases, selection.robots)
     tell_left_out(loaded)
     with ran_of(Given.of(loaded.cases, loaded.names), selection, plan, out, sys.argv, quiet, meet) as results:
         yield replace(results, left_out=bool(loaded.faults))
