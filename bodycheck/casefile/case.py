@@ -104,11 +104,11 @@ def load(case: str | FilePath) -> Case:
         raise TypeError(f"read {quote(case)} as the case; allowed: the name of a shipped case, or a path")
     if isinstance(case, str) and case in shipped():
         file = _shipped_files()[case]
-        return loaded_text(file.read_text("utf-8"), str(file))
-    return loaded_text(_read(FilePath(case)), str(case))
+        return loaded(file.read_text("utf-8"), str(file))
+    return loaded(_read(FilePath(case)), str(case))
 
 
-def loaded_text(text: str, file: str) -> Case:
+def loaded(text: str, file: str) -> Case:
     """Return the case in the text of a case file that was read from a path; its model may be a file in the same folder."""
     document = _document(text, file)
     whole, refused = with_model(text, document, FilePath(file).parent)

@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from bodycheck.casefile.case import Case, loaded_text
+from bodycheck.casefile.case import Case, loaded
 from bodycheck.casefile.robots.reading import Ignored
 
 
@@ -17,4 +17,4 @@ def text_of_robot(path: Path, ignore: Sequence[Ignored], name: str) -> str:
 
 def scene_of_robot(path: Path, packages: Sequence[Path], ignore: Sequence[Ignored], name: str) -> Case:
     """Return the case of a robot's file."""
-    return loaded_text(text_of_robot(path, ignore, name), str(path))
+    return loaded(text_of_robot(path, ignore, name), str(path))
