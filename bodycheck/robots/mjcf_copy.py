@@ -26,7 +26,9 @@ AROUND = {"worldbody", "body", "frame", "replicate"}
 MAX_INCLUDES = 200
 
 
-def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> None:
+def prepare(
+    root: Element, folders: Folders, into: Path, removed: Removed, needed: mjcf_meshes.Needed = mjcf_meshes.INERTIAL
+) -> None:
     """Change the elements of an MJCF file so that they need no file but meshes, which are copied.
 
     Parameters
@@ -39,6 +41,8 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
         The folder of the copy.
     removed
         Counts of removed elements, to which this function adds.
+    needed
+        The meshes that are copied.
 
     Raises
     ------
@@ -55,7 +59,7 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
         if tag == "hfield":
             _flatten(element, removed)
     _name(root)
-    kept = mjcf_meshes.prepare(root, folders, origins, into, removed)
+    kept = mjcf_meshes.prepare(root, folders, origins, into, removed, needed)
     remove(root, lambda element: local(element.tag) in UNWANTED, kept, removed)
 
 
