@@ -1,15 +1,15 @@
 """Load cases: shipped cases, case files, and robots' files that are given in the place of cases."""
 
 import re
-from collections.abc import Mapping, Sequence
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from bodycheck.casefile import case as case_files
 from bodycheck.casefile.case import CaseFaults, Fault
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.finding import is_case_file
-from bodycheck.casefile.mechanisms.model import FILE
-from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.robots import direct
 from bodycheck.casefile.robots.named import distinct, is_named_as_robot, short_name
 from bodycheck.casefile.robots.reading import Ignored
@@ -53,22 +53,34 @@ def load(case: str | Path, *, packages: Sequence[Path] = (), ignore: Sequence[Ig
     TypeError
         The case is neither a text nor a path.
     """
-    if not (isinstance(case, str | Path) and is_robot(case)):
-        return case_files.load(case)
-    path = Path(case)
-    try:
-        return direct.scene_of_robot(path, packages, ignore, _case_name(short_name(path)) if name is None else name)
-    except CaseFaults as error:
-        raise CaseFaults(tuple(_of_robot(path, fault) for fault in error.faults)) from error
+    if isinstance(case, str | Path) and is_robot(case):
+        path = Path(case)
+        try:
+            loaded = direct.scene_of_robot(path, packages, ignore=ignore, name=name or _case_name(short_name(path)))
+        except CaseFaults as error:
+            raise CaseFaults(tuple(_of_robot(path, error.faults))) from error
+    else:
+        loaded = case_files.load(case, packages)
+        path = Path(case).parent / loaded.robot.file if loaded.robot is not None else Path()
+    if loaded.robot is None:
+        return loaded
+    return replace(loaded, robot=replace(loaded.robot, path=path, packages=tuple(packages)))
 
 
-def _of_robot(path: Path, fault: Fault) -> Fault:
-    """Return a fault of the case of a robot's file as a fault of the file: the user sees no text of the case."""
-    message = fault.message.removeprefix(f"read {quote(path.name)}; ").removeprefix(f"{path.name}:")
-    if message.startswith(" ") or fault.key != ".".join(map(str, FILE)):
-        return Fault(str(path), message.strip())
-    line, colon, rest = message.partition(":")
-    return Fault(f"{path}:{line}", rest.strip()) if colon and line.isdecimal() else Fault(str(path), message)
+#: The advice in a fault of a robot's file on the key of [model] by which a case leaves something out.
+ADVICE = re.compile(r'ignore = \["(\w+)"\] leaves')
+
+
+def _of_robot(path: Path, faults: Sequence[Fault]) -> Iterator[Fault]:
+    """Yield the faults of a robot's file with advice on options, and the command that runs it if they all can be avoided."""
+    words = [match[1] for fault in faults if (match := ADVICE.search(fault.message)) is not None]
+    for fault in faults:
+        message = ADVICE.sub(r"--ignore \1 leaves", fault.message)
+        own, line, text = re.fullmatch(rf"({re.escape(path.name)}:(\d+:)? )?(.*)", message, re.DOTALL).groups()
+        yield Fault(f"{path}:{line.rstrip(':')}" if own and line else str(path), text)
+    if len(words) == len(faults):
+        options = [option for word in dict.fromkeys(words) for option in ("--ignore", word)]
+        yield Fault(str(path), f"runs without them by: {shlex.join(['bodycheck', 'run', str(path), *options])}")
 
 
 def _case_name(text: str) -> str:

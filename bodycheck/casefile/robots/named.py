@@ -47,15 +47,19 @@ def short_name(path: Path) -> str:
 
 
 def distinct(paths: Sequence[Path], written: Callable[[str], str] = str) -> dict[Path, str]:
-    """Return the short names of files, or paths from their common folder where several files would have one name.
+    """Return the short names of files, or the ends of their paths where several files would have one name.
+
+    These ends begin with the folder, or with a folder above it if the names would still be the same.
 
     written: a function from such a name or path to the name that is returned.
     """
-    absolute = {path: Path(os.path.abspath(path)) for path in paths}
-    shared = os.path.commonpath([path.parent for path in absolute.values()]) if absolute else ""
-    short = {path: written(short_name(path)) for path in paths}
-    counts = Counter(short.values())
-    return {
-        path: short[path] if counts[short[path]] == 1 else written(whole.relative_to(shared).as_posix())
-        for path, whole in absolute.items()
-    }
+    names = {path: written(short_name(path)) for path in paths}
+    parts = {path: Path(os.path.abspath(path)).parts for path in paths}
+    counts = Counter(names.values())
+    alike, length = [path for path in paths if counts[names[path]] > 1], 1
+    while alike and length < max(len(parts[path]) for path in alike):
+        length += 1
+        names |= {path: written("/".join(parts[path][-length:])) for path in alike}
+        counts = Counter(names.values())
+        alike = [path for path in alike if counts[names[path]] > 1]
+    return names

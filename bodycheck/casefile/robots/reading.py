@@ -91,6 +91,10 @@ class Read:
         The limits of joints.
     touching
         Whether the file has shapes that may touch each other.
+    welded
+        Whether a root link with mass is fixed to the world, as the file names no joint between them.
+    keyframes
+        The names of the keyframes of the file, in its order; empty texts for keyframes without a name.
     gravity
         The gravitational acceleration of the file, world (m/s^2); None if it states none.
     timestep
@@ -102,5 +106,7 @@ class Read:
     features: tuple[Feature, ...] = ()
     ranges: tuple[JointRange, ...] = ()
     touching: bool = False
+    welded: bool = False
+    keyframes: tuple[str, ...] = ()
     gravity: Vector | None = None
     timestep: float | None = None

@@ -18,7 +18,7 @@ class NamedFile:
     ----------
     name
         The name of its robot in tables: the name of the file without its ending, or the name of its folder if many robots have
-        files of that name, or a relative path if several files would have one name.
+        files of that name, or the end of its path if several files would have one name.
     path
         The path.
     refused
