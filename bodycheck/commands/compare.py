@@ -60,6 +60,7 @@ def compare(
     from bodycheck.commands.report import write
     from bodycheck.commands.run import print_summary_of
     from bodycheck.console import output, results, tables, terminal
+    from bodycheck.console.robots import noticed
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
     from bodycheck.running import logs
@@ -71,6 +72,7 @@ def compare(
     tables.check(view, results.RUNS)
     names = arguments.case_names((case,))
     loaded = arguments.load_case(case, robots)
+    noticed([loaded], 1, quiet)
     recording = logs.read(log, loaded, checked_name(name, "engine"), checked_name(version, "engine's version"))
     for note in recording.notes:
         print(note, file=sys.stderr)

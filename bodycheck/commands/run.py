@@ -150,12 +150,15 @@ def export(
         The file for the script. Default: standard output.
     """
     from bodycheck.adapters.registry import EngineMissing
+    from bodycheck.console.robots import tell
     from bodycheck.files import writing
     from bodycheck.running import exporting
+    from bodycheck.running.robot_notices import as_loaded
 
     arguments.check_engine(engine)
     arguments.check_writable("--out", out)
     loaded = arguments.load_case(case, robots)
+    tell(as_loaded([loaded]))
     try:
         script = exporting.script(loaded, engine, integrator, timestep)
     except EngineMissing as error:

@@ -49,6 +49,7 @@ def truth(
     """
     from bodycheck.console import tables, terminal, truth_states
     from bodycheck.console import truths as printing
+    from bodycheck.console.robots import noticed
     from bodycheck.reference.certified import Certificate
     from bodycheck.running.tasks import Question
 
@@ -58,6 +59,7 @@ def truth(
         raise BadInput("--at: instants must be finite and at least 0 s")
     if not limit > 0:
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
+    noticed([loaded], 1, quiet=False)
     answered = _answered(Question(loaded, tuple(sorted(at)) or None, certify), limit)
     certificate = answered if isinstance(answered, Certificate) else None
     computed = answered.truth if isinstance(answered, Certificate) else answered

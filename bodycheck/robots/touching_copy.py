@@ -17,8 +17,9 @@ from bodycheck.robots.named_files import Folders, Removed, folders
 #: The elements of links and joints of a URDF that the copy keeps.
 KEPT = {"link": ("inertial", "collision"), "joint": ("origin", "parent", "child", "axis", "limit")}
 
-#: The name of the link to which the copy of a URDF joins the root, and of the joint if the base of the robot is fixed.
-WORLD, BASE = "bodycheck's world", "bodycheck's base"
+#: The name of the link to which the copy of a URDF joins the root, which MuJoCo takes for its world, and the name of the joint
+#: if the base of the robot is fixed.
+WORLD, BASE = "world", "bodycheck's base"
 
 #: Settings of MuJoCo's compiler: links keep their names, and links without mass or with an impossible inertia may move.
 COMPILER = {"fusestatic": "false", "boundmass": "1e-6", "boundinertia": "1e-9", "balanceinertia": "true"}
@@ -62,17 +63,13 @@ def _prepare_urdf(root: Element, allowed: Folders, into: Path, base: str) -> Non
             writing.write(into / mesh.attributes["filename"], data)
             count += 1
     children = {child.attributes.get("link") for part in parts for child in part.all("child")}
-    top = next(
-        (
-            part.attributes.get("name", "")
-            for part in parts
-            if part.tag == "link" and part.attributes.get("name") not in children
-        ),
-        "",
-    )
+    links = [part.attributes.get("name", "") for part in parts if part.tag == "link"]
+    top = next((name for name in links if name not in children), WORLD)
 
     def made(tag: str, attributes: dict[str, str], *inside: Element) -> Element:
         return Element(tag, attributes, root.file, root.line, list(inside))
 
-    joint = made("joint", {"name": base, "type": "floating"}, made("parent", {"link": WORLD}), made("child", {"link": top}))
-    root.children = [made("mujoco", {}, made("compiler", COMPILER)), made("link", {"name": WORLD}), *parts, joint]
+    root.children = [made("mujoco", {}, made("compiler", COMPILER)), *parts]
+    if top != WORLD:
+        joined = made("parent", {"link": WORLD}), made("child", {"link": top})
+        root.children += [made("link", {"name": WORLD}), made("joint", {"name": base, "type": "floating"}, *joined)]

@@ -97,6 +97,8 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
         "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
         "without_method": _merged_by_engine([own["without_method"] for own in headers.values()]),
+        "robots": {case: told for own in headers.values() for case, told in own["robots"].items()},
+        "departures": {case: instant for own in headers.values() for case, instant in own["departures"].items()},
     }
 
 

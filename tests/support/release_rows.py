@@ -21,6 +21,8 @@ HEADER = {
     "precisions": {},
     "defaults": {},
     "without_method": {},
+    "robots": {},
+    "departures": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

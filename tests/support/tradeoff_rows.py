@@ -26,6 +26,8 @@ HEADER = {
     "precisions": {},
     "defaults": {},
     "without_method": {},
+    "robots": {},
+    "departures": {},
 }
 
 

@@ -49,6 +49,12 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
             _text("engines", version, 100)
         for name in ("engines", "missing", "environments", "demonstrations", "precisions", "defaults", "without_method"):
             _check_by_engine(name, getattr(found, name))
+        _check_size("robots", found.robots)
+        for told in found.robots.values():
+            _check_size("robots", dict.fromkeys(told))
+            for sentence in told:
+                _text("robots", sentence, LONGEST_REASON)
+        _check_size("departures", found.departures)
     except ValueError as error:
         raise BadInput(f"header: {' '.join(str(error).split())[:400]}") from error
     return found

@@ -104,6 +104,8 @@ def ensemble(
     """
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
+    from bodycheck.console.robots import tell as tell_robots
+    from bodycheck.running.robot_notices import as_loaded
     from bodycheck.studies.ensemble import printing
     from bodycheck.studies.ensemble.drawing import members as drawing
     from bodycheck.studies.ensemble.interface import carry_out
@@ -117,6 +119,8 @@ def ensemble(
     if member is not None and write is not None:
         return _write_member(loaded, source, member, write)
     drawing.check(loaded, source)
+    if not quiet:
+        tell_robots(as_loaded([loaded]))
     engines = load_engines(engine, integrators=integrator)
     output, executor = Output(out, figures, quiet), _executor(dask, shard, processes(jobs))
     results = carry_out(loaded, source, engines, (integrator, timestep), executor, sys.argv, output)
