@@ -3,7 +3,14 @@
 Worker processes get these notes with the case; nothing here reads a file.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+#: What a case may leave out of a robot's file on purpose.
+Ignored = Literal[
+    "actuators", "tendons", "equalities", "mimic", "limits", "contacts", "friction", "damping", "gravity_compensation", "medium"
+]
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,8 @@ class RobotNotes:
     touching
         Whether bodies of the robot may touch each other or the world: the file has shapes for collisions, and the case does not
         ignore contacts.
+    path, packages
+        The path of the file, and folders of packages that the user named; None and empty if the case is read from results.
     """
 
     file: str
@@ -42,3 +51,5 @@ class RobotNotes:
     notices: tuple[str, ...] = ()
     ranges: tuple[JointRange, ...] = ()
     touching: bool = False
+    path: Path | None = field(default=None, compare=False)
+    packages: tuple[Path, ...] = field(default=(), compare=False)

@@ -3,6 +3,7 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,7 +11,18 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Json, Quiet, Timesteps, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    Engines,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK, BadInput
 
 
@@ -44,19 +56,19 @@ def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL
     return OK
 
 
-def validate(*files: str) -> int:
-    """Check case files, and print every fault with its file, line and key, the value that was read, and the allowed values.
+def validate(*files: str, robots: OfRobots = AS_THEY_ARE) -> int:
+    """Check case files and files of robots, and print every fault with its file and line, what was read and what is allowed.
 
     Exit codes: 0 all files are valid; 1 some are valid; 2 none is valid.
 
     Parameters
     ----------
     files
-        Case files, folders of them, patterns, or names of shipped cases.
+        Case files, files of robots (URDF or MJCF), folders of them, patterns, or names of shipped cases.
     """
     if not files:
         raise BadInput("validate: give at least one case file")
-    loaded = arguments.read_cases(files)
+    loaded = arguments.read_cases(files, robots)
     for case in loaded.cases:
         print(f"{case.name}: valid")
     for fault in loaded.faults:
@@ -148,6 +160,7 @@ def expect(
         A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
         those that the existing ones limit.
     """
+    from bodycheck.casefile import loading
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
@@ -157,6 +170,11 @@ def expect(
     tables.check(view, terminal.WRITTEN)
     expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
+    if robots := [name for name in names if loading.is_robot(name)]:
+        raise BadInput(
+            f"{robots[0]}: is the file of a robot, which has no place for expectations; write a case of it: "
+            f"bodycheck new NAME --model {shlex.quote(robots[0])}"
+        )
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
         changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)

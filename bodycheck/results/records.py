@@ -63,6 +63,8 @@ class HeaderRecord:
     defaults: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     soft: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     without_method: dict[Printable, dict[Name, Printable]] = field(default_factory=dict)
+    robots: dict[Name, list[Printable]] = field(default_factory=dict)
+    departures: dict[Name, Duration] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

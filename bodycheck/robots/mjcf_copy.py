@@ -18,7 +18,9 @@ from bodycheck.robots.named_files import Folders, NotFound, Removed, local, remo
 UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}
 
 
-def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> None:
+def prepare(
+    root: Element, folders: Folders, into: Path, removed: Removed, needed: mjcf_meshes.Needed = mjcf_meshes.INERTIAL
+) -> None:
     """Change the elements of an MJCF file so that they need no file but meshes, which are copied.
 
     Parameters
@@ -31,6 +33,8 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
         The folder of the copy.
     removed
         Counts of removed elements, to which this function adds.
+    needed
+        The meshes that are copied.
 
     Raises
     ------
@@ -47,7 +51,8 @@ def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> No
         if tag == "hfield":
             _flatten(element, removed)
     mjcf_assembly.name(root)
-    kept = mjcf_meshes.prepare(root, folders, {element: path.parent for element, path in paths.items()}, into, removed)
+    origins = {element: path.parent for element, path in paths.items()}
+    kept = mjcf_meshes.prepare(root, folders, origins, into, removed, needed)
     remove(root, lambda element: local(element.tag) in UNWANTED, kept, removed)
 
 

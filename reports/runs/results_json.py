@@ -78,6 +78,8 @@ def schema() -> str:
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
     by_engine = ("environments", "demonstrations", "defaults", "soft", "without_method")
     kinds |= {name: {"type": "object", "additionalProperties": versions} for name in by_engine}
+    kinds |= {"robots": {"type": "object", "additionalProperties": _list(text)}}
+    kinds |= {"departures": {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}}}
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},

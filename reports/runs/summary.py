@@ -7,7 +7,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import missing_engines, of_robots
 from bodycheck.reports.quantities import count, verb
 from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
 from bodycheck.results.key import RunKey
@@ -63,12 +63,13 @@ def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> t
 
 
 def notices(one: ResultSet) -> tuple[str, ...]:
-    """Return sentences about the limits of a set of results: interruption, missing engines, and unsupported runs."""
-    return (*limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
+    """Return sentences about the limits of a set of results: robots, interruption, missing engines, and unsupported runs."""
+    robots = (_labelled(one, text) for text in of_robots(one.results.header))
+    return (*robots, *limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
 
 
 def limits(one: ResultSet) -> tuple[str, ...]:
-    """Return the notices of a set of results, without the notices about unsupported runs."""
+    """Return the notices of a set of results, without those about unsupported runs, and about robots, which come first."""
     texts = []
     if not one.results.complete:
         texts.append(

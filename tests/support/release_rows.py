@@ -22,6 +22,8 @@ HEADER = {
     "defaults": {},
     "soft": {},
     "without_method": {},
+    "robots": {},
+    "departures": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

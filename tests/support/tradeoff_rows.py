@@ -27,6 +27,8 @@ HEADER = {
     "defaults": {},
     "soft": {},
     "without_method": {},
+    "robots": {},
+    "departures": {},
 }
 
 

@@ -6,14 +6,10 @@
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from bodycheck.casefile.robot_notes import Ignored as Ignored
 from bodycheck.casefile.robot_notes import JointRange
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.reference.scene import Vector
-
-#: What a case may leave out of a robot's file on purpose.
-Ignored = Literal[
-    "actuators", "tendons", "equalities", "mimic", "limits", "contacts", "friction", "damping", "gravity_compensation", "medium"
-]
 
 
 class Files(Protocol):

@@ -50,6 +50,12 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
         groups = ("environments", "demonstrations", "precisions", "defaults", "soft", "without_method")
         for name in ("engines", "missing", *groups):
             _check_by_engine(name, getattr(found, name))
+        _check_size("robots", found.robots)
+        for told in found.robots.values():
+            _check_size("robots", dict.fromkeys(told))
+            for sentence in told:
+                _text("robots", sentence, LONGEST_REASON)
+        _check_size("departures", found.departures)
     except ValueError as error:
         raise BadInput(f"header: {' '.join(str(error).split())[:400]}") from error
     return found
