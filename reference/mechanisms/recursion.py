@@ -115,9 +115,9 @@ def require_regular(mechanism: Mechanism, duration: float, zero: float = ZERO) -
             pivots = _pivots(tree, times)
             largest = np.maximum(largest, pivots.max(axis=1, keepdims=True))
             relative = pivots / largest
-            row, column = np.unravel_index(int(np.argmin(relative)), relative.shape)
+            row, column = divmod(int(np.argmin(relative)), len(times))
             if not relative[row, column] > zero:
-                raise OutOfReach(_undetermined(mechanism, tree, int(row), float(times[column])))
+                raise OutOfReach(_undetermined(mechanism, tree, row, float(times[column])))
             if relative[row, column] > NEAR or not duration:
                 break
             times = np.linspace(times[max(column - 1, 0)], times[min(column + 1, len(times) - 1)], AROUND)
@@ -127,7 +127,7 @@ def _pivots(tree: Tree, times: Array) -> Array:
     """The pivots (k, n) of the mass matrix of a tree at times (n,), s, in double precision."""
     form, links = in_arithmetic(tree, float), solver()(tree, times, FloatType(np.float64)).links
     moving = [
-        replace(link, coordinates=state.coordinates.T, rates=state.rates.T)
+        replace(link, coordinates=list(state.coordinates.T), rates=list(state.rates.T))
         for link, state in zip(links_of(form, start(tree)), links, strict=True)
     ]
     with np.errstate(all="ignore"):
