@@ -66,7 +66,8 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
         reason = " ".join(str(error).split())
         for index, number in numbers(mechanism).items():
             if index != WORLD:
-                reason = re.sub(rf"Element name 'body_{number}', id \d+", lambda _, i=index: mechanism.bodies[i].name, reason)
+                words = re.split(rf"Element name 'body_{number}', id \d+", reason)
+                reason = mechanism.bodies[index].name.join(words)
         raise SceneUnsupported(f"Newton's solver {method.integrator} refuses the model: {reason}") from error
 
     def step() -> None:

@@ -71,9 +71,9 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
 
     Raises `SceneUnsupported` for a free body without mass.
     """
-    for body in mechanism.bodies:
-        if body.start is not None and not has_mass(body):
-            raise SceneUnsupported(f"the free body {body.name} without mass, which PyBullet would hold in place")
+    for root in mechanism.bodies:
+        if root.start is not None and not has_mass(root):
+            raise SceneUnsupported(f"the free body {root.name} without mass, which PyBullet would hold in place")
     by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
         body = loaded(client, document(mechanism, tree), tree[0] == WORLD)
