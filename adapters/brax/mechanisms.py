@@ -40,6 +40,7 @@ MODELS = frozenset(
         "joint damping",
         "joint springs",
         "joint efforts",
+        "massless bodies",
     }
 )
 
@@ -123,7 +124,8 @@ def _align(parent: ElementTree.Element, turns: bool) -> None:
     for body in parent.findall("body"):
         kinds = {joint.get("type"): joint for joint in body.findall("joint")}
         if "slide" in kinds:
-            if turns:
+            order = [joint.get("type") for joint in body.findall("joint")]
+            if turns or "hinge" in order[: len(order) - order[::-1].index("slide")]:
                 raise SceneUnsupported(
                     f"{kinds['slide'].get('name')} slides on a body that turns, and Brax does not turn the axes of slides"
                 )

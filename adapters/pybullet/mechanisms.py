@@ -4,8 +4,8 @@ Each tree is a body of PyBullet, read from a URDF file: the tree on the world ha
 of another tree. Joints are Bullet's revolute, prismatic, spherical and fixed joints. Damping is given in the URDF file.
 PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
 applied together with the constant effort, as users do. Dry friction is PyBullet's velocity motor with the target zero and a
-limited force. Loops are constraints between points. A joint that follows another one has Bullet's gear constraint, which acts on
-velocities: the offset of the rule is in the initial coordinates.
+limited force. Loops are constraints between points. A joint that follows another one has Bullet's gear constraint, which holds
+its velocity: the offset of the rule is in the initial coordinates.
 """
 
 import math
@@ -71,9 +71,9 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
 
     Raises `SceneUnsupported` for a free body without mass.
     """
-    for body in mechanism.bodies:
-        if body.start is not None and not has_mass(body):
-            raise SceneUnsupported(f"the free body {body.name} without mass, which PyBullet would hold in place")
+    for root in mechanism.bodies:
+        if root.start is not None and not has_mass(root):
+            raise SceneUnsupported(f"the free body {root.name} without mass, which PyBullet would hold in place")
     by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
         body = loaded(client, document(mechanism, tree), tree[0] == WORLD)

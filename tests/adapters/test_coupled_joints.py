@@ -13,13 +13,16 @@ from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Loop, Mechanism, Mimic
 from bodycheck.reference.trajectory import Array
 from tests.support.coupled_joints import MOMENTS, begun, gripper, hip, massless, pair, spinning
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import body, trajectory
-from tests.support.orders import observed_mechanism_order
 
 STEP, STEPS = 0.001, 200
 
 #: A stiff constraint of MuJoCo: its time constant is a tenth of the step of `STIFF_STEP`.
 STIFF, STIFF_STEP = "RK4:solref=-1e7 -6e3,solimp=0.9999 0.9999 0.001", 1e-4
+
+#: Fingers with something of everything in the joint that follows.
+FINGERS = gripper(armature=0.02, damping=0.1, stiffness=2.0, rest=0.1, effort=0.3)
 
 METHODS = [("mujoco", "RK4"), ("mujoco", "Euler"), ("pinocchio", "rk4"), ("pinocchio", "semi-implicit-euler")]
 
@@ -52,10 +55,16 @@ def test_engines_that_share_a_scheme_agree_on_several_joints_of_a_body() -> None
     assert apart(end("mujoco", hip(), "RK4"), end("pinocchio", hip(), "rk4")) < 1e-11
 
 
-@pytest.mark.parametrize(("name", "spelling", "order"), [("mujoco", "RK4", 4), ("pinocchio", "rk4", 4), ("mujoco", "Euler", 1)])
-def test_several_joints_of_a_body_keep_the_order_of_the_scheme(name: str, spelling: str, order: int) -> None:
-    orders = observed_mechanism_order(registry.load(name), hip(), spelling, (0.004, 0.002, 0.001), 0.2)
-    assert orders == pytest.approx(dict.fromkeys(orders, order), abs=0.1)  # terms of the next order are a tenth at these steps
+@pytest.mark.parametrize(
+    ("name", "spelling", "order"),
+    [("mujoco", "RK4", 4), ("pinocchio", "rk4", 4), ("mujoco", "Euler", 1), ("pinocchio", "semi-implicit-euler", 1)],
+)
+def test_several_joints_of_a_body_converge_to_the_truth_with_the_order_of_the_scheme(
+    name: str, spelling: str, order: int
+) -> None:
+    sizes = errors(registry.load(name), hip(), spelling)
+    assert orders(sizes) == pytest.approx([order] * 2, abs=0.1)  # terms of the next order are a tenth at these steps
+    assert sizes[-1] < (1e-11 if order == 4 else 1e-3)
 
 
 @pytest.mark.parametrize("multiplier", [-2.0, 0.5])
@@ -94,17 +103,17 @@ def test_either_of_two_joints_may_follow_the_other() -> None:
 
 
 @pytest.mark.parametrize(("spelling", "order"), [("rk4", 4), ("semi-implicit-euler", 1)])
-def test_joints_that_follow_keep_the_order_of_the_scheme_in_pinocchio(spelling: str, order: int) -> None:
-    mechanism = gripper(damping=0.1, stiffness=2.0)
-    orders = observed_mechanism_order(registry.load("pinocchio"), mechanism, spelling, (0.004, 0.002, 0.001), 0.2)
-    assert orders == pytest.approx(dict.fromkeys(orders, order), abs=0.1)
+def test_joints_that_follow_converge_to_the_truth_with_the_order_of_the_scheme_in_pinocchio(spelling: str, order: int) -> None:
+    sizes = errors(registry.load("pinocchio"), FINGERS, spelling)
+    assert orders(sizes) == pytest.approx([order] * 2, abs=0.1)
+    assert sizes[-1] < (1e-11 if order == 4 else 1e-3)
 
 
 def test_the_softness_of_a_mimic_joint_in_mujoco_does_not_vanish_with_the_step() -> None:
-    exact = end("pinocchio", gripper(), "rk4")
-    coarse, fine = (apart(end("mujoco", gripper(), "RK4", step), exact) for step in (0.002, 0.0005))
-    assert fine == pytest.approx(coarse, rel=1e-2)
-    assert fine > 1e-4
+    sizes = errors(registry.load("mujoco"), FINGERS, "RK4")
+    assert sizes == pytest.approx(sizes[0], rel=1e-4)
+    assert sizes[-1] > 1e-6
+    assert errors(registry.load("mujoco"), FINGERS, STIFF, (STIFF_STEP,)) < 1e-3 * sizes[-1]
 
 
 def test_a_mimic_joint_yields_in_mujoco_as_its_softness_says() -> None:

@@ -71,6 +71,13 @@ def gripper(multiplier: float = -1.7, offset: float = 0.3, **acting: Any) -> Mec
     return Mechanism(bodies, begun(joints), gravity=9.81)
 
 
+def bare(mechanism: Mechanism) -> Mechanism:
+    """A mechanism without armature, and without damping and springs on joints, for engines that do not have all of these."""
+    return replace(
+        mechanism, joints=tuple(replace(joint, armature=0.0, damping=0.0, stiffness=0.0) for joint in mechanism.joints)
+    )
+
+
 def begun(joints: tuple[Joint, ...]) -> tuple[Joint, ...]:
     """Joints, of which those that follow others begin as their rules say."""
     starts = [mimicry.start(joints, index) for index in range(len(joints))]
