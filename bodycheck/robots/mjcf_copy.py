@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from bodycheck.errors import BadInput
-from bodycheck.robots import elements, mjcf_meshes, mjcf_assembly
+from bodycheck.robots import elements, mjcf_assembly, mjcf_meshes
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import Folders, NotFound, Removed, local, remove
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bodycheck.errors import BadInput
-from bodycheck.robots import elements, mjcf_meshes, mjcf_assembly, urdf
+from bodycheck.robots import elements, mjcf_assembly, mjcf_meshes, urdf
 from bodycheck.robots.checked import UNWANTED, Checked, checked
 from bodycheck.robots.elements import Element
 from bodycheck.robots.named_files import PATHS, local

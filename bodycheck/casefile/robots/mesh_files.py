@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bodycheck.errors import BadInput
 
 #: The largest number of triangles of a mesh.
-MAX_TRIANGLES = 1_000_000
+MAX_TRIANGLES = 500_000
 
 #: The record of a triangle in a binary STL file.
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -32,21 +32,17 @@ def triangles(content: bytes, suffix: str) -> Triangles:
 
     suffix: the ending of the name of the file, in small letters.
     """
+    readers = {".stl": _of_stl, ".obj": _of_obj, ".msh": _of_msh}
+    if suffix not in readers:
+        raise BadInput("is no STL, OBJ or MSH file")
     try:
-        match suffix:
-            case ".stl":
-                mesh = _of_stl(content)
-            case ".obj":
-                mesh = _of_obj(content)
-            case ".msh":
-                mesh = _of_msh(content)
-            case _:
-                raise BadInput("is no STL, OBJ or MSH file")
+        with np.errstate(over="ignore"):  # coordinates beyond single precision, which are refused below
+            mesh = readers[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
         raise BadInput(f"is no {suffix[1:].upper()} file that can be read") from error
     if not np.isfinite(mesh.corners).all():
         raise BadInput("has a coordinate that is not finite")
-    if len(mesh.faces) and not (0 <= mesh.faces.min() and mesh.faces.max() < len(mesh.corners)):
+    if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.corners)):
         raise BadInput("has a triangle without all of its corners")
     return mesh
 

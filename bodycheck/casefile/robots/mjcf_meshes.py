@@ -23,7 +23,7 @@ from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import NotFound
-from bodycheck.robots.orientations import from_axes, normed
+from bodycheck.robots.orientations import principal_axes
 from bodycheck.suggestion import did_you_mean
 
 Wide = NDArray[np.longdouble]
@@ -108,12 +108,9 @@ def _fitted(mesh: Element, read: Triangles) -> Fitted:
     if np.prod(np.sign(scale)) < 0:
         hull = hull[:, [0, 2, 1]]
     extent, centre, tensor = _sums(mesh, corners, hull, read.faces if len(read.faces) else hull, rule)
-    exact = [exactly(value) for value in tensor]
-    moments, axes = MP.eigsy(MP.matrix([[exact[0], exact[3], exact[4]], [exact[3], exact[1], exact[5]], exact[4:6] + [exact[2]]]))
-    order = sorted(range(3), key=lambda index: moments[index], reverse=True)
-    a, b, c = (moments[index] for index in order)
-    first, second = (normed((axes[0, index], axes[1, index], axes[2, index])) for index in order[:2])
-    volume, turn = exactly(extent), from_axes(first, second)
+    xx, yy, zz, xy, xz, yz = map(exactly, tensor)
+    (a, b, c), turn = principal_axes((xx, yy, zz, xy, xz, yz))
+    volume = exactly(extent)
     squares = [6 * (b + c - a) / volume, 6 * (a + c - b) / volume, 6 * (a + b - c) / volume]
     box = vector([MP.sqrt(max(square, 0)) / 2 for square in squares])
     return Fitted(volume, Placed(vector(list(map(exactly, centre))), turn), box, _bounds(corners - centre, turn))
