@@ -20,6 +20,8 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             yield ("bodies",), "is missing; a mechanism has [[bodies]], or a [model] with a file"
         if "initial" in document:
             yield ("initial",), "is that of a [model]; here, joints and free bodies have an initial of their own"
+    for path, message in start_faults(mapping(mapping(document.get("initial")).get("base"))):
+        yield ("initial", "base", *path), message
     yield from _twice("bodies", bodies)
     yield from _twice("joints", joints)
     names = list(dict.fromkeys(name for body in bodies if isinstance(name := body.get("name"), str) and name != WORLD))
