@@ -31,7 +31,8 @@ CHAIN = """
         <geom type="box" size="0.1 0.2 0.3"/><site name="tip" pos="0.1 0.2 0.3"/>
       </body>
     </body>
-    <body name="ball" pos="1 2 3" euler="20 30 40"><freejoint name="float"/><geom size="0.1"/><site name="top" pos="0 0 0.1"/></body>
+    <body name="ball" pos="1 2 3" euler="20 30 40"><freejoint name="float"/><geom size="0.1"/>
+      <site name="top" pos="0 0 0.1"/></body>
   </worldbody>
   <equality>EQUALITY</equality>
 </mujoco>

@@ -4,18 +4,18 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import count
 
-from bodycheck.casefile.robots.mjcf_features import Features
-from bodycheck.casefile.robots.mjcf_geoms import Shapes
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
-from bodycheck.casefile.robots.mjcf_parts import Classes
-from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.casefile.robots.mjcf.features import Features
+from bodycheck.casefile.robots.mjcf.geoms import Shapes
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.parts import Classes
+from bodycheck.casefile.robots.mjcf.settings import Settings
 from bodycheck.casefile.robots.tables import Pose
 from bodycheck.reference.exact.inertia import MassProperties
 
 
 @dataclass(frozen=True, eq=False)
 class Carrier:
-    """What carries the elements of a body of the file: a body of the case, and the pose of their frame in it.
+    """The body of the case that carries the elements of a body of the file, and the pose of their frame in it.
 
     Attributes
     ----------

@@ -10,12 +10,11 @@ from pathlib import PurePosixPath
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
-from bodycheck.casefile.robots import mesh_files
-from bodycheck.casefile.robots.mesh_files import Triangles
-from bodycheck.casefile.robots.mjcf_geoms import Fitted, Placed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, word
+from bodycheck.casefile.robots.mjcf import mesh_files
+from bodycheck.casefile.robots.mjcf.geoms import Fitted, Placed
+from bodycheck.casefile.robots.mjcf.mesh_files import Triangles
+from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, word
 from bodycheck.casefile.robots.numbers import many, numbers
 from bodycheck.casefile.robots.reading import Files
 from bodycheck.errors import BadInput
@@ -128,6 +127,8 @@ def _placed(mesh: Element, corners: Wide) -> Wide:
 
 def _hull(mesh: Element, corners: NDArray[np.float32]) -> NDArray[np.int64]:
     """Return the triangles (m, 3) of the convex hull of points, with their corners in the order that faces outwards."""
+    from scipy.spatial import ConvexHull, QhullError  # heavy, and few files need it
+
     try:
         hull = ConvexHull(corners.astype(float), qhull_options="Qt")
     except (QhullError, ValueError):

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from bodycheck.casefile.robots import tables
-from bodycheck.casefile.robots.mjcf_carriers import Tree
-from bodycheck.casefile.robots.mjcf_features import Kind
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
-from bodycheck.casefile.robots.mjcf_settings import Defaults, word
+from bodycheck.casefile.robots.mjcf.carriers import Tree
+from bodycheck.casefile.robots.mjcf.features import Kind
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.settings import Defaults, word
 from bodycheck.casefile.robots.numbers import numbers
+from bodycheck.casefile.robots.reading import Ignored
 from bodycheck.casefile.robots.tables import HERE, Pose
 from bodycheck.reference.exact.numbers import MP, vector
 from bodycheck.reference.exact.rotations import IDENTITY, unit
@@ -22,14 +23,14 @@ from bodycheck.suggestion import did_you_mean
 WORLD = "world"
 
 
-def read(root: Element, tree: Tree) -> list[dict[str, Any]]:
+def loops_of(root: Element, tree: Tree) -> list[dict[str, Any]]:
     """Apply the equalities of a file to its joints, and return the table `loops`.
 
     Those that a case does not have, or that it ignores, are added to the features. Raises `BadInput` for what MuJoCo refuses.
     """
     loops = []
     for element in _active(root):
-        word_of = "mimic" if element.tag == "joint" and "equalities" not in tree.features.ignore else "equalities"
+        word_of: Ignored = "mimic" if element.tag == "joint" and "equalities" not in tree.features.ignore else "equalities"
         kind: Kind = (word_of, True, "hold their bodies", (f"equality <{element.tag}>", f"equalities <{element.tag}>"))
         if "equality" in tree.features.off:
             continue

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from bodycheck.casefile.robots.mjcf_options import Options
-from bodycheck.casefile.robots.mjcf_settings import Defaults, word
+from bodycheck.casefile.robots.mjcf.options import Options
+from bodycheck.casefile.robots.mjcf.settings import Defaults, word
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.reading import Feature, Ignored
 from bodycheck.robots.elements import Element, quoted
@@ -21,7 +21,7 @@ class Features:
     ignore
         The words that a case ignores.
     off
-        What flags of the file switch off: values of `mjcf_options.FLAGS`.
+        What flags of the file switch off: values of `options.FLAGS`.
     """
 
     def __init__(self, ignore: frozenset[Ignored], off: frozenset[str]) -> None:
@@ -87,7 +87,7 @@ MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
 OF_TENDONS = ("stiffness", "damping", "frictionloss", "armature")
 
 
-def of_file(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
+def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
     """Return the features of a file without those of its joints and equalities."""
     features = Features(ignore, options.off)
     if options.medium is not None:
