@@ -181,7 +181,7 @@ def test_a_base_that_floats_in_the_case_alone() -> None:
     )
     fixed, free = read_text(text("", body)), read_text(text("", body), base="free")
     assert (fixed.welded, fixed.base) == (True, None)
-    assert (free.welded, free.base) == (False, "base:2")
+    assert (free.welded, free.base) == (False, "base-2")
     assert free.tables["joints"][0]["initial"]["position"] == [1, 2, 3]
     floating = read_text(text("", body.replace('pos="1 2 3">', '><freejoint name="root"/>')), base="free")
     assert floating.base == "root"

@@ -1,8 +1,6 @@
 """The bodies and joints of an MJCF file, as far as they have been read for a case."""
 
-from collections.abc import Collection
 from dataclasses import dataclass, field
-from itertools import count
 
 from bodycheck.casefile.robots.mjcf.features import Features
 from bodycheck.casefile.robots.mjcf.geoms import Shapes
@@ -71,8 +69,3 @@ class Tree:
     sites: dict[str, tuple[str, Pose]] = field(default_factory=dict)
     masks: dict[str, tuple[int, int, bool]] = field(default_factory=dict)
     taken: tuple[set[str], set[str]] = field(default_factory=lambda: (set(), set()))
-
-
-def unlike(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken yet: the given one, or the given one with a number behind."""
-    return next(each for number in count(1) if (each := name if number == 1 else f"{name}:{number}") not in taken)

@@ -73,14 +73,14 @@ IDLE_OF_BODIES = {
 }
 
 #: Elements that act, and that no word leaves out, by their tags.
-COMPOSITE: Kind = (None, True, "stand for many bodies", ("composite", "composites"))
+COMPOSITE: Kind = (None, True, "are many bodies", ("composite", "composites"))
 FLEX: Kind = (None, True, "are deformable bodies", ("flex", "flexes"))
 PLUGIN: Kind = (None, True, "may move bodies", ("plugin", "plugins"))
-ATTACHED: Kind = (None, True, "bring another model", ("element <attach>", "elements <attach>"))
+ATTACHED: Kind = (None, True, "are another model", ("element <attach>", "elements <attach>"))
 ACTING = {"composite": COMPOSITE, "flexcomp": FLEX, "flex": FLEX, "plugin": PLUGIN, "attach": ATTACHED}
 
 GRAVCOMP: Kind = ("gravity_compensation", True, "have gravity compensation", ("body", "bodies"))
-MOCAP: Kind = (None, False, "are moved from outside, and stay where they are without that", ("mocap body", "mocap bodies"))
+MOCAP: Kind = (None, False, "are at rest, as nothing moves them", ("mocap body", "mocap bodies"))
 MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
 
 #: Attributes by which a tendon exerts a force.

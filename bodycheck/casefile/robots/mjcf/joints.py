@@ -123,7 +123,7 @@ def chain(
 
 
 def _joint(part: Part, kind: str, ends: tuple[str, str], frame: Pose, rules: Settings, features: Features) -> JointOfFile:
-    """Return a joint between two bodies. frame: the pose of its frame in the pose of the file, in the frame of the first body."""
+    """Return a joint between two bodies. frame: the pose of its frame in that of the first body, where the file has them."""
     joint, (parent, child) = part.element, ends
     name = joint.attributes["name"]
     if kind == "free":

@@ -18,7 +18,7 @@ from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, word
 from bodycheck.casefile.robots.numbers import many, numbers
 from bodycheck.casefile.robots.reading import Files
 from bodycheck.errors import BadInput
-from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector, wide
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import NotFound
@@ -122,7 +122,7 @@ def _placed(mesh: Element, corners: Wide) -> Wide:
     if not (w or x or y or z):
         refuse(mesh, "refquat", "read zeros; allowed: a quaternion that is not 0")
     rows = matrix((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
-    return moved @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    return np.asarray(moved @ np.array([[wide(part) for part in row] for row in rows]))
 
 
 def _hull(mesh: Element, corners: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -198,6 +198,6 @@ def _extents(normals: Wide, areas: Wide, arms: Wide, rule: str) -> Wide:
 def _bounds(corners: Wide, turn: Sequence[Real]) -> tuple[Vector3, Vector3]:
     """Return the smallest and the largest coordinates of points (n, 3) along axes with an attitude."""
     rows = matrix((turn[0], turn[1], turn[2], turn[3]))
-    along = corners @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    along = corners @ np.array([[wide(part) for part in row] for row in rows])
     low, high = along.min(axis=0), along.max(axis=0)
     return vector(list(map(exactly, low))), vector(list(map(exactly, high)))

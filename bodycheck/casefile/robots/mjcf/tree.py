@@ -12,7 +12,7 @@ from itertools import combinations
 from bodycheck.casefile.robot_notes import JointRange
 from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
-from bodycheck.casefile.robots.mjcf.carriers import Carrier, Tree, unlike
+from bodycheck.casefile.robots.mjcf.carriers import Carrier, Tree
 from bodycheck.casefile.robots.mjcf.equalities import WORLD, loops_of
 from bodycheck.casefile.robots.mjcf.features import features_of
 from bodycheck.casefile.robots.mjcf.file import assemble
@@ -26,7 +26,7 @@ from bodycheck.casefile.robots.mjcf.settings import TRUTHS, settings, word
 from bodycheck.casefile.robots.mjcf.springs import set_springs
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Choice, Read
-from bodycheck.casefile.robots.tables import HERE, Pose
+from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, unique
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP
@@ -34,12 +34,6 @@ from bodycheck.reference.exact.rotations import ORIGIN
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.robots.mjcf_assembly import own
 from bodycheck.robots.orientations import turned_inertia
-
-#: The names that no body of a case may have.
-RESERVED = ("world", "plane")
-
-#: The name of the joint of a base that floats in the case alone.
-BASE = "base"
 
 #: The mass properties of a body without mass.
 NOTHING = MassProperties(MP.mpf(0), ORIGIN, (MP.mpf(0),) * 6)
@@ -94,8 +88,8 @@ def _walk(root: Element, world: str, read: Tree) -> None:
     left.reverse()
     while left:
         part, around = left.pop()
-        carrier, parts = _add(part, around, read)
-        left += [(inner, carrier) for inner in reversed(parts) if inner.element.tag == "body"]
+        carrier, inside = _add(part, around, read)
+        left += [(inner, carrier) for inner in reversed(inside) if inner.element.tag == "body"]
 
 
 def _names(element: Element, *tags: str) -> bool:
@@ -128,7 +122,7 @@ def _add(part: Part, around: Carrier, read: Tree) -> tuple[Carrier, Sequence[Par
 def _add_fixed(body: Element, inertia: MassProperties, frame: Carrier, read: Tree) -> Carrier:
     """Add a body that is fixed to its parent. frame: the body of the case that carries it, and its pose there."""
     name = _name_in_case(body, read)
-    joint = unlike(name, read.taken[1])
+    joint = unique(name, read.taken[1])
     read.taken[1].add(joint)
     read.inertias[name] = inertia
     read.joints.append(JointOfFile(body, "fixed", tables.joint(joint, "fixed", frame.name, name, frame.pose), frame.pose))
@@ -153,7 +147,7 @@ def _add_moving(
     name = _name_in_case(body, read)
     names = []
     for part in moving[:-1]:
-        names.append(unlike(f"{name}:{part.element.attributes['name']}", read.taken[0]))
+        names.append(unique(f"{name}:{part.element.attributes['name']}", read.taken[0]))
         read.taken[0].add(names[-1])
         read.inertias[names[-1]] = NOTHING
     own_frame = Pose(anchor(moving[-1]), HERE.turn)
@@ -177,7 +171,7 @@ def _name_in_case(body: Element, read: Tree) -> str:
     """Return the name of a body in the case, which is its name in the file if a case allows that."""
     name = body.attributes["name"]
     if name in RESERVED:
-        name = unlike(name, read.taken[0])
+        name = unique(f"{name}:body", read.taken[0])
         read.taken[0].add(name)
     return name
 
@@ -232,7 +226,7 @@ def _float(root: Element) -> Element | None:
     joints = [element for element in own(tops[0]) if element.tag in ("joint", "freejoint")]
     if not joints:
         names = {element.attributes["name"] for element in root.everything() if _names(element, "joint", "freejoint")}
-        joint = Element("freejoint", {"name": unlike(BASE, names)}, tops[0].file, tops[0].line)
+        joint = Element("freejoint", {"name": unique(BASE, names)}, tops[0].file, tops[0].line)
         tops[0].children.insert(0, joint)
         return joint
     if joints[0].tag != "freejoint" and joints[0].attributes.get("type", "hinge") != "free":
