@@ -9,6 +9,7 @@ from bodycheck.casefile.robots.mjcf.parts import Classes
 from bodycheck.casefile.robots.mjcf.settings import Settings
 from bodycheck.casefile.robots.tables import Pose
 from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.robots.elements import Element
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,8 @@ class Tree:
         The sites by their names: the name of their body, and their pose in its frame.
     masks
         The bits of `contype` and of `conaffinity` of all geoms of each body of the case, and whether it moves.
+    tendons
+        The tendons by their names.
     taken
         The names of the joints of the case, and of the bodies of the file and of the case.
     """
@@ -68,4 +71,5 @@ class Tree:
     carriers: dict[str, Carrier] = field(default_factory=dict)
     sites: dict[str, tuple[str, Pose]] = field(default_factory=dict)
     masks: dict[str, tuple[int, int, bool]] = field(default_factory=dict)
+    tendons: dict[str, Element] = field(default_factory=dict)
     taken: tuple[set[str], set[str]] = field(default_factory=lambda: (set(), set()))

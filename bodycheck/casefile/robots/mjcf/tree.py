@@ -76,6 +76,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
 
 def _walk(root: Element, world: str, read: Tree) -> None:
     """Read all bodies of a file, each before those in it, in the order of the file."""
+    read.tendons |= {each.attributes.get("name", ""): each for part in root.all("tendon") for each in part.children}
     bodies, joints = read.taken
     bodies |= {*RESERVED, *(body.attributes["name"] for body in root.everything() if _names(body, "body"))}
     joints |= {joint.attributes["name"] for joint in root.everything() if _names(joint, "joint", "freejoint")}
