@@ -65,6 +65,14 @@ RULES = {
         '<compiler angle="radian" eulerseq="XYZ"/><compiler eulerseq="zyx"/>',
     ),
     "total mass": model(f"{HINGE}{BOX}<body>{BOX}</body>", '<compiler settotalmass="14"/>'),
+    "total mass of fused bodies": model(
+        f"{BOX}<body>{HINGE}{BOX}<body>{BOX}</body></body>", '<compiler settotalmass="14" fusestatic="true"/>'
+    ),
+    "fused and without visuals": model(
+        f'{BOX}<body>{HINGE}{BOX}<body pos="1 0 0" euler="10 20 30">{BOX}'
+        f'<geom size="0.1" contype="0" conaffinity="0"/></body></body>',
+        '<compiler fusestatic="true" discardvisual="true"/>',
+    ),
     "smallest mass": model(f'{HINGE}{BOX}<body pos="1 0 0" euler="1 2 3"/>', '<compiler boundmass="0.5" boundinertia="0.01"/>'),
     "smallest moment": model(f"{HINGE}{STATED}", '<compiler boundinertia="1.7"/>'),
     "balance": model(

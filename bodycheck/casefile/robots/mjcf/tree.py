@@ -204,7 +204,12 @@ def _scale(read: Tree) -> None:
     """Scale all masses and inertias to the total mass that the file states."""
     if read.rules.settotalmass <= 0:
         return
-    factor = MP.mpf(read.rules.settotalmass) / sum(inertia.mass for inertia in read.inertias.values())
+    moving = {carrier.name for carrier in read.carriers.values() if carrier.moves}
+    # Bodies that are fixed to the world become parts of it, and are without mass there, if the compiler fuses them.
+    counted = [inertia.mass for name, inertia in read.inertias.items() if name in moving or not read.rules.fusestatic]
+    if not (total := sum(counted)):
+        return
+    factor = MP.mpf(read.rules.settotalmass) / total
     for name, inertia in read.inertias.items():
         read.inertias[name] = scaled(inertia, factor)
 
