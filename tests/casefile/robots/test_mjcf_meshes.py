@@ -103,6 +103,8 @@ def test_meshes_of_strangers_have_limits(monkeypatch: pytest.MonkeyPatch) -> Non
     many = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf " + "1 2 3 " * 100
     with pytest.raises(BadInput, match="has more than 7 triangles"):
         triangles(many.encode(), ".obj")
+    with pytest.raises(BadInput, match="has more than 7 triangles"):
+        mesh_files.of_numbers(range(30), [0.0, 1.0, 2.0] * 8)
     with pytest.raises(BadInput, match="is no STL, OBJ or MSH file"):
         triangles(b"", ".dae")
 
@@ -121,3 +123,19 @@ def test_a_damaged_mesh_is_a_mesh_or_a_fault(suffix: str, content: bytes) -> Non
             continue
         assert np.isfinite(mesh.corners).all()
         assert not len(mesh.faces) or mesh.faces.max() < len(mesh.corners)
+
+
+@pytest.mark.parametrize(
+    ("corners", "faces", "words"),
+    [
+        ([0.0] * 4, [], "states no mesh"),
+        ([0.0] * 12, [0.0, 1.0], "states no mesh"),
+        ([0.0] * 12, [0.0, 1.0, 1.5], "states no mesh"),
+        ([0.0] * 12, [0.0, 1.0, 4.0], "has a triangle without all of its corners"),
+        ([0.0] * 12, [0.0, 1.0, 1e99], "has a triangle without all of its corners"),
+        ([1e50] * 12, [], "has a coordinate that is not finite"),
+    ],
+)
+def test_what_is_no_mesh(corners: list[float], faces: list[float], words: str) -> None:
+    with pytest.raises(BadInput, match=words):
+        mesh_files.of_numbers(corners, faces)

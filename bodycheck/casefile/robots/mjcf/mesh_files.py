@@ -5,6 +5,7 @@
 - MSH: https://mujoco.readthedocs.io/en/stable/XMLreference.html#legacy-msh-docs
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -41,6 +42,22 @@ def triangles(content: bytes, suffix: str) -> Triangles:
             mesh = readers[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
         raise BadInput(f"is no {suffix[1:].upper()} file that can be read") from error
+    return _checked(mesh)
+
+
+def of_numbers(corners: Sequence[float], faces: Sequence[float]) -> Triangles:
+    """Return the mesh of the coordinates of corners and of the indices of faces. Raises `BadInput` if it is none."""
+    if len(corners) % 3 or len(faces) % 3 or any(index != int(index) for index in faces):
+        raise BadInput("states no mesh; allowed: three coordinates of each corner, and three corners of each face")
+    limited(len(faces) // 3)
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers that do not fit, which are refused below
+        places = np.array(corners, np.float32).reshape(-1, 3)
+        mesh = Triangles(places, np.array(faces, np.float64).astype(np.int64).reshape(-1, 3))
+    return _checked(mesh)
+
+
+def _checked(mesh: Triangles) -> Triangles:
+    """Return a mesh. Raises `BadInput` if a coordinate is not finite, or a triangle has a corner that there is not."""
     if not np.isfinite(mesh.corners).all():
         raise BadInput("has a coordinate that is not finite")
     if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.corners)):

@@ -72,11 +72,10 @@ class MeshesOfFile:
             refuse(mesh, None, "is made by MuJoCo, and its inertia is not computed here; allowed: an <inertial>")
         if "file" in mesh.attributes:
             return self._of_file(mesh, mesh.attributes["file"])
-        corners = np.array(many(mesh, "vertex"), np.float32)
-        faces = np.array(many(mesh, "face", ()), np.int64)
-        if len(corners) % 3 or len(faces) % 3 or (faces.size and not 0 <= faces.min() <= faces.max() < len(corners) // 3):
-            refuse(mesh, "vertex", "states no mesh; allowed: three coordinates of each corner, and three corners of each face")
-        return Triangles(corners.reshape(-1, 3), faces.reshape(-1, 3))
+        try:
+            return mesh_files.of_numbers(many(mesh, "vertex"), many(mesh, "face", ()))
+        except BadInput as error:
+            refuse(mesh, "vertex", str(error))
 
     def _of_file(self, mesh: Element, file: str) -> Triangles:
         name = file.replace("\\", "/")
