@@ -27,7 +27,8 @@ RULES = {
     "aligned by the compiler": model(f'<joint type="free"/>{STATED}', '<compiler alignfree="true"/>'),
     "ball": model(f'<joint type="ball" pos="0.1 0.2 0.3" damping="0.4"/>{BOX}<body>{HINGE}{BOX}</body>'),
     "reference": model(
-        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}<body>{HINGE}{BOX}</body>'
+        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}'
+        f"<body>{HINGE}{BOX}</body>"
     ),
     "springs": model(f'<joint ref="30" stiffness="3" springref="20" damping="0.5" armature="0.2"/>{BOX}'),
     "spring and damper": model(
@@ -39,7 +40,8 @@ RULES = {
     ),
     "stated in a frame": model(f'{HINGE}<frame pos="0 0 1" euler="0 90 0">{STATED}</frame>'),
     "fixed and massless bodies": model(
-        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
+        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}'
+        f'<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
     ),
     "moments without mass": model(
         f'{HINGE}{BOX}<body euler="10 20 30"><inertial pos="0 0 0" mass="0" diaginertia="1 2 2.5"/></body>'
@@ -59,12 +61,19 @@ RULES = {
     ),
     "radian": model(f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}', '<compiler angle="radian"/>'),
     "several compilers": model(
-        f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}', '<compiler angle="radian" eulerseq="XYZ"/><compiler eulerseq="zyx"/>'
+        f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}',
+        '<compiler angle="radian" eulerseq="XYZ"/><compiler eulerseq="zyx"/>',
     ),
     "total mass": model(f"{HINGE}{BOX}<body>{BOX}</body>", '<compiler settotalmass="14"/>'),
-    "smallest mass": model(
-        f'{HINGE}{BOX}<body pos="1 0 0" euler="1 2 3"/>', '<compiler boundmass="0.5" boundinertia="0.01"/>'
+    "total mass of fused bodies": model(
+        f"{BOX}<body>{HINGE}{BOX}<body>{BOX}</body></body>", '<compiler settotalmass="14" fusestatic="true"/>'
     ),
+    "fused and without visuals": model(
+        f'{BOX}<body>{HINGE}{BOX}<body pos="1 0 0" euler="10 20 30">{BOX}'
+        f'<geom size="0.1" contype="0" conaffinity="0"/></body></body>',
+        '<compiler fusestatic="true" discardvisual="true"/>',
+    ),
+    "smallest mass": model(f'{HINGE}{BOX}<body pos="1 0 0" euler="1 2 3"/>', '<compiler boundmass="0.5" boundinertia="0.01"/>'),
     "smallest moment": model(f"{HINGE}{STATED}", '<compiler boundinertia="1.7"/>'),
     "balance": model(
         f'{HINGE}<inertial pos="0.1 0 0" mass="2" diaginertia="1 1 3" euler="1 2 3"/>', '<compiler balanceinertia="true"/>'
@@ -74,7 +83,8 @@ RULES = {
     "tiny geoms": model(f'{HINGE}<geom type="box" size="0.1 0.2 0.3"/><geom size="1e-5" mass="3"/>'),
     "ends": model(f'{HINGE}<geom type="capsule" size="0.1" fromto="0 0 0 0.3 0.2 -0.1"/>'),
     "height field": model(
-        f'{HINGE}<geom type="hfield" hfield="h" pos="1 0 0"/>', '<asset><hfield name="h" nrow="2" ncol="2" size="1 2 3 4"/></asset>'
+        f'{HINGE}<geom type="hfield" hfield="h" pos="1 0 0"/>',
+        '<asset><hfield name="h" nrow="2" ncol="2" size="1 2 3 4"/></asset>',
     ),
     **{
         f"{kind}{' shell' * shell}": model(f'{HINGE}<geom type="{kind}" size="{size}" shellinertia="{str(shell).lower()}"/>')
@@ -82,21 +92,19 @@ RULES = {
         for shell in (False, True)
         if (kind, shell) != ("ellipsoid", True)
     },
-    "no gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"><flag gravity="disable"/></option>'),
-    "gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"/><option timestep="0.01"/>'),
-    "no springs": model(f'<joint stiffness="3" damping="2"/>{BOX}', '<option><flag spring="disable" damper="disable"/></option>'),
-}
-
-#: Texts whose inertias MuJoCo rotates to principal axes, of which it stops the search at a rotation of 1.4e-6 rad; and the shell
-#: of an ellipsoid, whose inertia MuJoCo computes as a small difference.
-COARSE = {
     "several geoms": model(f'{HINGE}{BOX}<geom size="0.2" pos="1 0 0"/>'),
     "full": model(f'{HINGE}<inertial pos="0 0 1" mass="2" fullinertia="1 1.5 2 0.1 0.2 0.3"/>'),
-    "ellipsoid shell": model(f'{HINGE}<geom type="ellipsoid" size="1 2 3" shellinertia="true"/>'),
-    **{f"mesh {rule}": mesh(f'inertia="{rule}"', 'type="mesh"') for rule in ("legacy", "convex", "exact", "shell")},
-    "mesh not convex": mesh(
-        'inertia="legacy" face="0 2 1 0 1 3 1 2 3 0 3 2 0 1 2 2 1 3"', 'type="mesh"'
+    "no gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"><flag gravity="disable"/></option>'),
+    "gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"/><option timestep="0.01"/>'),
+    "no springs": model(
+        f'<joint stiffness="3" damping="2"/>{BOX}', '<option><flag spring="disable" damper="disable"/></option>'
     ),
+}
+
+#: A text for each rule of meshes.
+MESHES = {
+    **{f"mesh {rule}": mesh(f'inertia="{rule}"', 'type="mesh"') for rule in ("legacy", "convex", "exact", "shell")},
+    "mesh not convex": mesh('inertia="legacy" face="0 2 1 0 1 3 1 2 3 0 3 2 0 1 2 2 1 3"', 'type="mesh"'),
     "mesh scaled": mesh('scale="1 -2 3"', 'type="mesh"'),
     "mesh moved": mesh('refpos="1 2 3" refquat="1 2 3 4"', 'type="mesh"'),
     **{
@@ -127,7 +135,9 @@ def _numbers(chance: Random, count: int, size: float = 1.0) -> str:
 
 
 def _pose(chance: Random) -> str:
-    turn = chance.choice(["", f'euler="{_numbers(chance, 3, 3)}"', f'quat="1 {_numbers(chance, 3)}"', f'zaxis="1 {_numbers(chance, 2)}"'])
+    turn = chance.choice(
+        ["", f'euler="{_numbers(chance, 3, 3)}"', f'quat="1 {_numbers(chance, 3)}"', f'zaxis="1 {_numbers(chance, 2)}"']
+    )
     return f'pos="{_numbers(chance, 3)}" {turn}'
 
 
@@ -158,7 +168,13 @@ def _joint(chance: Random) -> str:
 
 def _geom(chance: Random) -> str:
     kind, size = chance.choice(
-        [("box", "0.3 0.4 0.5"), ("sphere", "0.4"), ("capsule", "0.2 0.4"), ("cylinder", "0.3 0.2"), ("ellipsoid", "0.2 0.3 0.4")]
+        [
+            ("box", "0.3 0.4 0.5"),
+            ("sphere", "0.4"),
+            ("capsule", "0.2 0.4"),
+            ("cylinder", "0.3 0.2"),
+            ("ellipsoid", "0.2 0.3 0.4"),
+        ]
     )
     weight = chance.choice(["", 'mass="0.7"', 'density="200"', 'shellinertia="true"' if kind != "ellipsoid" else ""])
     return f'<geom type="{kind}" size="{size}" {_pose(chance)} {weight}/>'

@@ -5,8 +5,8 @@ The inertia of a joint is the inverse of the diagonal element of the inverse mas
 
 import numpy as np
 
-from bodycheck.casefile.robots.mjcf_carriers import Tree
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.carriers import Tree
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
 from bodycheck.casefile.robots.numbers import numbers
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import wide
@@ -47,7 +47,9 @@ def _springdamper(joint: JointOfFile) -> tuple[float, float] | None:
     if not (time or ratio):
         return None
     if min(time, ratio) <= 0:
-        refuse(joint.element, "springdamper", f"read {quoted(joint.element.attributes['springdamper'])}; allowed: positive numbers")
+        refuse(
+            joint.element, "springdamper", f"read {quoted(joint.element.attributes['springdamper'])}; allowed: positive numbers"
+        )
     return time, ratio
 
 

@@ -1,11 +1,13 @@
-"""Read the triangles of meshes from files of strangers: STL, OBJ and MSH, with coordinates in single precision as MuJoCo has them.
+"""Read the triangles of meshes from files of strangers, with coordinates in single precision as MuJoCo has them.
 
 - STL: https://en.wikipedia.org/wiki/STL_(file_format), binary and text
 - OBJ: only the first object or group with faces, as MuJoCo reads it; polygons are divided into triangles
 - MSH: https://mujoco.readthedocs.io/en/stable/XMLreference.html#legacy-msh-docs
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from bodycheck.errors import BadInput
 
 #: The largest number of triangles of a mesh.
-MAX_TRIANGLES = 1_000_000
+MAX_TRIANGLES = 500_000
 
 #: The record of a triangle in a binary STL file.
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -32,21 +34,33 @@ def triangles(content: bytes, suffix: str) -> Triangles:
 
     suffix: the ending of the name of the file, in small letters.
     """
+    readers = {".stl": _of_stl, ".obj": _of_obj, ".msh": _of_msh}
+    if suffix not in readers:
+        raise BadInput("is no STL, OBJ or MSH file")
     try:
-        match suffix:
-            case ".stl":
-                mesh = _of_stl(content)
-            case ".obj":
-                mesh = _of_obj(content)
-            case ".msh":
-                mesh = _of_msh(content)
-            case _:
-                raise BadInput("is no STL, OBJ or MSH file")
+        with np.errstate(over="ignore"):  # coordinates beyond single precision, which are refused below
+            mesh = readers[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
         raise BadInput(f"is no {suffix[1:].upper()} file that can be read") from error
+    return _checked(mesh)
+
+
+def of_numbers(corners: Sequence[float], faces: Sequence[float]) -> Triangles:
+    """Return the mesh of the coordinates of corners and of the indices of faces. Raises `BadInput` if it is none."""
+    if len(corners) % 3 or len(faces) % 3 or any(index != int(index) for index in faces):
+        raise BadInput("states no mesh; allowed: three coordinates of each corner, and three corners of each face")
+    limited(len(faces) // 3)
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers that do not fit, which are refused below
+        places = np.array(corners, np.float32).reshape(-1, 3)
+        mesh = Triangles(places, np.array(faces, np.float64).astype(np.int64).reshape(-1, 3))
+    return _checked(mesh)
+
+
+def _checked(mesh: Triangles) -> Triangles:
+    """Return a mesh. Raises `BadInput` if a coordinate is not finite, or a triangle has a corner that there is not."""
     if not np.isfinite(mesh.corners).all():
         raise BadInput("has a coordinate that is not finite")
-    if len(mesh.faces) and not (0 <= mesh.faces.min() and mesh.faces.max() < len(mesh.corners)):
+    if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.corners)):
         raise BadInput("has a triangle without all of its corners")
     return mesh
 
@@ -108,4 +122,4 @@ def _divided(polygon: list[int], corners: NDArray[np.float32]) -> list[list[int]
         a, b, c, d = polygon
         lengths = [np.square(corners[one].astype(float) - corners[other]).sum() for one, other in ((a, c), (b, d))]
         return [[a, b, c], [a, c, d]] if lengths[0] < lengths[1] else [[a, b, d], [b, c, d]]
-    return [[polygon[0], one, other] for one, other in zip(polygon[1:-1], polygon[2:], strict=True)]
+    return [[polygon[0], one, other] for one, other in pairwise(polygon[1:])]
