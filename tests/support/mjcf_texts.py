@@ -27,7 +27,8 @@ RULES = {
     "aligned by the compiler": model(f'<joint type="free"/>{STATED}', '<compiler alignfree="true"/>'),
     "ball": model(f'<joint type="ball" pos="0.1 0.2 0.3" damping="0.4"/>{BOX}<body>{HINGE}{BOX}</body>'),
     "reference": model(
-        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}<body>{HINGE}{BOX}</body>'
+        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}'
+        f"<body>{HINGE}{BOX}</body>"
     ),
     "springs": model(f'<joint ref="30" stiffness="3" springref="20" damping="0.5" armature="0.2"/>{BOX}'),
     "spring and damper": model(
@@ -39,7 +40,8 @@ RULES = {
     ),
     "stated in a frame": model(f'{HINGE}<frame pos="0 0 1" euler="0 90 0">{STATED}</frame>'),
     "fixed and massless bodies": model(
-        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
+        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}'
+        f'<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
     ),
     "moments without mass": model(
         f'{HINGE}{BOX}<body euler="10 20 30"><inertial pos="0 0 0" mass="0" diaginertia="1 2 2.5"/></body>'

@@ -1,4 +1,4 @@
-"""The parts of an MJCF file that a case does not have: each kind once, with its lines, and whether it acts from the beginning."""
+"""The parts of an MJCF file that a case does not have: each kind once, with its lines, and whether it acts."""
 
 import re
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bodycheck.casefile.robots import mjcf_schema
+from bodycheck.casefile.robots.mjcf import schema
 from bodycheck.casefile.robots.reading import Read
 from bodycheck.errors import BadInput
 
@@ -25,29 +25,38 @@ def acting(read: Read) -> set[str | None]:
     return {feature.word for feature in read.features if feature.acts}
 
 
-ACTUATORS = {
-    **dict.fromkeys(
-        (
-            *('<motor joint="j"/>', '<motor joint="j" ctrlrange="-1 1"/>', '<general joint="j"/>', '<damper joint="j" kv="3" ctrlrange="0 1"/>'),
-            *('<general joint="j" dyntype="integrator"/>', '<position joint="j" kp="0"/>', '<velocity joint="j" kv="0"/>'),
-            *('<cylinder joint="j"/>', '<adhesion body="a" ctrlrange="0 1"/>', '<general joint="j" biastype="affine"/>'),
-            *('<general joint="j" biasprm="1 2 3"/>', '<general joint="j" dyntype="filter" gainprm="3"/>'),
-        ),
-        False,
-    ),
-    **dict.fromkeys(
-        (
-            *('<position joint="j"/>', '<velocity joint="j"/>', '<intvelocity joint="j"/>', '<motor joint="j" ctrlrange="0.5 1"/>'),
-            *('<motor joint="j" damping="2"/>', '<general joint="j" biastype="affine" biasprm="1 2 3"/>', '<position joint="j" kp="0" kv="2"/>'),
-            *('<cylinder joint="j" bias="1 2 3"/>', '<pid joint="j" kp="1"/>', '<dcmotor joint="j" motorconst="1" resistance="1"/>'),
-            '<muscle joint="j" lengthrange="0.2 0.5" force="1"/>',
-        ),
-        True,
-    ),
-}  # fmt: skip
+#: Actuators that exert nothing while their control is zero, and those that do.
+IDLE = (
+    '<motor joint="j"/>',
+    '<motor joint="j" ctrlrange="-1 1"/>',
+    '<general joint="j"/>',
+    '<damper joint="j" kv="3" ctrlrange="0 1"/>',
+    '<general joint="j" dyntype="integrator"/>',
+    '<position joint="j" kp="0"/>',
+    '<velocity joint="j" kv="0"/>',
+    '<cylinder joint="j"/>',
+    '<adhesion body="a" ctrlrange="0 1"/>',
+    '<general joint="j" biastype="affine"/>',
+    '<general joint="j" biasprm="1 2 3"/>',
+    '<general joint="j" dyntype="filter" gainprm="3"/>',
+)
+
+ACTING = (
+    '<position joint="j"/>',
+    '<velocity joint="j"/>',
+    '<intvelocity joint="j"/>',
+    '<motor joint="j" ctrlrange="0.5 1"/>',
+    '<motor joint="j" damping="2"/>',
+    '<general joint="j" biastype="affine" biasprm="1 2 3"/>',
+    '<position joint="j" kp="0" kv="2"/>',
+    '<cylinder joint="j" bias="1 2 3"/>',
+    '<pid joint="j" kp="1"/>',
+    '<dcmotor joint="j" motorconst="1" resistance="1"/>',
+    '<muscle joint="j" lengthrange="0.2 0.5" force="1"/>',
+)
 
 
-@pytest.mark.parametrize("actuator", ACTUATORS)
+@pytest.mark.parametrize("actuator", IDLE + ACTING)
 def test_an_actuator_acts_without_control_if_it_does_so_in_mujoco(actuator: str) -> None:
     model = text(f"<actuator>{actuator}</actuator>")
     compiled = mujoco.MjModel.from_xml_string(model)
@@ -55,14 +64,14 @@ def test_an_actuator_acts_without_control_if_it_does_so_in_mujoco(actuator: str)
     data.qpos[:], data.qvel[:] = 0.7, 0.3
     mujoco.mj_forward(compiled, data)
     acts = bool(np.any(data.qfrc_actuator) or np.any(data.qfrc_passive))
-    assert acts is ACTUATORS[actuator]
+    assert acts is (actuator in ACTING)
     assert acting(read_text(model)) == ({"actuators"} if acts else set())
 
 
 TENDONS = {
-    "": False, 'springlength="1"': False, 'stiffness="3"': True, 'damping="1"': True, 'frictionloss="1"': True, 'armature="1"': True,
-    'range="0 1"': True, 'range="0 1" limited="false"': False,
-}  # fmt: skip
+    **dict.fromkeys(("", 'springlength="1"', 'range="0 1" limited="false"'), False),
+    **dict.fromkeys(('stiffness="3"', 'damping="1"', 'frictionloss="1"', 'armature="1"', 'range="0 1"'), True),
+}
 
 
 @pytest.mark.parametrize("attributes", TENDONS)
@@ -127,7 +136,8 @@ def test_flags_switch_off_what_would_act() -> None:
 def test_each_kind_of_part_is_told_once_with_its_lines() -> None:
     read = read_text(
         text(
-            '<sensor>\n<touch site="s"/>\n<jointpos joint="j"/>\n</sensor><actuator>\n<motor joint="j"/>\n<motor joint="k"/></actuator>'
+            '<sensor>\n<touch site="s"/>\n<jointpos joint="j"/>\n</sensor>'
+            '<actuator>\n<motor joint="j"/>\n<motor joint="k"/></actuator>'
             "<visual/><statistic/><asset>\n<texture/><material/></asset><contact>\n<exclude/></contact>",
             BODY.replace("<site", "<camera/><light/><site"),
         )
@@ -153,9 +163,11 @@ def test_each_kind_of_part_is_told_once_with_its_lines() -> None:
 def test_bodies_may_touch_if_masks_of_two_bodies_have_a_bit_in_common() -> None:
     floor = '<geom type="plane" size="1 1 1" {}/>'
     for world, own, touching in (
-        ("", "", True), ('contype="0" conaffinity="0"', "", False), ('contype="2" conaffinity="0"', 'contype="1" conaffinity="1"', False),
+        ("", "", True),
+        ('contype="0" conaffinity="0"', "", False),
+        ('contype="2" conaffinity="0"', 'contype="1" conaffinity="1"', False),
         ('contype="2" conaffinity="0"', 'contype="0" conaffinity="2"', True),
-    ):  # fmt: skip
+    ):
         body = floor.format(world) + BODY.replace("<geom", f"<geom {own}")
         assert read_text(text("", body)).touching is touching
     assert not read_text(text("", BODY)).touching, "one body alone"
@@ -163,10 +175,13 @@ def test_bodies_may_touch_if_masks_of_two_bodies_have_a_bit_in_common() -> None:
 
 
 def test_a_base_that_floats_in_the_case_alone() -> None:
-    body = '<geom type="plane" size="1 1 1"/><body name="a" pos="1 2 3"><geom size="0.1"/><body name="b"><joint name="base"/><geom size="0.1"/></body></body>'
+    body = (
+        '<geom type="plane" size="1 1 1"/><body name="a" pos="1 2 3"><geom size="0.1"/>'
+        '<body name="b"><joint name="base"/><geom size="0.1"/></body></body>'
+    )
     fixed, free = read_text(text("", body)), read_text(text("", body), base="free")
     assert (fixed.welded, fixed.base) == (True, None)
-    assert (free.welded, free.base) == (False, "base:2")
+    assert (free.welded, free.base) == (False, "base-2")
     assert free.tables["joints"][0]["initial"]["position"] == [1, 2, 3]
     floating = read_text(text("", body.replace('pos="1 2 3">', '><freejoint name="root"/>')), base="free")
     assert floating.base == "root"
@@ -250,7 +265,7 @@ def test_the_attributes_are_those_of_mujoco() -> None:
             continue
         path[len(row[1]) // 3 :] = [row[2]]
         rows["/".join(path)] = set(row[3].split())
-    for tag, attributes in mjcf_schema.ATTRIBUTES.items():
+    for tag, attributes in schema.ATTRIBUTES.items():
         if tag in ("frame", "replicate"):
             continue
         where = {"body": "(world)body", "flag": "option/flag"}.get(

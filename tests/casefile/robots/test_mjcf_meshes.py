@@ -1,6 +1,7 @@
 """Meshes in files carry mass and inertia as in MuJoCo, and files of strangers cannot make us read without bound."""
 
 import struct
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -8,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bodycheck.casefile.robots import mesh_files
-from bodycheck.casefile.robots.mesh_files import triangles
+from bodycheck.casefile.robots.mjcf import mesh_files
+from bodycheck.casefile.robots.mjcf.mesh_files import triangles
 from bodycheck.errors import BadInput
 
 mujoco: Any = pytest.importorskip("mujoco")
@@ -25,7 +26,7 @@ POLYGONS = ((1, 4, 3, 2), (1, 2, 6, 5), (5, 6, 3, 4), (1, 5, 4), (2, 3, 6))
 
 
 def faces() -> list[tuple[int, int, int]]:
-    return [(polygon[0], one, other) for polygon in POLYGONS for one, other in zip(polygon[1:-1], polygon[2:], strict=True)]
+    return [(polygon[0], one, other) for polygon in POLYGONS for one, other in pairwise(polygon[1:])]
 
 
 def stl() -> bytes:

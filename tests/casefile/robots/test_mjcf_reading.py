@@ -3,23 +3,23 @@
 from random import Random
 from typing import Any
 
+import hypothesis
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bodycheck.casefile.robots import (
-    mjcf_file,
-    mjcf_geoms,
-    mjcf_inertia,
-    mjcf_joints,
-    mjcf_meshes,
-    mjcf_options,
-    mjcf_parts,
-    mjcf_settings,
-    mjcf_solids,
-    mjcf_springs,
-    mjcf_tree,
+from bodycheck.casefile.robots.mjcf import (
+    file,
+    geoms,
+    inertia,
+    joints,
+    meshes,
+    options,
+    parts,
+    settings,
+    solids,
+    springs,
+    tree,
 )
 from bodycheck.casefile.robots.reading import Read
 from bodycheck.casefile.robots.tables import HERE
@@ -109,7 +109,7 @@ def test_each_rule_of_meshes_is_that_of_mujoco(rule: str, monkeypatch: pytest.Mo
         a, b, c, *_ = turned_inertia(components, (w, -x, -y, -z))
         return (a, b, c), (w, x, y, z)
 
-    monkeypatch.setattr(mjcf_meshes, "principal_axes", axes)
+    monkeypatch.setattr(meshes, "principal_axes", axes)
     assert max(compared(MESHES[rule]).values()) < (MESH_ROUNDING if "bounds" in rule else ROUNDING)
 
 
@@ -119,8 +119,8 @@ def test_the_shell_of_an_ellipsoid_is_that_of_mujoco() -> None:
     assert max(compared(model(f"<joint/>{geom}")).values()) < 1e-8
 
 
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6))
+@hypothesis.settings(max_examples=25, deadline=None)
+@hypothesis.given(st.integers(0, 10**6))
 def test_random_files_are_read_as_by_mujoco(seed: int) -> None:
     text = random_text(Random(seed))
     try:
@@ -132,42 +132,42 @@ def test_random_files_are_read_as_by_mujoco(seed: int) -> None:
 
 #: A fault in each rule: the text that shows it, what is replaced, and by what.
 FAULTS: dict[str, tuple[str, Any, str, Any]] = {
-    "anchors": ("several joints", mjcf_joints, "anchor", lambda part: ORIGIN),
-    "references": ("reference", mjcf_joints, "displacement", lambda kind, axis, coordinate: HERE),
-    "degrees": ("reference", mjcf_settings.Settings, "angle", lambda self, value: value),
-    "limits in degrees": ("radian", mjcf_settings.Settings, "angle", lambda self, value: value * 2),
-    "frames": ("frames", mjcf_parts, "pose", lambda element, rules: HERE),
-    "alignment": ("aligned", mjcf_tree, "_aligned", lambda joint, parts, read: False),
-    "carried moments": ("moments without mass", mjcf_tree, "_carry", lambda *_: None),
-    "total mass": ("total mass", mjcf_tree, "_scale", lambda read: None),
-    "bounds": ("smallest moment", mjcf_inertia, "_bounded", lambda mass_properties, rules: mass_properties),
-    "balance": ("balance", mjcf_inertia, "_bounded", lambda mass_properties, rules: mass_properties),
-    "groups": ("groups", mjcf_settings.Settings, "counts", lambda self, group: True),
-    "tiny volumes": ("tiny geoms", mjcf_geoms, "NO_VOLUME", 0.0),
-    "density": ("box", mjcf_geoms, "DENSITY", 999.0),
+    "anchors": ("several joints", joints, "anchor", lambda part: ORIGIN),
+    "references": ("reference", joints, "displacement", lambda kind, axis, coordinate: HERE),
+    "degrees": ("reference", settings.Settings, "angle", lambda self, value: value),
+    "limits in degrees": ("radian", settings.Settings, "angle", lambda self, value: value * 2),
+    "frames": ("frames", parts, "pose_of", lambda element, rules: HERE),
+    "alignment": ("aligned", tree, "_aligned", lambda joint, parts, read: False),
+    "carried moments": ("moments without mass", tree, "_carry", lambda *_: None),
+    "total mass": ("total mass", tree, "_scale", lambda read: None),
+    "bounds": ("smallest moment", inertia, "_bounded", lambda mass_properties, rules: mass_properties),
+    "balance": ("balance", inertia, "_bounded", lambda mass_properties, rules: mass_properties),
+    "groups": ("groups", settings.Settings, "counts", lambda self, group: True),
+    "tiny volumes": ("tiny geoms", geoms, "NO_VOLUME", 0.0),
+    "density": ("box", geoms, "DENSITY", 999.0),
     "shells": (
         "cylinder shell",
-        mjcf_solids,
+        solids,
         "moments",
-        lambda kind, sizes, shell, right=mjcf_solids.moments: right(kind, sizes, False),
+        lambda kind, sizes, shell, right=solids.moments: right(kind, sizes, False),
     ),
-    "springs and dampers": ("spring and damper", mjcf_tree.mjcf_springs, "set_springs", lambda tree: None),
-    "inertia of springs": ("spring and damper", mjcf_springs, "_position", lambda joint: (0.0,)),
-    "attitudes": ("frames", mjcf_settings, "from_z", lambda z: IDENTITY),
-    "flags": ("no springs", mjcf_options, "FLAGS", {}),
-    "replicas": ("replicas", mjcf_file, "turned", lambda turn, vector: vector),
+    "springs and dampers": ("spring and damper", tree, "set_springs", lambda tree: None),
+    "inertia of springs": ("spring and damper", springs, "_position", lambda joint: (0.0,)),
+    "attitudes": ("frames", settings, "from_z", lambda z: IDENTITY),
+    "flags": ("no springs", options, "FLAGS", {}),
+    "replicas": ("replicas", file, "turned", lambda turn, vector: vector),
     "classes": (
         "classes",
-        mjcf_settings.Defaults,
+        settings.Defaults,
         "resolved",
-        lambda self, element, name, right=mjcf_settings.Defaults.resolved: right(self, element, None),
+        lambda self, element, name, right=settings.Defaults.resolved: right(self, element, None),
     ),
-    "frames of meshes": ("mesh moved", mjcf_meshes, "_placed", lambda mesh, corners: corners),
+    "frames of meshes": ("mesh moved", meshes, "_placed", lambda mesh, corners: corners),
     "rule of meshes": (
         "mesh not convex",
-        mjcf_meshes,
+        meshes,
         "_extents",
-        lambda normals, areas, arms, rule, right=mjcf_meshes._extents: right(normals, areas, arms, "exact"),
+        lambda normals, areas, arms, rule, right=meshes._extents: right(normals, areas, arms, "exact"),
     ),
 }
 

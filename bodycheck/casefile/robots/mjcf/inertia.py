@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bodycheck.casefile.robots import mjcf_geoms
 from bodycheck.casefile.robots.link import without_rounding
-from bodycheck.casefile.robots.mjcf_geoms import Shapes
-from bodycheck.casefile.robots.mjcf_parts import Part
-from bodycheck.casefile.robots.mjcf_settings import Settings, attitude
+from bodycheck.casefile.robots.mjcf import geoms
+from bodycheck.casefile.robots.mjcf.geoms import Shapes
+from bodycheck.casefile.robots.mjcf.parts import Part
+from bodycheck.casefile.robots.mjcf.settings import Settings, attitude
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import Pose, turned
 from bodycheck.reference.exact.inertia import MassProperties, joined
@@ -20,7 +20,7 @@ from bodycheck.robots.orientations import principal_axes, turned_inertia
 NO_MASS = 1e-14
 
 
-def of_body(body: Element, parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassProperties | None:
+def inertia_of(body: Element, parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassProperties | None:
     """Return the mass properties of a body in its frame; None if it has neither mass nor moments of inertia.
 
     Parameters
@@ -105,7 +105,7 @@ def _of_geoms(parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassPro
         for part in parts
         if part.element.tag == "geom"
         and rules.counts(number(part.element, "group", 0.0))
-        and (solid := mjcf_geoms.mass_properties(part.element, rules, shapes)) is not None
+        and (solid := geoms.mass_properties(part.element, rules, shapes)) is not None
         and solid.mass > NO_MASS
     ]
     return joined(solids) if solids else None

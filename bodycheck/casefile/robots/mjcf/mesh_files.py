@@ -1,4 +1,4 @@
-"""Read the triangles of meshes from files of strangers: STL, OBJ and MSH, with coordinates in single precision as MuJoCo has them.
+"""Read the triangles of meshes from files of strangers, with coordinates in single precision as MuJoCo has them.
 
 - STL: https://en.wikipedia.org/wiki/STL_(file_format), binary and text
 - OBJ: only the first object or group with faces, as MuJoCo reads it; polygons are divided into triangles
@@ -6,6 +6,7 @@
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,4 +105,4 @@ def _divided(polygon: list[int], corners: NDArray[np.float32]) -> list[list[int]
         a, b, c, d = polygon
         lengths = [np.square(corners[one].astype(float) - corners[other]).sum() for one, other in ((a, c), (b, d))]
         return [[a, b, c], [a, c, d]] if lengths[0] < lengths[1] else [[a, b, d], [b, c, d]]
-    return [[polygon[0], one, other] for one, other in zip(polygon[1:-1], polygon[2:], strict=True)]
+    return [[polygon[0], one, other] for one, other in pairwise(polygon[1:])]

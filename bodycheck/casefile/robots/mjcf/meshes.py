@@ -10,16 +10,15 @@ from pathlib import PurePosixPath
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
-from bodycheck.casefile.robots import mesh_files
-from bodycheck.casefile.robots.mesh_files import Triangles
-from bodycheck.casefile.robots.mjcf_geoms import Fitted, Placed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, word
+from bodycheck.casefile.robots.mjcf import mesh_files
+from bodycheck.casefile.robots.mjcf.geoms import Fitted, Placed
+from bodycheck.casefile.robots.mjcf.mesh_files import Triangles
+from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, word
 from bodycheck.casefile.robots.numbers import many, numbers
 from bodycheck.casefile.robots.reading import Files
 from bodycheck.errors import BadInput
-from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector, wide
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import NotFound
@@ -123,11 +122,13 @@ def _placed(mesh: Element, corners: Wide) -> Wide:
     if not (w or x or y or z):
         refuse(mesh, "refquat", "read zeros; allowed: a quaternion that is not 0")
     rows = matrix((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
-    return moved @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    return np.asarray(moved @ np.array([[wide(part) for part in row] for row in rows]))
 
 
 def _hull(mesh: Element, corners: NDArray[np.float32]) -> NDArray[np.int64]:
     """Return the triangles (m, 3) of the convex hull of points, with their corners in the order that faces outwards."""
+    from scipy.spatial import ConvexHull, QhullError  # heavy, and few files need it
+
     try:
         hull = ConvexHull(corners.astype(float), qhull_options="Qt")
     except (QhullError, ValueError):
@@ -197,6 +198,6 @@ def _extents(normals: Wide, areas: Wide, arms: Wide, rule: str) -> Wide:
 def _bounds(corners: Wide, turn: Sequence[Real]) -> tuple[Vector3, Vector3]:
     """Return the smallest and the largest coordinates of points (n, 3) along axes with an attitude."""
     rows = matrix((turn[0], turn[1], turn[2], turn[3]))
-    along = corners @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    along = corners @ np.array([[wide(part) for part in row] for row in rows])
     low, high = along.min(axis=0), along.max(axis=0)
     return vector(list(map(exactly, low))), vector(list(map(exactly, high)))
