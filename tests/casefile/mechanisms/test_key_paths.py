@@ -6,6 +6,8 @@ import tomllib
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from bodycheck import Case, CaseFaults
 from bodycheck.casefile.axes import AXES
@@ -54,6 +56,17 @@ def test_a_name_may_be_any_text_and_is_quoted_in_paths(name: str, paths: list[st
     document = tomllib.loads(text)
     assert parse(written(document), "written").scene == parse(text, "f").scene
     assert all(find(key, document) is not None for key, value in keys(document).items() if len(value.shape) < 2)
+
+
+@settings(max_examples=40)
+@given(st.text(min_size=1, max_size=100).filter(str.isprintable))
+def test_any_printable_name_leads_back_to_its_joint(name: str) -> None:
+    document = tomllib.loads(CART_POLE)
+    document["joints"][1]["name"] = name if name != document["joints"][0]["name"] else f"{name}2"[:100]
+    assert tomllib.loads(written(document)) == document
+    known = keys(document)
+    for key in (key for key in known.values() if key.whole[:2] == ("joints", 1) and not key.shape):
+        assert find(key.text, document, known) is key
 
 
 def test_a_number_that_is_not_quoted_counts() -> None:

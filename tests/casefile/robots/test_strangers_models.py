@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from bodycheck.casefile import body_template as robots
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.robots import template as robots
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from tests.support.commands import bodycheck
