@@ -13,7 +13,15 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, largest_bounds
+from bodycheck.figures.columns import (
+    ALWAYS_TABLED,
+    CASE_COLUMNS,
+    DEPARTURE_COLUMNS,
+    FURTHER,
+    LIMIT_COLUMNS,
+    METHOD_COLUMNS,
+    largest_bounds,
+)
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.files import columns
 from bodycheck.judging.discrepancy import Summary, compare
@@ -155,7 +163,7 @@ class Verdict:
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time
-            row |= self.discrepancy.maxima() | {"steps": steps}
+            row |= self.discrepancy.maxima() | self.discrepancy.before | {"steps": steps}
             row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
@@ -191,17 +199,25 @@ def judge(results: Results, today: date | None = None, compared: Compared | None
     verdicts: dict[int, Verdict] = {}
     for (name, sampling), runs in groups.items():
         case, truth = results.cases[name], None
+        departure = results.header["departures"].get(name)
         for index, run in runs:
             ordered = any(e.needs_order for e in _concerning(case, run))
-            if not ordered and (summary := known.get(run.key)) is not None:
+            if not ordered and departure is None and (summary := known.get(run.key)) is not None:
                 verdicts[index] = _verdict(case, run, run.outcome, summary, None, today)
                 continue
             truth = truth or results.truth(name, sampling)
-            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
+            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today, departure)
     return [verdicts[index] for index in range(len(verdicts))]
 
 
-def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
+def verdict(
+    case: Case,
+    truth: Truth | NoTruth,
+    run: Run,
+    finer: Sequence[Run] = (),
+    today: date | None = None,
+    departure: float | None = None,
+) -> Verdict:
     """Return the verdict on one run; a completed run without a truth ends as the computation of the truth did.
 
     Parameters
@@ -216,6 +232,8 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
         The runs of the same method with a half and a quarter of its time step, for expectations of an order.
     today
         The day from which on a known discrepancy may no longer be tolerated; by default the present day (UTC).
+    departure
+        The last instant (s) at which neither limits nor contacts of a robot's file have acted; None if they do not act.
 
     Raises
     ------
@@ -229,7 +247,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     if isinstance(outcome, Completed) and isinstance(truth, NoTruth):
         outcome = _without_truth(truth)
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
-        discrepancy = compare(truth, run).summary()
+        discrepancy = compare(truth, run).summary(departure)
     ordered = any(expectation.needs_order for expectation in _concerning(case, run))
     return _verdict(case, run, outcome, discrepancy, _order(truth, (run, *finer)) if ordered else None, today)
 
@@ -284,6 +302,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
     more += [column.name for column in METHOD_COLUMNS]
+    more += [column.name for column in DEPARTURE_COLUMNS if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 

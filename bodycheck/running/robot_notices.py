@@ -22,6 +22,7 @@ from bodycheck.reference.bodies import bodies
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
+from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 from bodycheck.robots.touching_copy import copied
@@ -112,6 +113,18 @@ def of(cases: Sequence[Case], jobs: int) -> Robots:
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
     return Robots(sentences, departures)
+
+
+def described(case: Case) -> str:
+    """Return the numbers of bodies, joints and degrees of freedom of a robot, and its mass, in words."""
+    scene = case.scene
+    assert isinstance(scene, Mechanism)  # robots are mechanisms
+    masses = [body.mass for body in bodies(scene) if body.mass]
+    moving = sum(joint.type != "fixed" for joint in scene.joints)
+    freedoms = of_mechanism(scene).degrees_of_freedom
+    loops = f" without its loops, loops: {len(scene.loops)}" if scene.loops else ""
+    counts = f"bodies with mass: {len(masses)}, joints that move: {moving}, degrees of freedom: {freedoms}{loops}"
+    return f"{counts}, mass: {sum(masses):.6g} kg"
 
 
 def _left_out(robot: RobotNotes) -> Iterator[str]:
@@ -234,11 +247,13 @@ class _Acting:
         if isinstance(self.moved, str):
             yield f"From when on limits or contacts would act is not known: {self.moved}."
             return
+        acting = []
         if self.moved is not None and self.moved.passings:
-            yield self._of_limits(self.moved.passings)
+            acting.append((self.moved.passings[0].time, self._of_limits(self.moved.passings)))
         if isinstance(self.touch, Touch):
-            yield self._of_contacts(self.touch)
-        elif self.touch is not None:
+            acting.append((self.between(self.touch)[1], self._of_contacts(self.touch)))
+        yield from (sentence for _, sentence in sorted(acting))
+        if isinstance(self.touch, str):
             yield f"Contacts were not looked for: {self.touch}."
         if self.moved is not None and self.moved.states is not None and _rests(self.moved.states):
             yield "Nothing moves in this scene."
@@ -261,7 +276,7 @@ class _Acting:
     def _of_contacts(self, touch: Touch) -> str:
         pairs = [f"{one} touches {other}" for one, other in touch.pairs]
         if more := len(pairs) - MOST_NAMED:
-            pairs = [*pairs[:MOST_NAMED], f"{more} more pairs touch"] if more > 0 else pairs
+            pairs = [*pairs[:MOST_NAMED], f"{more} more {'pairs touch' if more > 1 else 'pair touches'}"] if more > 0 else pairs
         after, before = self.between(touch)
         if not touch.index:
             return f"{_listed(pairs)} at the start: this is the robot without its contacts."
