@@ -86,7 +86,7 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
         bodies=[body.name for body in mechanism.bodies],
-        xml=xml,
+        xml=scripts.embedded(xml),
         qpos=scripts.written(data.qpos),
         qvel=scripts.written(data.qvel),
         applied=scripts.written(data.qfrc_applied),

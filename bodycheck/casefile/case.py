@@ -26,7 +26,7 @@ from bodycheck.casefile.formats import AnyCaseTable, explain, is_misleading, key
 from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
-from bodycheck.casefile.mechanisms.model import Expanded, expanded, with_model
+from bodycheck.casefile.mechanisms.model import Expanded, expanded, with_model, with_scene
 from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent, build_scene
@@ -307,7 +307,7 @@ def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) 
         text=text,
         ensemble=build_ensemble(table.ensemble, expansion.document) if table.ensemble else None,
         timestep=expansion.timestep,
-        robot=expansion.notes,
+        robot=None if expansion.notes is None else with_scene(expansion.notes, scene),
     )
 
 

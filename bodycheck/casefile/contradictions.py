@@ -23,6 +23,7 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED, most_possible
 from bodycheck.reference.exact.start import defined_inertia
 from bodycheck.reference.inertia import satisfies_triangle_inequality
+from bodycheck.reference.robots.physical import MARGIN
 from bodycheck.reference.scene import Tensor
 from bodycheck.suggestion import did_you_mean
 
@@ -121,8 +122,8 @@ PART_SIZES = {
     "sphere": ("radius",),
 }
 
-#: How far below zero rounding may move a moment of zero, relative to the largest moment.
-ROUNDING = 1e-12
+#: How far below zero rounding may move a moment of zero, relative to the largest moment; see `reference.robots.physical`.
+ROUNDING = MARGIN
 
 
 def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator[tuple[Path, str]]:
@@ -202,7 +203,8 @@ def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
     elif min(moments) <= 0:
         return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        return "no body has these moments: no moment may exceed the sum of the other two"
+        by = 2 * max(moments) - sum(moments)
+        return f"no body has these moments: no moment may exceed the sum of the other two; the largest does by {by:.3g} kg m^2"
     return None
 
 

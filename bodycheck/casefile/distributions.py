@@ -47,8 +47,7 @@ class Key:
         """The path as a case file has it, with a dot between the parts; names of special characters are quoted."""
         if not self.named:
             return ".".join(map(str, (*self.whole, *self.place)))
-        array, name, *rest = (*self.named, *self.place)
-        return ".".join(map(str, (array, name_in_path(str(name)), *rest)))
+        return ".".join(map(str, (self.named[0], name_in_path(str(self.named[1])), *self.named[2:], *self.place)))
 
     @property
     def text_of_whole(self) -> str:

@@ -8,22 +8,23 @@ import copy
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any
 
 from pydantic import ValidationError
 
 from bodycheck.casefile.formats import is_mechanism
-from bodycheck.casefile.mechanisms import stored
+from bodycheck.casefile.mechanisms import model_reading, stored
 from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.robot_notes import JointRange, RobotNotes
-from bodycheck.casefile.robots import robot_model
 from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.rotations import attitude
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.rest import is_at_rest
 from bodycheck.reference.scene import EulerAngles
 from bodycheck.robots import elements
 from bodycheck.suggestion import did_you_mean
@@ -120,7 +121,7 @@ def with_model(
     except tomllib.TOMLDecodeError:  # after an inline table
         return text, ((FILE, "is not in a table of its own; write it below a line [model]"),)
     try:
-        return stored.appended(text, robot_model.stored_of_file(folder / name, packages, follow, **choice(table))), ()
+        return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(table))), ()
     except BadInput as error:
         return text, tuple((FILE, line) for line in str(error).splitlines())
     except ValueError:
@@ -133,7 +134,7 @@ def choice(table: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "ignore": frozenset(word for word in IGNORED if word in ignore) if isinstance(ignore, list) else frozenset(),
         "base": "free" if table.get("base") == "free" else "fixed",
-        "keyframe": keyframe if isinstance(keyframe, str | int) and not isinstance(keyframe, bool) else None,
+        "keyframe": keyframe if isinstance(keyframe, str) or (type(keyframe) is int and keyframe >= 0) else None,
     }
 
 
@@ -154,7 +155,7 @@ def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ())
     try:
         read = StoredTable.model_validate(table["stored"])
         if read.text is not None:
-            read = StoredTable.model_validate(robot_model.stored_of_text(read.text, file, **choice(table)))
+            read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(table)))
     except ValidationError:  # reported with the faults of the grammar
         return Expanded(document)
     except BadInput as error:
@@ -213,6 +214,17 @@ def _base_start(start: Mapping[str, Any]) -> dict[str, Any]:
     if (angles := numbers(start.get("euler_zxz"), 3)) is not None:
         table["quaternion"] = doubles(attitude(EulerAngles(*angles)))
     return table
+
+
+#: The notice on a scene without motion.
+NOTHING_MOVES = "Nothing moves in this scene: it starts at rest in an equilibrium."
+
+
+def with_scene(notes: RobotNotes, scene: AnyScene) -> RobotNotes:
+    """Return the notes on a model with a notice if nothing moves in the scene that was made of it."""
+    if isinstance(scene, Mechanism) and is_at_rest(scene):
+        return replace(notes, notices=(NOTHING_MOVES, *notes.notices))
+    return notes
 
 
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:

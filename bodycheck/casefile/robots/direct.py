@@ -7,10 +7,10 @@ from typing import Literal
 
 from bodycheck.casefile.case import CaseFaults, Fault, loaded
 from bodycheck.casefile.content import Case
+from bodycheck.casefile.mechanisms import model_reading
 from bodycheck.casefile.mechanisms.grammar import IGNORED
 from bodycheck.casefile.mechanisms.model import BASE_KEYS
-from bodycheck.casefile.robots import robot_model
-from bodycheck.casefile.robots.model_files import ModelFiles
+from bodycheck.casefile.mechanisms.model_files import ModelFiles
 from bodycheck.casefile.robots.reading import Choice, Ignored, Read
 from bodycheck.casefile.toml_text import in_line, key_in_text
 from bodycheck.casefile.values import MAX_NAME_LENGTH
@@ -120,13 +120,13 @@ def _read(
     """Return the result of reading a file, and its first keyframe, by its name or number; None if it has none."""
     files = ModelFiles(path, packages, follow=True)
     text = files.texts[path.name]
-    read = robot_model.read(text, path.name, Choice(files, ignore, base))
+    read = model_reading.read(text, path.name, Choice(files, ignore, base))
     if not read.keyframes:
         return read, None
     first = read.keyframes[0]
     keyframe: str | int = first if first and read.keyframes.count(first) == 1 else 0
     again = ModelFiles(path, packages, follow=True)
-    return robot_model.read(text, path.name, Choice(again, ignore, base, keyframe)), keyframe
+    return model_reading.read(text, path.name, Choice(again, ignore, base, keyframe)), keyframe
 
 
 def _starts(read: Read) -> list[str]:

@@ -6,16 +6,16 @@ classes) or refused with the reason.
 
 from collections.abc import Iterator
 
-from bodycheck.casefile.robots import mjcf_geoms
-from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out, without_rounding
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
-from bodycheck.casefile.robots.numbers import number, numbers, positive
-from bodycheck.reference.exact.inertia import MassProperties, joined
-from bodycheck.reference.exact.numbers import MP, vector
-from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.casefile.robots import mjcf_geoms, mjcf_inertia, mjcf_parts
+from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out
+from bodycheck.casefile.robots.mjcf_geoms import Fitted
+from bodycheck.casefile.robots.mjcf_settings import Settings, settings
+from bodycheck.casefile.robots.numbers import number
+from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.reference.exact.numbers import Vector3
 from bodycheck.reference.scene import Shape
 from bodycheck.robots.elements import Element, place, quoted, refuse
-from bodycheck.robots.orientations import turned_inertia
+from bodycheck.robots.mjcf_assembly import own
 
 #: Elements of a file that stand for other elements, which are not read here.
 WRITERS = ("replicate", "composite", "flexcomp")
@@ -23,29 +23,54 @@ WRITERS = ("replicate", "composite", "flexcomp")
 
 def link(root: Element, name: str | None) -> Link:
     """Return a body of an MJCF file; the only one if the name is None. Raises `BadInput` if it cannot be read exactly."""
-    classes: dict[Element, str | None] = {}
+    inherited: dict[Element, str | None] = {}
     for world in root.all("worldbody"):
-        classes |= dict(_bodies(world, None))
-    refuse_includes(root)
-    body = chosen(root, list(classes), name, "body")
-    refuse_what_is_not_followed(body)
-    rules, defaults = settings(root), Defaults(root, "geom")
-    geoms = [defaults.resolved(geom, classes[body]) for geom in body.all("geom")]
-    mass_properties, inertia_from = _inertia(body, geoms, rules)
-    shape, shape_from = _shape(geoms, mass_properties, rules)
-    return Link(body.attributes.get("name", ""), mass_properties, inertia_from, shape, shape_from, left_out(len(classes) - 1))
-
-
-def refuse_includes(root: Element) -> None:
-    """Raise `BadInput` for an <include> at any place: the included file may change every number."""
+        inherited |= dict(_bodies(world, None))
+    for compiler in root.all("compiler"):
+        _refuse_what_changes_bodies(compiler)
     for element in root.everything():
         if element.tag == "include":
             refuse(element, "file", "names another file, which is not opened; put its content in its place")
+    body = chosen(root, list(inherited), name, "body")
+    _refuse_what_is_not_followed(body)
+    rules = settings(root)
+    parts = mjcf_parts.parts(body, inherited[body], rules, mjcf_parts.classes(root))
+    if rules.inertiafromgeom == "false" and body.only("inertial") is None:
+        refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
+    mass_properties = mjcf_inertia.of_body(body, parts, rules, NoFiles())
+    if mass_properties is None or not mass_properties.mass:
+        refuse(body, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
+    geoms = [part.element for part in parts if part.element.tag == "geom"]
+    shape, shape_from = _shape(geoms, mass_properties, rules)
+    inertia_from = _inertia_from(body, geoms, rules)
+    return Link(body.attributes.get("name", ""), mass_properties, inertia_from, shape, shape_from, left_out(len(inherited) - 1))
 
 
-def refuse_what_is_not_followed(body: Element) -> None:
+class NoFiles:
+    """The meshes and height fields of a file of which no other file is opened."""
+
+    def mesh(self, geom: Element) -> Fitted:
+        """Raise `BadInput`."""
+        refuse(geom, "mesh", "names a mesh, which is not opened; allowed: an <inertial>")
+
+    def half_lengths(self, geom: Element) -> Vector3:
+        """Raise `BadInput`."""
+        refuse(geom, "hfield", "names a height field, which is not read; allowed: an <inertial>")
+
+
+def _refuse_what_changes_bodies(compiler: Element) -> None:
+    """Raise `BadInput` for settings that change masses, inertias or frames, which a single body is not told with."""
+    for key in ("fusestatic", "discardvisual", "alignfree", "balanceinertia"):
+        if (value := compiler.attributes.get(key, "false")) != "false":
+            refuse(compiler, key, f"read {quoted(value)}, which changes bodies and is not followed here; allowed: false")
+    for key in ("settotalmass", "boundmass", "boundinertia"):
+        if number(compiler, key, 0.0) > 0:
+            refuse(compiler, key, f"read {quoted(compiler.attributes[key])}, which changes masses and is not followed here")
+
+
+def _refuse_what_is_not_followed(body: Element) -> None:
     """Raise `BadInput` for elements of a body that may change its mass or frame; bodies inside it are not checked."""
-    for element in _own(body):
+    for element in own(body):
         if element.tag in WRITERS:
             refuse(
                 element, None, f"stands for other elements, which are not read here; allowed: a body without <{element.tag}>"
@@ -60,38 +85,6 @@ def refuse_what_is_not_followed(body: Element) -> None:
             )
 
 
-def inertia_of(body: Element, inherited: str | None, rules: Settings, defaults: Defaults) -> MassProperties | None:
-    """Return the mass properties of a body in its frame; None if it has no mass.
-
-    Parameters
-    ----------
-    body
-        The body.
-    inherited
-        The default class of its geoms.
-    rules, defaults
-        The settings of the file, and its default classes of geoms.
-    """
-    geoms = [defaults.resolved(geom, inherited) for geom in body.all("geom")]
-    if body.only("inertial") is None and not any(
-        rules.counts(number(geom, "group", 0.0)) and mjcf_geoms.mass_properties(geom, rules) is not None for geom in geoms
-    ):
-        return None
-    return _inertia(body, geoms, rules)[0]
-
-
-def _inertia(body: Element, geoms: list[Element], rules: Settings) -> tuple[MassProperties, str]:
-    """Return the mass properties of a body with some geoms, and a phrase for their place in the file."""
-    inertial = body.only("inertial")
-    counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
-    # If no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
-    if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
-        mass_properties, inertia_from = _stated(inertial, rules), place(inertial)
-    else:
-        mass_properties, inertia_from = _of_geoms(body, counted, rules)
-    return without_rounding(mass_properties), inertia_from
-
-
 def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, str | None]]:
     """Yield all bodies below an element, each with the name of the default class of its geoms."""
     left = [(parent, inherited)]
@@ -103,45 +96,15 @@ def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, s
         left += [(child, name) for child in reversed(element.children) if child.tag in ("body", "frame")]
 
 
-def _own(body: Element) -> Iterator[Element]:
-    """Yield the elements of a body, also those inside its frames, but not the elements of bodies inside it."""
-    left = list(reversed(body.children))
-    while left:
-        element = left.pop()
-        yield element
-        if element.tag == "frame":
-            left += reversed(element.children)
-
-
-def _stated(inertial: Element, rules: Settings) -> MassProperties:
-    """Return the mass properties that an <inertial> states."""
-    mass, centre = positive(inertial, "mass"), vector(numbers(inertial, "pos", (3,)))
-    full, diagonal = "fullinertia" in inertial.attributes, "diaginertia" in inertial.attributes
-    turn = attitude(inertial, rules)
-    if full == diagonal:
-        refuse(
-            inertial,
-            None,
-            f"has {'both' if full else 'neither'} diaginertia {'and' if full else 'nor'} fullinertia; allowed: one of them",
-        )
-    if full:
-        if turn != IDENTITY:
-            refuse(inertial, "fullinertia", "an attitude is given too, which MuJoCo refuses")
-        components = numbers(inertial, "fullinertia", (6,))
-    else:
-        components = (*numbers(inertial, "diaginertia", (3,)), 0.0, 0.0, 0.0)
-    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, turn))
-
-
-def _of_geoms(body: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
-    """Return the total mass properties of the geoms that count in a body, and a phrase for their place in the file."""
-    if rules.inertiafromgeom == "false":
-        refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
-    solids = [solid for geom in counted if (solid := mjcf_geoms.mass_properties(geom, rules)) is not None]
-    if not solids:
-        refuse(body, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
+def _inertia_from(body: Element, geoms: list[Element], rules: Settings) -> str:
+    """Return a phrase for the place of the mass properties of a body in the file."""
+    counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
+    inertial = body.only("inertial")
+    # If no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
+    if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
+        return place(inertial)
     lines = ", ".join(str(geom.line) for geom in counted[:10]) + (", …" if len(counted) > 10 else "")
-    return joined(solids), f"{body.file}: geoms of body {quoted(body.attributes.get('name', ''))}, lines {lines}"
+    return f"{body.file}: geoms of body {quoted(body.attributes.get('name', ''))}, lines {lines}"
 
 
 def _shape(geoms: list[Element], mass_properties: MassProperties, rules: Settings) -> tuple[Shape | None, str]:

@@ -1,171 +1,261 @@
-"""Read the bodies and joints of an MJCF file as tables of a case file.
+"""Read an MJCF file for a case: its bodies, joints and loops as tables, as MuJoCo's compiler reads them, and all other parts.
 
-A body without a joint is fixed to its parent; if it has no mass either, it is only a frame of its parent. The frame of a body
-is moved to the anchor of its hinge or ball. Geometry, sites, sensors, ranges of joints, and the gravity, integrator and
-contacts of the file are ignored: a case states its own gravity. The time step is read for runs of the method that users of an
-engine get by default. Anything else that moves bodies is refused.
+A body without a joint is fixed to its parent; if it has no mass either, it is only a frame of its parent. Several joints of one
+body act one after another, with bodies without mass in between. The frame of a body is moved to the anchor of its last joint.
+Coordinates are MuJoCo's: a joint begins at its `ref`, where the pose is that of the file.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
 
-from bodycheck.casefile.robots import tables
-from bodycheck.casefile.robots.mjcf import inertia_of, refuse_includes, refuse_what_is_not_followed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude, settings
-from bodycheck.casefile.robots.numbers import number, numbers, positive
-from bodycheck.casefile.robots.tables import HERE, Pose, Tables
+from bodycheck.casefile.robot_notes import JointRange
+from bodycheck.casefile.robots import (
+    mjcf_equalities,
+    mjcf_features,
+    mjcf_inertia,
+    mjcf_joints,
+    mjcf_keyframes,
+    mjcf_parts,
+    mjcf_springs,
+    tables,
+)
+from bodycheck.casefile.robots.link import without_rounding
+from bodycheck.casefile.robots.mjcf_carriers import Carrier, Tree, unlike
+from bodycheck.casefile.robots.mjcf_file import assemble
+from bodycheck.casefile.robots.mjcf_joints import JointOfFile
+from bodycheck.casefile.robots.mjcf_meshes import MeshesOfFile
+from bodycheck.casefile.robots.mjcf_options import options
+from bodycheck.casefile.robots.mjcf_parts import Part
+from bodycheck.casefile.robots.mjcf_settings import TRUTHS, settings, word
+from bodycheck.casefile.robots.numbers import number
+from bodycheck.casefile.robots.reading import Choice, Read
+from bodycheck.casefile.robots.tables import HERE, Pose
+from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
-from bodycheck.reference.exact.numbers import MP, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY
-from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
+from bodycheck.reference.exact.numbers import MP
+from bodycheck.reference.exact.rotations import ORIGIN
 from bodycheck.robots.elements import Element, quoted, refuse
+from bodycheck.robots.mjcf_assembly import own
+from bodycheck.robots.orientations import turned_inertia
 
-#: The types of joints by their names in MJCF.
-TYPES = {form.mjcf: form.name for form in JOINT_TYPES.values() if form.mjcf is not None}
+#: The names that no body of a case may have.
+RESERVED = ("world", "plane")
 
-#: Parts of a file that constrain or move bodies in ways that a case cannot state.
-MOVING = ("equality", "tendon", "actuator", "deformable", "extension")
+#: The name of the joint of a base that floats in the case alone.
+BASE = "base"
 
-#: Attributes that change a motion if they are not zero, and that a case cannot state.
-OF_OPTIONS = ("density", "viscosity")
-OF_BODIES = ("gravcomp",)
-OF_JOINTS = ("ref", "springdamper", "actuatorgravcomp")
-
-#: The keys of a case for attributes of joints, and the types of joints that may have them.
-PROPERTIES = {
-    "armature": ("armature", ("hinge", "slide")),
-    "damping": ("damping", ("hinge", "slide", "ball")),
-    "stiffness": ("stiffness", ("hinge", "slide")),
-    "frictionloss": ("friction", ("hinge", "slide")),
-}
+#: The mass properties of a body without mass.
+NOTHING = MassProperties(MP.mpf(0), ORIGIN, (MP.mpf(0),) * 6)
 
 
-@dataclass(frozen=True, eq=False)
-class _Around:
-    """The context of child bodies: the name of the body that carries them, their frame on it, and their default class."""
-
-    name: str
-    pose: Pose
-    inherited: str | None
-
-
-@dataclass(frozen=True, eq=False)
-class _Model:
-    """The settings of a file."""
-
-    rules: Settings
-    geoms: Defaults
-    joints: Defaults
-    world: str
-
-
-def tree(root: Element, world: str) -> Tables:
-    """Return the bodies and joints of an MJCF file. world: the name of the world.
+def tree(root: Element, world: str, choice: Choice) -> Read:
+    """Return the result of reading an MJCF file. world: the name of the world.
 
     Raises `BadInput` for what cannot be read exactly.
     """
-    refuse_includes(root)
-    for element in root.children:
-        if element.tag in MOVING and element.children:
-            refuse(element.children[0], None, f"is in <{element.tag}>, which a case cannot say; take it out")
-    for option in root.all("option"):
-        _refuse_unless_zero(option, OF_OPTIONS)
-    model = _Model(settings(root), Defaults(root, "geom"), Defaults(root, "joint"), world)
-    bodies_and_joints: Tables = {"bodies": [], "joints": []}
-    left = [(child, _Around(world, HERE, _class(top, None))) for top in root.all("worldbody") for child in _bodies(top)][::-1]
+    assemble(root, choice.files)
+    of_file, rules = options(root), settings(root)
+    base = _float(root) if choice.base == "free" else None
+    features = mjcf_features.of_file(root, of_file, choice.ignore)
+    read = Tree(rules, mjcf_parts.classes(root), MeshesOfFile(root, rules, choice.files), features)
+    _walk(root, world, read)
+    _scale(read)
+    mjcf_springs.set_springs(read)
+    moving = [joint for joint in read.joints if joint.kind != "fixed"]
+    mjcf_keyframes.start(root, choice.keyframe, [joint for joint in moving if joint.element is not base])
+    ranges = () if "limit" in of_file.off else tuple(_ranges(moving, read))
+    loops = mjcf_equalities.read(root, read)
+    floating = [joint.name for joint in moving if joint.table["type"] == "free"]
+    return Read(
+        {
+            "bodies": [tables.body(*each) for each in read.inertias.items()],
+            "joints": [joint.table for joint in read.joints],
+            **({"loops": loops} if loops else {}),
+        },
+        base=floating[0] if len(floating) == 1 else None,
+        features=features.all(),
+        ranges=ranges,
+        touching="contact" not in of_file.off and _touching(root, read),
+        welded=any(joint.kind == "fixed" and joint.table["parent"] == world for joint in read.joints),
+        keyframes=mjcf_keyframes.names(root),
+        gravity=of_file.gravity,
+        timestep=of_file.timestep,
+    )
+
+
+def _walk(root: Element, world: str, read: Tree) -> None:
+    """Read all bodies of a file, each before those in it, in the order of the file."""
+    bodies, joints = read.taken
+    bodies |= {*RESERVED, *(body.attributes["name"] for body in root.everything() if _names(body, "body"))}
+    joints |= {joint.attributes["name"] for joint in root.everything() if _names(joint, "joint", "freejoint")}
+    around = Carrier(world, HERE, HERE)
+    left: list[tuple[Part, Carrier]] = []
+    for top in root.all("worldbody"):
+        parts = mjcf_parts.parts(top, None, read.rules, read.classes)
+        _add_sites_and_geoms(mjcf_equalities.WORLD, around, parts, read)
+        left += [(part, around) for part in parts if part.element.tag == "body"]
+    left.reverse()
     while left:
-        body, around = left.pop()
-        inner = _add(bodies_and_joints, body, around, model)
-        left += [(child, inner) for child in _bodies(body)[::-1]]
-    return bodies_and_joints
+        part, around = left.pop()
+        carrier, parts = _add(part, around, read)
+        left += [(inner, carrier) for inner in reversed(parts) if inner.element.tag == "body"]
 
 
-def timestep(root: Element) -> float | None:
-    """Return the time step (s) that a file states; None if it states none. The last of several elements is valid."""
-    stated = [option for option in root.all("option") if "timestep" in option.attributes]
-    return positive(stated[-1], "timestep") if stated else None
+def _names(element: Element, *tags: str) -> bool:
+    """Return whether an element has one of some tags, and a name."""
+    return element.tag in tags and "name" in element.attributes
 
 
-def _bodies(parent: Element) -> list[Element]:
-    """Return the child bodies of the world or a body. Raises `BadInput` for elements that stand for further bodies."""
-    for element in parent.children:
-        if element.tag in ("frame", "replicate", "composite", "flexcomp", "attach", "plugin"):
-            refuse(element, None, "is not followed here; write the bodies themselves, with the poses that they have")
-    return list(parent.all("body"))
+def _add(part: Part, around: Carrier, read: Tree) -> tuple[Carrier, Sequence[Part]]:
+    """Add a body and its joints, and return what carries the bodies in it, and the elements of the body."""
+    body = part.element
+    name, inherited = body.attributes["name"], body.attributes.get("childclass", part.inherited)
+    if name in read.carriers:
+        refuse(body, "name", f"{quoted(name)} is the name of another body or of the world; names must be unique")
+    parts = mjcf_parts.parts(body, inherited, read.rules, read.classes)
+    pose = part.frame.then(mjcf_parts.pose(body, read.rules))
+    inertia = mjcf_inertia.of_body(body, parts, read.rules, read.shapes)
+    frame = Carrier(around.name, around.pose.then(pose), around.world.then(pose), around.moves)
+    if moving := mjcf_joints.joints(parts):
+        carrier = _add_moving(body, moving, parts, inertia, frame, read)
+    elif inertia is None or not inertia.mass:
+        carrier = frame
+        if inertia is not None and around.moves:
+            _carry(body, inertia, frame, read)
+    else:
+        carrier = _add_fixed(body, inertia, frame, read)
+    _add_sites_and_geoms(name, carrier, parts, read)
+    return carrier, parts
 
 
-def _class(element: Element, inherited: str | None) -> str | None:
-    return element.attributes.get("childclass", inherited)
+def _add_fixed(body: Element, inertia: MassProperties, frame: Carrier, read: Tree) -> Carrier:
+    """Add a body that is fixed to its parent. frame: the body of the case that carries it, and its pose there."""
+    name = _name_in_case(body, read)
+    joint = unlike(name, read.taken[1])
+    read.taken[1].add(joint)
+    read.inertias[name] = inertia
+    read.joints.append(JointOfFile(body, "fixed", tables.joint(joint, "fixed", frame.name, name, frame.pose), frame.pose))
+    return replace(frame, name=name, pose=HERE)
 
 
-def _add(tables_of_file: Tables, body: Element, around: _Around, model: _Model) -> _Around:
-    """Add a body and its joint to tables, and return the context of the bodies in it."""
-    refuse_what_is_not_followed(body)
-    _refuse_unless_zero(body, OF_BODIES)
-    if body.attributes.get("mocap") == "true":
-        refuse(body, "mocap", "read 'true', which moves the body from outside; allowed: false")
-    inherited, (name, joints) = _class(body, around.inherited), _named(body)
-    pose_in_parent = Pose(vector(numbers(body, "pos", (3,), (0.0, 0.0, 0.0))), attitude(body, model.rules))
-    inertia, pose = inertia_of(body, inherited, model.rules, model.geoms), around.pose.then(pose_in_parent)
+def _add_moving(
+    body: Element,
+    moving: Sequence[Part],
+    parts: Sequence[Part],
+    inertia: MassProperties | None,
+    frame: Carrier,
+    read: Tree,
+) -> Carrier:
+    """Add a body that joints move, with a body without mass for each joint but the last one."""
+    if frame.name != read.carriers[mjcf_equalities.WORLD].name or len(moving) > 1:
+        for part in moving:
+            if mjcf_joints.kind_of(part.element) == "free":
+                refuse(part.element, None, "is not the only joint of a body in the world, as MuJoCo's free joints are")
+    if inertia is not None and not inertia.mass and any(inertia.tensor):
+        refuse(body, None, "has moments of inertia without mass, which no body that moves has")
+    name = _name_in_case(body, read)
+    names = []
+    for part in moving[:-1]:
+        names.append(unlike(f"{name}:{part.element.attributes['name']}", read.taken[0]))
+        read.taken[0].add(names[-1])
+        read.inertias[names[-1]] = NOTHING
+    own_frame = Pose(mjcf_joints.anchor(moving[-1]), HERE.turn)
+    if inertia is not None and _aligned(moving[0].element, parts, read):
+        own_frame = mjcf_inertia.principal_frame(parts, inertia, read.rules)
+        frame = replace(frame, pose=frame.pose.then(own_frame))
+    back = own_frame.inverse()
+    read.inertias[name] = NOTHING if inertia is None else without_rounding(mjcf_inertia.within(inertia, back))
+    read.joints += mjcf_joints.chain(moving, [*names, name], frame.name, frame.pose, read.rules, read.features)
+    return replace(frame, name=name, pose=back, moves=True)
+
+
+def _aligned(joint: Element, parts: Sequence[Part], read: Tree) -> bool:
+    """Return whether a body that a joint moves gets a frame along its principal axes: one that floats alone."""
+    alone = mjcf_joints.kind_of(joint) == "free" and not any(part.element.tag == "body" for part in parts)
+    align = word(joint, "align", "auto", (*TRUTHS, "auto")) if joint.tag == "freejoint" else "auto"
+    return alone and (align == "true" or (align == "auto" and read.rules.alignfree))
+
+
+def _name_in_case(body: Element, read: Tree) -> str:
+    """Return the name of a body in the case, which is its name in the file if a case allows that."""
+    name = body.attributes["name"]
+    if name in RESERVED:
+        name = unlike(name, read.taken[0])
+        read.taken[0].add(name)
+    return name
+
+
+def _carry(body: Element, inertia: MassProperties, frame: Carrier, read: Tree) -> None:
+    """Add the moments of inertia of a body without mass to the body that it is fixed to."""
+    carrying = read.inertias[frame.name]
+    if not carrying.mass:
+        refuse(body, None, "has moments of inertia without mass, and so has the body that it is fixed to")
+    added = turned_inertia(inertia.tensor, frame.pose.turn)
+    xx, yy, zz, xy, xz, yz = (one + other for one, other in zip(carrying.tensor, added, strict=True))
+    read.inertias[frame.name] = replace(carrying, tensor=(xx, yy, zz, xy, xz, yz))
+
+
+def _add_sites_and_geoms(body: str, carrier: Carrier, parts: Sequence[Part], read: Tree) -> None:
+    """Add the sites of a body of the file, and what its geoms may touch."""
+    read.carriers[body] = carrier
+    types, affinities, _ = read.masks.get(carrier.name, (0, 0, False))
+    for part in parts:
+        if part.element.tag == "geom":
+            types |= int(number(part.element, "contype", 1.0))
+            affinities |= int(number(part.element, "conaffinity", 1.0))
+        if part.element.tag == "site" and "name" in part.element.attributes:
+            read.sites[part.element.attributes["name"]] = body, part.frame.then(mjcf_parts.pose(part.element, read.rules))
+    read.masks[carrier.name] = types, affinities, carrier.moves
+
+
+def _scale(read: Tree) -> None:
+    """Scale all masses and inertias to the total mass that the file states."""
+    if read.rules.settotalmass <= 0:
+        return
+    factor = MP.mpf(read.rules.settotalmass) / sum(inertia.mass for inertia in read.inertias.values())
+    for name, inertia in read.inertias.items():
+        read.inertias[name] = mjcf_inertia.scaled(inertia, factor)
+
+
+def _float(root: Element) -> Element | None:
+    """Give a free joint to the one body in the world that has mass or joints in it, and return it; None if it has one already.
+
+    Raises `BadInput` if there is no such body, or several, or it has other joints.
+    """
+    tops = [
+        element
+        for world in root.all("worldbody")
+        for element in own(world)
+        if element.tag == "body"
+        and any(inner.tag in ("joint", "freejoint", "inertial", "geom") for inner in element.everything())
+    ]
+    listed = ", ".join(quoted(body.attributes["name"]) for body in tops[:20])
+    if len(tops) != 1:
+        raise BadInput(f"{root.file}: has {len(tops) or 'no'} bodies in the world, {listed}; one that is alone there can float")
+    joints = [element for element in own(tops[0]) if element.tag in ("joint", "freejoint")]
     if not joints:
-        if inertia is None:
-            return _Around(around.name, pose, inherited)
-        tables_of_file["bodies"].append(tables.body(name, inertia))
-        tables_of_file["joints"].append(tables.joint(name, "fixed", around.name, name, pose))
-        return _Around(name, HERE, inherited)
-    if inertia is None:
-        refuse(body, None, "has no mass and moves; only a body without a joint may have none")
-    joint = model.joints.resolved(joints[0], inherited) if joints[0].tag == "joint" else joints[0]
-    kind = "free" if joint.tag == "freejoint" else joint.attributes.get("type", "hinge")
-    if kind not in TYPES:
-        refuse(joint, "type", f"read {quoted(kind)}; allowed: {', '.join(TYPES)}")
-    anchor = vector(numbers(joint, "pos", (3,), (0.0, 0.0, 0.0)) if kind in ("hinge", "ball") else (0.0, 0.0, 0.0))
-    tables_of_file["bodies"].append(tables.body(name, _moved(inertia, anchor)))
-    tables_of_file["joints"].append(_joint(joint, kind, (around.name, name), pose.then(Pose(anchor, IDENTITY)), model))
-    x, y, z = anchor
-    return _Around(name, Pose((-x, -y, -z), IDENTITY), inherited)
+        names = {element.attributes["name"] for element in root.everything() if _names(element, "joint", "freejoint")}
+        joint = Element("freejoint", {"name": unlike(BASE, names)}, tops[0].file, tops[0].line)
+        tops[0].children.insert(0, joint)
+        return joint
+    if joints[0].tag != "freejoint" and joints[0].attributes.get("type", "hinge") != "free":
+        refuse(joints[0], None, f"moves {listed}, so that it cannot float as a base; allowed: a body without joints")
+    return None
 
 
-def _named(body: Element) -> tuple[str, Sequence[Element]]:
-    """Return the name of a body, and its joint, if it has one, in a sequence."""
-    joints = [element for element in body.children if element.tag in ("joint", "freejoint")]
-    if len(joints) > 1:
-        refuse(joints[1], None, "is a second joint of one body; allowed: one, or a body in between that has a mass")
-    if "name" not in body.attributes:
-        refuse(body, "name", "is missing")
-    return body.attributes["name"], joints
+def _ranges(moving: Sequence[JointOfFile], read: Tree) -> Iterator[JointRange]:
+    """Yield the limits of the hinges and slides."""
+    for joint in moving:
+        between = mjcf_joints.limits(joint, read.rules)
+        if between is not None and joint.kind in ("hinge", "slide"):
+            yield JointRange(joint.name, *between)
 
 
-def _moved(inertia: MassProperties, anchor: Vector3) -> MassProperties:
-    """Return mass properties in a frame whose origin is moved to the position `anchor`."""
-    return replace(inertia, centre=vector([one - other for one, other in zip(inertia.centre, anchor, strict=True)]))
-
-
-def _joint(joint: Element, kind: str, ends: tuple[str, str], pose: Pose, model: _Model) -> dict[str, Any]:
-    """Return the table of a joint between two bodies, at a pose in the frame of the first body."""
-    parent, child = ends
-    name = joint.attributes.get("name", child)
-    _refuse_unless_zero(joint, OF_JOINTS)
-    properties: dict[str, Any] = {}
-    for attribute, (key, kinds) in PROPERTIES.items():
-        if value := number(joint, attribute, 0.0):
-            if kind not in kinds:
-                refuse(joint, attribute, f"a {kind} joint has none in a case; allowed: 0")
-            properties[key] = value
-    if kind == "free":
-        if parent != model.world:
-            refuse(joint, None, "a free joint is not of a body in the world")
-        start = {"position": tables.doubles(pose.origin), "quaternion": tables.doubles(pose.turn)}
-        return {**tables.joint(name, "free", parent, child, HERE), "initial": start}
-    if kind in ("hinge", "slide"):
-        properties["axis"] = list(numbers(joint, "axis", (3,), (0.0, 0.0, 1.0)))
-        rest = MP.mpf(number(joint, "springref", 0.0))
-        properties["rest"] = float(rest * MP.pi / 180 if kind == "hinge" and model.rules.degrees else rest)
-    return tables.joint(name, TYPES[kind], parent, child, pose) | properties
-
-
-def _refuse_unless_zero(element: Element, attributes: Sequence[str]) -> None:
-    for attribute in attributes:
-        if any(numbers(element, attribute, (1, 2), (0.0,))):
-            refuse(element, attribute, f"read {quoted(element.attributes[attribute])}, which a case cannot say; allowed: 0")
+def _touching(root: Element, read: Tree) -> bool:
+    """Return whether geoms of different bodies, one of which moves, may touch."""
+    if any(section.first("pair") is not None for section in root.all("contact")):
+        return True
+    return any(
+        (one[2] or other[2]) and (one[0] & other[1] or other[0] & one[1]) for one, other in combinations(read.masks.values(), 2)
+    )

@@ -8,7 +8,7 @@ from bodycheck import CaseFaults, load
 from bodycheck.casefile.case import parse_stored
 from bodycheck.casefile.robots.direct import case_name, scene_of_robot, text_of_robot
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from tests.casefile.robots.test_robot_trees import URDF
+from tests.support.robot_cases import URDF
 
 
 def test_a_file_is_a_case_and_its_text_is_the_file_of_that_case(tmp_path: Path) -> None:

@@ -2,12 +2,13 @@
 
 from collections.abc import Collection, Iterator, Sequence
 
+from bodycheck.casefile.mechanisms.grammar import WORLD
 from bodycheck.casefile.robots.reading import Feature, Ignored, Read
 
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
-    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "them": "it",
+    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
 }  # fmt: skip
 
 #: Most lines, or ranges of lines, that a sentence lists; more are given as one range from the first to the last.
@@ -30,8 +31,14 @@ def notices(read: Read, ignore: Collection[Ignored], file: str) -> Iterator[str]
         else:
             continue
         yield f"{_subject(feature, file)} {_agreeing(clause, len(feature.lines))}."
-    if read.welded:
+    if _is_held(read):
         yield WELDED
+
+
+def _is_held(read: Read) -> bool:
+    """Return whether a body with mass is fixed to the world, and none floats."""
+    of_world = {joint["type"] for joint in read.tables["joints"] if joint["parent"] == WORLD}
+    return "free" not in of_world and (read.welded or "fixed" in of_world)
 
 
 def refusals(read: Read, ignore: Collection[Ignored]) -> Iterator[str]:
@@ -88,6 +95,8 @@ def _of_lines(numbers: Sequence[int]) -> str:
             ranges[-1] = [ranges[-1][0], number]
         else:
             ranges.append([number])
+    if ranges == [[numbers[0], numbers[0] + 1]]:
+        ranges = [[numbers[0]], [numbers[1]]]
     if len(ranges) > MAX_RANGES:
         ranges = [[numbers[0], numbers[-1]]]
     phrases = [" to ".join(map(str, each)) for each in ranges]

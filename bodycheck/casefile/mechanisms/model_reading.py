@@ -5,21 +5,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from bodycheck.casefile.mechanisms import model_sentences as sentences
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
-from bodycheck.casefile.robots import mjcf_tree, sentences, urdf_tree
-from bodycheck.casefile.robots.model_files import ModelFiles, NoFiles
+from bodycheck.casefile.mechanisms.model_files import ModelFiles, NoFiles
+from bodycheck.casefile.robots import mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
+from bodycheck.casefile.robots.urdf import tree as urdf_tree
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
-from bodycheck.robots.elements import Element
-
-
-def _mjcf(root: Element, world: str, choice: Choice) -> Read:
-    return Read(mjcf_tree.tree(root, world), timestep=mjcf_tree.timestep(root))
-
 
 #: The functions that read a file, by the tag of its root.
-READERS = {"robot": urdf_tree.tree, "mujoco": _mjcf}
+READERS = {"robot": urdf_tree.tree, "mujoco": mjcf_tree.tree}
 
 
 def read(text: str, file: str, choice: Choice) -> Read:
@@ -35,7 +31,8 @@ def read(text: str, file: str, choice: Choice) -> Read:
     if reasons := list(sentences.refusals(result, choice.ignore)):
         raise BadInput("\n".join(reasons))
     if not result.tables["bodies"]:
-        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
+        advice = '; base = "free" lets it move' if result.welded else ""
+        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world{advice}")
     if len(result.tables["bodies"]) > MAX_BODIES:
         raise BadInput(f"{root.file}: has {len(result.tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
     return result

@@ -51,8 +51,8 @@ class ModelFiles:
         """
         bases = (self.folders.home, self._folder(near))
         path = self.folders.find(name, bases)
-        own = self._own_name(path)
-        return own, self._keep(own, self._read(path, "texts"))
+        inside = self._name_inside(path)
+        return inside, self._keep(inside, self._read(path, "texts"))
 
     def content(self, name: str) -> bytes:
         """Return the content of a named mesh. Its path is relative to the folder of the robot, or in a package.
@@ -61,23 +61,23 @@ class ModelFiles:
         """
         path = self.folders.find(name, (self.folders.home,))
         content = self._read(path, "meshes")
-        self._digest(self._own_name(path), content)
+        self._digest(self._name_inside(path), content)
         return content
 
     def _read(self, path: Path, kind: str, follow: bool = False) -> bytes:
         """Return the content of a file of a kind of `LIMITS`. Raises `BadInput` if it cannot be read or is too large."""
-        own, (most, in_all) = quoted(path.name)[1:-1], LIMITS[kind]
+        shown, (most, in_all) = quoted(path.name)[1:-1], LIMITS[kind]
         try:
             content = reading.content(path, most, follow)
         except reading.Refused as error:
-            raise BadInput(f"{own}: {error.reason}") from error
+            raise BadInput(f"{shown}: {error.reason}") from error
         except OSError as error:
-            raise BadInput(f"{own}: cannot be read: {error.strerror}") from error
+            raise BadInput(f"{shown}: cannot be read: {error.strerror}") from error
         except ValueError as error:  # a path with a null character
-            raise BadInput(f"{own}: cannot be read: {error}") from error
+            raise BadInput(f"{shown}: cannot be read: {error}") from error
         self.sizes[kind] += len(content)
         if self.sizes[kind] > in_all:
-            raise BadInput(f"{own}: the {kind} of the model are larger than {in_all} bytes in all, the limit for them")
+            raise BadInput(f"{shown}: the {kind} of the model are larger than {in_all} bytes in all, the limit for them")
         return content
 
     def _keep(self, name: str, content: bytes) -> str:
@@ -93,19 +93,19 @@ class ModelFiles:
         if len(self.digests) > MAX_FILES:
             raise BadInput(f"{quoted(name)[1:-1]}: the model names more than {MAX_FILES} files")
 
-    def _own_name(self, path: Path) -> str:
+    def _name_inside(self, path: Path) -> str:
         """Return the path of a file from the folder of the model, or in a package, with slashes."""
         if path.is_relative_to(self.folders.home):
             return path.relative_to(self.folders.home).as_posix()
         package = next(folder for folder in self.folders.packages if path.is_relative_to(folder))
         return f"package://{package.name}/{path.relative_to(package).as_posix()}"
 
-    def _folder(self, own: str) -> Path:
+    def _folder(self, inside: str) -> Path:
         """Return the folder of a file with a name that `text` returned."""
         for package in self.folders.packages:
-            if own.startswith(start := f"package://{package.name}/"):
-                return package / PurePosixPath(own.removeprefix(start)).parent
-        return self.folders.home / PurePosixPath(own).parent
+            if inside.startswith(start := f"package://{package.name}/"):
+                return package / PurePosixPath(inside.removeprefix(start)).parent
+        return self.folders.home / PurePosixPath(inside).parent
 
 
 class NoFiles:
@@ -113,8 +113,8 @@ class NoFiles:
 
     def text(self, name: str, near: str) -> tuple[str, str]:
         """Raise `NotFound`."""
-        raise NotFound(f"is not there, as only the text of the model is stored, not that of {quoted(name)}")
+        raise NotFound("is not there, as only the text of the model is stored")
 
     def content(self, name: str) -> bytes:
         """Raise `NotFound`."""
-        raise NotFound(f"is not there, as only the text of the model is stored, not that of {quoted(name)}")
+        raise NotFound("is not there, as only the text of the model is stored")

@@ -46,7 +46,7 @@ DYNAMICS: dict[str, _Kind] = {
     "friction": _Kind("friction", ("dry friction of a joint", "dry frictions of joints"), SEVERAL),
 }
 MIMIC = _Kind("mimic", ("element <mimic>", "elements <mimic>"), "")
-WEIGHTLESS = _Kind(None, ("link", "links"), "have inertia without mass, which counts on the links that carry them")
+WEIGHTLESS = _Kind(None, ("link", "links"), "have inertia without mass, which is added to what carries them")
 
 
 def features(

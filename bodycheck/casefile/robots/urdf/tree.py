@@ -10,10 +10,11 @@ from itertools import chain, count
 from typing import Any
 
 from bodycheck.casefile.robot_notes import JointRange
-from bodycheck.casefile.robots import tables, urdf_features
+from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.tables import HERE, Pose, turned
+from bodycheck.casefile.robots.urdf.features import features
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, Vector3, vector
@@ -85,7 +86,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     return Read(
         {"bodies": [tables.body(*each) for each in links.inertias.items()], "joints": links.joints},
         base=base,
-        features=urdf_features.features(root, read.joints, choice.ignore, mimics, links.weightless),
+        features=features(root, read.joints, choice.ignore, mimics, links.weightless),
         ranges=tuple(_ranges(read.joints)),
         touching=any(link.element.first("collision") is not None for link in read.links),
         welded=base is None and root_link.mass_properties.mass > 0,
@@ -150,8 +151,8 @@ def _carry(links: _Tree, link: LinkPart, carrier: str, pose: Pose) -> None:
         return
     if not inertia.mass:
         links.faults.append(f"{place(link.element)}: {WITHOUT_MASS}")
-    own = turned_inertia(link.mass_properties.tensor, pose.turn)
-    links.inertias[carrier] = replace(inertia, tensor=tuple(a + b for a, b in zip(inertia.tensor, own, strict=True)))
+    further = turned_inertia(link.mass_properties.tensor, pose.turn)
+    links.inertias[carrier] = replace(inertia, tensor=tuple(a + b for a, b in zip(inertia.tensor, further, strict=True)))
 
 
 #: The fault of a link that moves, or is fixed to one that has no mass either.
