@@ -15,7 +15,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Stopped
 from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.trajectory import Array
@@ -142,7 +142,7 @@ def solve(
 
     Raises
     ------
-    OutOfReach
+    Stopped
         If the integration fails or takes too many steps.
     """
     instants, rows = np.unique(np.append(times[:0].dtype.type(0), times), return_inverse=True)
@@ -154,5 +154,5 @@ def solve(
         grid = instants.astype(start.dtype)
         outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most or MAX_STEPS, callback=reducer)
     if outcome != hy.taylor_outcome.time_limit:
-        raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
+        raise Stopped(f"Taylor's method stopped after {steps} steps: {outcome.name}", float(solver.time))
     return np.asarray(solution[rows[1:]])

@@ -208,6 +208,17 @@ class Mechanism:
         return tuple(by_child.get(index) for index in range(len(self.bodies)))
 
 
+def breadth_first(mechanism: Mechanism) -> list[int]:
+    """The indices of all bodies, each after its parent: those on the world first, then those that hang on them, and so on."""
+    children: dict[int, list[int]] = {}
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
+    order = list(children.get(WORLD, []))
+    for body in order:
+        order += children.get(body, [])
+    return order
+
+
 def depth_first(mechanism: Mechanism) -> Iterator[int]:
     """The indices of all bodies, each followed by all bodies that hang on it, children in the order of the file."""
     children: dict[int, list[int]] = {}

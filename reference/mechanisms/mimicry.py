@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from bodycheck.reference.mechanisms.mechanism import Joint
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, breadth_first
 
 
 @dataclass(frozen=True)
@@ -35,3 +35,21 @@ def start(joints: Sequence[Joint], index: int) -> tuple[Fraction, Fraction]:
     leader = joints[of_joint.leader]
     position, velocity = (Fraction(values[0]) if values else Fraction(0) for values in (leader.start, leader.start_velocity))
     return of_joint.multiplier * position + of_joint.offset, of_joint.multiplier * velocity
+
+
+def roots(mechanism: Mechanism) -> dict[int, int]:
+    """The first body of the tree of each body, by its index; `WORLD` for a body that does not move.
+
+    A tree begins at a free body, at a free joint, or at a joint on the world. If a joint follows a joint of another tree, both
+    trees are one.
+    """
+    first, joint_of = {WORLD: WORLD}, mechanism.joint_of
+    for body in breadth_first(mechanism):
+        joint = joint_of[body]
+        above = WORLD if joint is None or joint.type == "free" else first[joint.parent]
+        first[body] = above if above != WORLD or (joint is not None and joint.type == "fixed") else body
+    for joint in mechanism.joints:
+        if joint.mimic is not None:
+            one, other = first[joint.child], first[mechanism.joints[joint.mimic.joint].child]
+            first = {body: one if root == other else root for body, root in first.items()}
+    return first
