@@ -73,7 +73,7 @@ def indented(lines: str) -> str:
 
 def embedded(text: str) -> str:
     """Return a text as it stands between three quotes in a script: names in it may have quotes and backslashes."""
-    return text.replace("\\", r"\\").replace('"""', r'\"\"\"')
+    return text.replace("\\", r"\\").replace('"""', r"\"\"\"")
 
 
 def written(numbers: Iterable[float]) -> str:

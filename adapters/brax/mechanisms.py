@@ -22,7 +22,7 @@ from bodycheck.adapters.contract import Engine, Method, SceneUnsupported
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import begin, states_of
+from bodycheck.adapters.mujoco.mechanisms import begin, seen_states
 from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
@@ -97,8 +97,7 @@ def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
         begin(plain, start, mechanism)
         inputs = jnp.array([joint.effort + joint.stiffness * joint.rest for joint in mechanism.joints if pushed(joint)])
         state = START(system, jnp.array(start.qpos), jnp.array(start.qvel))
-        states = states_of(plain, [body.name for body in mechanism.bodies])
-        return Compiled(TAKE.one, (system, inputs), state, states, len(mechanism.bodies))
+        return Compiled(TAKE.one, (system, inputs), state, seen_states(mechanism, xml), len(mechanism.bodies))
 
 
 UNTURNED = "1 0 0 0"

@@ -26,6 +26,10 @@ class Header(TypedDict):
         dict[str, dict[str, str]],
         "For each engine, what it chooses where a user does not: integrator, timestep and tolerance, as far as it has them.",
     ]
+    soft: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the requirements of mechanisms that it models by springs and dampers, with the options of these.",
+    ]
     without_method: Annotated[
         dict[str, dict[str, str]],
         "For each engine, the cases for which it has none of the methods that were asked for, with why.",
@@ -43,7 +47,8 @@ class Header(TypedDict):
 
 #: The entries that results of earlier versions lack.
 LATER: dict[str, dict[str, dict[str, str]]] = {
-    name: {} for name in ("environments", "demonstrations", "precisions", "defaults", "without_method", "robots", "departures")
+    name: {}
+    for name in ("environments", "demonstrations", "precisions", "defaults", "soft", "without_method", "robots", "departures")
 }
 
 

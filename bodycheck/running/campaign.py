@@ -75,6 +75,7 @@ def header(
         "demonstrations": {name: offered for name, record in records.items() if (offered := demonstrations(record))},
         "precisions": {name: record.precision for name, record in records.items()},
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
+        "soft": {name: dict(record.soft) for name, record in records.items() if record.soft},
         "without_method": dict(without_method),
         "robots": {name: list(told) for name, told in robots.sentences.items()},
         "departures": dict(robots.departures),

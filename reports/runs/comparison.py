@@ -96,6 +96,7 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
         "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
         "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
+        "soft": _merged_by_engine([header["soft"] for header in headers.values()]),
         "without_method": _merged_by_engine([own["without_method"] for own in headers.values()]),
         "robots": {case: told for own in headers.values() for case, told in own["robots"].items()},
         "departures": {case: instant for own in headers.values() for case, instant in own["departures"].items()},

@@ -85,7 +85,7 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    by_engine = ("environments", "demonstrations", "defaults", "without_method")
+    by_engine = ("environments", "demonstrations", "defaults", "soft", "without_method")
     kinds |= {name: {"type": "object", "additionalProperties": versions} for name in by_engine}
     kinds |= {"robots": {"type": "object", "additionalProperties": _list(text)}}
     kinds |= {"departures": {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}}}

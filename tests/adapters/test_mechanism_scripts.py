@@ -11,17 +11,30 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.scripts import MECHANISM_COLUMNS
+from tests.support.coupled_joints import gripper, hip
 from tests.support.jointed import ball_and_hinge, cart_pole, four_bar, tree
 
 STEP, DURATION, SAMPLES = 0.003, 0.2, 5  # the instants are no multiples of the step
 
-MECHANISMS = {"tree": tree(), "loop": four_bar(), "ball": ball_and_hinge()}
+MECHANISMS = {
+    "tree": tree(),
+    "loop": four_bar(),
+    "ball": ball_and_hinge(),
+    "hip": hip(),
+    "gripper": gripper(damping=0.1, stiffness=2.0),
+}
 
 RUNS = {
-    "mujoco": [("tree", "RK4"), ("ball", "discrete"), ("loop", "Euler:solref=0.01 1")],
+    "mujoco": [
+        ("tree", "RK4"),
+        ("ball", "discrete"),
+        ("loop", "Euler:solref=0.01 1"),
+        ("hip", "RK4"),
+        ("gripper", "RK4:solref=0.01 1"),
+    ],
     "pinocchio": [
         *(("tree", "rk4"), ("tree", "semi-implicit-euler"), ("ball", "rk4-naive")),
-        *(("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
+        *(("hip", "rk4"), ("gripper", "rk4"), ("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
     ],
 }
 

@@ -59,12 +59,11 @@ RULES = {
     ),
     "radian": model(f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}', '<compiler angle="radian"/>'),
     "several compilers": model(
-        f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}', '<compiler angle="radian" eulerseq="XYZ"/><compiler eulerseq="zyx"/>'
+        f'<joint axis="0 1 1" ref="0.5" range="-1 1"/>{BOX}',
+        '<compiler angle="radian" eulerseq="XYZ"/><compiler eulerseq="zyx"/>',
     ),
     "total mass": model(f"{HINGE}{BOX}<body>{BOX}</body>", '<compiler settotalmass="14"/>'),
-    "smallest mass": model(
-        f'{HINGE}{BOX}<body pos="1 0 0" euler="1 2 3"/>', '<compiler boundmass="0.5" boundinertia="0.01"/>'
-    ),
+    "smallest mass": model(f'{HINGE}{BOX}<body pos="1 0 0" euler="1 2 3"/>', '<compiler boundmass="0.5" boundinertia="0.01"/>'),
     "smallest moment": model(f"{HINGE}{STATED}", '<compiler boundinertia="1.7"/>'),
     "balance": model(
         f'{HINGE}<inertial pos="0.1 0 0" mass="2" diaginertia="1 1 3" euler="1 2 3"/>', '<compiler balanceinertia="true"/>'
@@ -74,7 +73,8 @@ RULES = {
     "tiny geoms": model(f'{HINGE}<geom type="box" size="0.1 0.2 0.3"/><geom size="1e-5" mass="3"/>'),
     "ends": model(f'{HINGE}<geom type="capsule" size="0.1" fromto="0 0 0 0.3 0.2 -0.1"/>'),
     "height field": model(
-        f'{HINGE}<geom type="hfield" hfield="h" pos="1 0 0"/>', '<asset><hfield name="h" nrow="2" ncol="2" size="1 2 3 4"/></asset>'
+        f'{HINGE}<geom type="hfield" hfield="h" pos="1 0 0"/>',
+        '<asset><hfield name="h" nrow="2" ncol="2" size="1 2 3 4"/></asset>',
     ),
     **{
         f"{kind}{' shell' * shell}": model(f'{HINGE}<geom type="{kind}" size="{size}" shellinertia="{str(shell).lower()}"/>')
@@ -84,7 +84,9 @@ RULES = {
     },
     "no gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"><flag gravity="disable"/></option>'),
     "gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"/><option timestep="0.01"/>'),
-    "no springs": model(f'<joint stiffness="3" damping="2"/>{BOX}', '<option><flag spring="disable" damper="disable"/></option>'),
+    "no springs": model(
+        f'<joint stiffness="3" damping="2"/>{BOX}', '<option><flag spring="disable" damper="disable"/></option>'
+    ),
 }
 
 #: Texts whose inertias MuJoCo rotates to principal axes, of which it stops the search at a rotation of 1.4e-6 rad; and the shell
@@ -94,9 +96,7 @@ COARSE = {
     "full": model(f'{HINGE}<inertial pos="0 0 1" mass="2" fullinertia="1 1.5 2 0.1 0.2 0.3"/>'),
     "ellipsoid shell": model(f'{HINGE}<geom type="ellipsoid" size="1 2 3" shellinertia="true"/>'),
     **{f"mesh {rule}": mesh(f'inertia="{rule}"', 'type="mesh"') for rule in ("legacy", "convex", "exact", "shell")},
-    "mesh not convex": mesh(
-        'inertia="legacy" face="0 2 1 0 1 3 1 2 3 0 3 2 0 1 2 2 1 3"', 'type="mesh"'
-    ),
+    "mesh not convex": mesh('inertia="legacy" face="0 2 1 0 1 3 1 2 3 0 3 2 0 1 2 2 1 3"', 'type="mesh"'),
     "mesh scaled": mesh('scale="1 -2 3"', 'type="mesh"'),
     "mesh moved": mesh('refpos="1 2 3" refquat="1 2 3 4"', 'type="mesh"'),
     **{
@@ -127,7 +127,9 @@ def _numbers(chance: Random, count: int, size: float = 1.0) -> str:
 
 
 def _pose(chance: Random) -> str:
-    turn = chance.choice(["", f'euler="{_numbers(chance, 3, 3)}"', f'quat="1 {_numbers(chance, 3)}"', f'zaxis="1 {_numbers(chance, 2)}"'])
+    turn = chance.choice(
+        ["", f'euler="{_numbers(chance, 3, 3)}"', f'quat="1 {_numbers(chance, 3)}"', f'zaxis="1 {_numbers(chance, 2)}"']
+    )
     return f'pos="{_numbers(chance, 3)}" {turn}'
 
 
@@ -158,7 +160,13 @@ def _joint(chance: Random) -> str:
 
 def _geom(chance: Random) -> str:
     kind, size = chance.choice(
-        [("box", "0.3 0.4 0.5"), ("sphere", "0.4"), ("capsule", "0.2 0.4"), ("cylinder", "0.3 0.2"), ("ellipsoid", "0.2 0.3 0.4")]
+        [
+            ("box", "0.3 0.4 0.5"),
+            ("sphere", "0.4"),
+            ("capsule", "0.2 0.4"),
+            ("cylinder", "0.3 0.2"),
+            ("ellipsoid", "0.2 0.3 0.4"),
+        ]
     )
     weight = chance.choice(["", 'mass="0.7"', 'density="200"', 'shellinertia="true"' if kind != "ellipsoid" else ""])
     return f'<geom type="{kind}" size="{size}" {_pose(chance)} {weight}/>'

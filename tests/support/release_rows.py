@@ -20,6 +20,7 @@ HEADER = {
     "demonstrations": {},
     "precisions": {},
     "defaults": {},
+    "soft": {},
     "without_method": {},
     "robots": {},
     "departures": {},

@@ -25,6 +25,7 @@ HEADER = {
     "demonstrations": {},
     "precisions": {},
     "defaults": {},
+    "soft": {},
     "without_method": {},
     "robots": {},
     "departures": {},

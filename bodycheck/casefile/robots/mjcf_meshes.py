@@ -109,7 +109,9 @@ def _fitted(mesh: Element, read: Triangles) -> Fitted:
         hull = hull[:, [0, 2, 1]]
     extent, centre, tensor = _sums(mesh, corners, hull, read.faces if len(read.faces) else hull, rule)
     exact = [exactly(value) for value in tensor]
-    moments, axes = MP.eigsy(MP.matrix([[exact[0], exact[3], exact[4]], [exact[3], exact[1], exact[5]], exact[4:6] + [exact[2]]]))
+    moments, axes = MP.eigsy(
+        MP.matrix([[exact[0], exact[3], exact[4]], [exact[3], exact[1], exact[5]], exact[4:6] + [exact[2]]])
+    )
     order = sorted(range(3), key=lambda index: moments[index], reverse=True)
     a, b, c = (moments[index] for index in order)
     first, second = (normed((axes[0, index], axes[1, index], axes[2, index])) for index in order[:2])

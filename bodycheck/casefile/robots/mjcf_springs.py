@@ -47,7 +47,9 @@ def _springdamper(joint: JointOfFile) -> tuple[float, float] | None:
     if not (time or ratio):
         return None
     if min(time, ratio) <= 0:
-        refuse(joint.element, "springdamper", f"read {quoted(joint.element.attributes['springdamper'])}; allowed: positive numbers")
+        refuse(
+            joint.element, "springdamper", f"read {quoted(joint.element.attributes['springdamper'])}; allowed: positive numbers"
+        )
     return time, ratio
 
 

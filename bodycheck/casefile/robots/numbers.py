@@ -47,7 +47,9 @@ def many(element: Element, attribute: str, default: tuple[float, ...] | None = N
         refuse(element, attribute, "is missing; allowed: numbers separated by spaces")
     values = read_numbers(text, len(text))
     if values is None or not all(abs(value) <= MAX_NUMBER for value in values):
-        refuse(element, attribute, f"read {quoted(text)}; allowed: numbers separated by spaces, of at most {MAX_NUMBER:g} in size")
+        refuse(
+            element, attribute, f"read {quoted(text)}; allowed: numbers separated by spaces, of at most {MAX_NUMBER:g} in size"
+        )
     return values
 
 

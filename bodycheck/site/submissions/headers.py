@@ -47,7 +47,8 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
         for name, version in found.engines.items():
             _engine("engines", name)
             _text("engines", version, 100)
-        for name in ("engines", "missing", "environments", "demonstrations", "precisions", "defaults", "without_method"):
+        groups = ("environments", "demonstrations", "precisions", "defaults", "soft", "without_method")
+        for name in ("engines", "missing", *groups):
             _check_by_engine(name, getattr(found, name))
         _check_size("robots", found.robots)
         for told in found.robots.values():

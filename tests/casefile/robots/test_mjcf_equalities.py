@@ -126,7 +126,12 @@ def places(read: Read, coordinates: dict[str, float]) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     "attributes",
-    ['body1="b" body2="a" anchor="0.1 0.2 0.3"', 'body1="b" anchor="0.1 0.2 0.3"', 'site1="tip" site2="hook"', 'site1="top" site2="tip"'],
+    [
+        'body1="b" body2="a" anchor="0.1 0.2 0.3"',
+        'body1="b" anchor="0.1 0.2 0.3"',
+        'site1="tip" site2="hook"',
+        'site1="top" site2="tip"',
+    ],
 )
 def test_a_loop_is_closed_where_mujoco_closes_it(attributes: str) -> None:
     text, there = chain(f"<connect {attributes}/>"), {"one": 0.4, "two": 0.5, "three": 0.6}

@@ -74,7 +74,11 @@ def _limits(read: Read, compiled: Any) -> float:
     }
     if [each.joint for each in read.ranges] != list(limited):
         return np.inf
-    ends = [abs(end - there) for each in read.ranges for end, there in zip((each.lower, each.upper), limited[each.joint], strict=True)]
+    ends = [
+        abs(end - there)
+        for each in read.ranges
+        for end, there in zip((each.lower, each.upper), limited[each.joint], strict=True)
+    ]
     return max(ends, default=0.0)
 
 

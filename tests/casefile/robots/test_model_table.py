@@ -317,7 +317,9 @@ def test_inertia_without_mass_counts_on_the_link_that_carries_it(tmp_path: Path)
 def test_names_are_any_text(tmp_path: Path, name: str) -> None:
     text = GRIPPER.replace('name="a"', f'name="{_escaped(name)}"').replace('joint="a"', f'joint="{_escaped(name)}"')
     text = text.replace('"left"', f'"{_escaped(name)}"')
-    case = load(case_file(tmp_path, text, f"[initial.joints.{json.dumps(name, ensure_ascii=False)}]\nposition = 0.5\n", "robot.urdf"))
+    case = load(
+        case_file(tmp_path, text, f"[initial.joints.{json.dumps(name, ensure_ascii=False)}]\nposition = 0.5\n", "robot.urdf")
+    )
     assert isinstance(case.scene, Mechanism)
     assert (case.scene.joints[0].name, case.scene.joints[0].start, case.scene.bodies[0].name) == (name, (0.5,), name)
     assert parse_stored(case.text, "stored") == case
