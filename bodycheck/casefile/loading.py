@@ -76,8 +76,8 @@ def _of_robot(path: Path, faults: Sequence[Fault]) -> Iterator[Fault]:
     words = [match[1] for fault in faults if (match := ADVICE.search(fault.message)) is not None]
     for fault in faults:
         message = ADVICE.sub(r"--ignore \1 leaves", fault.message)
-        own, line, text = re.fullmatch(rf"({re.escape(path.name)}:(\d+:)? )?(.*)", message, re.DOTALL).groups()
-        yield Fault(f"{path}:{line.rstrip(':')}" if own and line else str(path), text)
+        stated, line, text = re.fullmatch(rf"({re.escape(path.name)}:(\d+:)? )?(.*)", message, re.DOTALL).groups()
+        yield Fault(f"{path}:{line.rstrip(':')}" if stated and line else str(path), text)
     if len(words) == len(faults):
         options = [option for word in dict.fromkeys(words) for option in ("--ignore", word)]
         yield Fault(str(path), f"runs without them by: {shlex.join(['bodycheck', 'run', str(path), *options])}")

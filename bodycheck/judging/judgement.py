@@ -5,14 +5,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from typing import TYPE_CHECKING, Any
-
-import pyarrow as pa
+from typing import Any
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
-from bodycheck.errors import BadInput
 from bodycheck.figures.columns import (
     ALWAYS_TABLED,
     CASE_COLUMNS,
@@ -22,8 +19,6 @@ from bodycheck.figures.columns import (
     METHOD_COLUMNS,
     largest_bounds,
 )
-from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
-from bodycheck.files import columns
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
 from bodycheck.judging.schemes.convergence import attitude_order
@@ -33,9 +28,6 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.results.store import Results
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The columns of every table of results. They are followed by the columns of `FURTHER` that any run has, the columns of the
 #: case, the columns of the limits and margins that any run has, and the columns of the method.
@@ -305,35 +297,6 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in DEPARTURE_COLUMNS if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
-
-
-def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
-    """Return a table with one row per run, in the columns and order of `records`.
-
-    Raises `BadInput` if pandas is not installed.
-    """
-    try:
-        import pandas as pd  # it is large, and nothing else needs it
-    except ModuleNotFoundError as error:
-        raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
-    # Numbers with decimals have no nullable type, with which pandas prints small ones as 0.0.
-    nullable = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
-    frame: pd.DataFrame = arrow(verdicts).to_pandas(types_mapper=nullable.get)
-    return frame
-
-
-def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
-    """Return the rows of `records` as a table of PyArrow. The types of its columns do not depend on the values."""
-    rows = records(verdicts)
-    names = list(rows[0]) if rows else list(COLUMNS)
-    types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}
-    kinds = {name: types.get(ALL_COLUMNS[name].kind, pa.string()) for name in names}
-    return pa.table({name: columns.of_values([_value(row.get(name)) for row in rows], kind) for name, kind in kinds.items()})
-
-
-def _value(value: Any) -> Any:
-    """Return a value for a table, in which NaN is a missing value."""
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def broken(

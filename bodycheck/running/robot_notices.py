@@ -1,4 +1,4 @@
-"""What is said of cases with robots' files: what was left out, what does not act, and from when on limits and contacts act.
+"""Sentences on cases with robots' files: what was left out, what does not act, and from when on limits and contacts act.
 
 Limits are roots of the truth. Contacts are looked for by MuJoCo's collision detection in the poses of the truth. Both need the
 truth of the case, which worker processes compute.
@@ -44,7 +44,7 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True)
 class Robots:
-    """What is said of the cases with robots' files.
+    """Sentences on the cases with robots' files.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Robots:
     departures: Mapping[str, float] = field(default_factory=dict)
 
 
-#: What is said where there are no robots.
+#: The sentences where there are no robots.
 NO_ROBOTS = Robots()
 
 
@@ -255,8 +255,6 @@ class _Acting:
         yield from (sentence for _, sentence in sorted(acting))
         if isinstance(self.touch, str):
             yield f"Contacts were not looked for: {self.touch}."
-        if self.moved is not None and self.moved.states is not None and _rests(self.moved.states):
-            yield "Nothing moves in this scene."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
         assert isinstance(self.case.scene, Mechanism)
@@ -282,8 +280,3 @@ class _Acting:
             return f"{_listed(pairs)} at the start: this is the robot without its contacts."
         when = f"between {after:.4g} and {before:.4g} s"
         return f"{_listed(pairs)} {when}: from there on this is the robot without its contacts."
-
-
-def _rests(states: States) -> bool:
-    """Return whether nothing moves."""
-    return all(bool((values == values[0]).all()) for values in states.joints.values())
