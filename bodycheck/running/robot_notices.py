@@ -20,8 +20,10 @@ from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.coordinates import by_name
-from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
+from bodycheck.reference.mechanisms.exact import nearest_turn
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
@@ -73,7 +75,10 @@ class Moved:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """The states of a robot at n instants t (n,), s: positions of joints by name, and centres of mass (n, 3) of bodies (m)."""
+    """The states of a robot at n instants t (n,), s: positions of joints by name, and centres of mass (n, 3) of bodies (m).
+
+    A free joint has the position and the attitude of its child in the world.
+    """
 
     t: Array
     joints: Mapping[str, Array]
@@ -153,10 +158,19 @@ def _moved(case: Case) -> Moved | str:
     except (NotModelled, OutOfReach) as error:
         return str(error)
     assert truth.joints is not None  # the truth of a mechanism has joints
-    joints = {name: motion["position"] for name, motion in by_name(scene, truth.joints).items() if motion["position"].size}
+    motions = by_name(scene, truth.joints)
+    joints = {joint.name: _in_world(joint, motions[joint.name]["position"]) for joint in scene.joints if joint.type != "fixed"}
     massive = [(index, body.name) for index, body in enumerate(bodies(scene)) if body.mass]
     centres = {name: truth.trajectory.body(index).position for index, name in massive}
     return Moved(passings, States(truth.trajectory.t, joints, centres))
+
+
+def _in_world(joint: Joint, positions: Array) -> Array:
+    """Return the coordinates of a joint at n instants, with the pose in the world (n, 7) for a free joint."""
+    if joint.type != "free" or joint.parent != WORLD:
+        return positions
+    turn = np.array(nearest_turn(joint.attitude))
+    return np.hstack([np.array(joint.position) + rotate(turn, positions[:, :3]), multiply(turn, positions[:, 3:])])
 
 
 def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touch | str | None]:
@@ -200,7 +214,7 @@ def _first_touch(search: Search) -> Touch | str | None:
 
     states = search.states
     at = [
-        RobotState({name: np.atleast_1d(values[index]) for name, values in states.joints.items()}, {}, {}, {})
+        RobotState({name: tuple(np.atleast_1d(values[index]).tolist()) for name, values in states.joints.items()}, {}, {}, {})
         for index in range(len(states.t))
     ]
     try:
