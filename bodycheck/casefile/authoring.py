@@ -59,7 +59,7 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
     BadInput
         As for `new`, and if the body cannot be read from the file.
     """
-    from bodycheck.casefile.robots import template as robots
+    from bodycheck.casefile import body_template as robots
 
     link = robots.read(model, body)
     text = robots.text(template(), link, model)

@@ -44,12 +44,12 @@ def include(root: Element, home: Place, opened: Callable[[Element, Place], tuple
     included: set[Place] = {home}
     left = [(root, home)]
     while left:
-        element, place = left.pop()
-        origins[element] = place
+        element, origin = left.pop()
+        origins[element] = origin
         if len(origins) > MAX_ELEMENTS:
             refuse(element, None, f"the model has more than {MAX_ELEMENTS} elements with those that it includes")
         children = []
-        next_ones = [(child, place) for child in reversed(element.children)]
+        next_ones = [(child, origin) for child in reversed(element.children)]
         while next_ones:
             child, within = next_ones.pop()
             if local(child.tag) != "include":

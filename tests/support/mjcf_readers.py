@@ -9,7 +9,7 @@ import numpy as np
 
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import WORLD, MechanismTable
-from bodycheck.casefile.robots import mjcf_tree
+from bodycheck.casefile.robots.mjcf import tree as mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.robots.dynamics import terms_at

@@ -27,7 +27,8 @@ RULES = {
     "aligned by the compiler": model(f'<joint type="free"/>{STATED}', '<compiler alignfree="true"/>'),
     "ball": model(f'<joint type="ball" pos="0.1 0.2 0.3" damping="0.4"/>{BOX}<body>{HINGE}{BOX}</body>'),
     "reference": model(
-        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}<body>{HINGE}{BOX}</body>'
+        f'<joint axis="0 1 1" pos="0.1 0 0" ref="30"/><joint type="slide" axis="1 2 0" ref="0.3"/>{BOX}'
+        f"<body>{HINGE}{BOX}</body>"
     ),
     "springs": model(f'<joint ref="30" stiffness="3" springref="20" damping="0.5" armature="0.2"/>{BOX}'),
     "spring and damper": model(
@@ -39,7 +40,8 @@ RULES = {
     ),
     "stated in a frame": model(f'{HINGE}<frame pos="0 0 1" euler="0 90 0">{STATED}</frame>'),
     "fixed and massless bodies": model(
-        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
+        f'{HINGE}{BOX}<body pos="0 0 1" euler="0 0 30"><body pos="1 0 0">{BOX}'
+        f'<body><joint axis="1 0 0"/>{BOX}</body></body></body>'
     ),
     "moments without mass": model(
         f'{HINGE}{BOX}<body euler="10 20 30"><inertial pos="0 0 0" mass="0" diaginertia="1 2 2.5"/></body>'
@@ -82,6 +84,8 @@ RULES = {
         for shell in (False, True)
         if (kind, shell) != ("ellipsoid", True)
     },
+    "several geoms": model(f'{HINGE}{BOX}<geom size="0.2" pos="1 0 0"/>'),
+    "full": model(f'{HINGE}<inertial pos="0 0 1" mass="2" fullinertia="1 1.5 2 0.1 0.2 0.3"/>'),
     "no gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"><flag gravity="disable"/></option>'),
     "gravity": model(f"{HINGE}{BOX}", '<option gravity="1 2 3"/><option timestep="0.01"/>'),
     "no springs": model(
@@ -89,12 +93,8 @@ RULES = {
     ),
 }
 
-#: Texts whose inertias MuJoCo rotates to principal axes, of which it stops the search at a rotation of 1.4e-6 rad; and the shell
-#: of an ellipsoid, whose inertia MuJoCo computes as a small difference.
-COARSE = {
-    "several geoms": model(f'{HINGE}{BOX}<geom size="0.2" pos="1 0 0"/>'),
-    "full": model(f'{HINGE}<inertial pos="0 0 1" mass="2" fullinertia="1 1.5 2 0.1 0.2 0.3"/>'),
-    "ellipsoid shell": model(f'{HINGE}<geom type="ellipsoid" size="1 2 3" shellinertia="true"/>'),
+#: A text for each rule of meshes.
+MESHES = {
     **{f"mesh {rule}": mesh(f'inertia="{rule}"', 'type="mesh"') for rule in ("legacy", "convex", "exact", "shell")},
     "mesh not convex": mesh('inertia="legacy" face="0 2 1 0 1 3 1 2 3 0 3 2 0 1 2 2 1 3"', 'type="mesh"'),
     "mesh scaled": mesh('scale="1 -2 3"', 'type="mesh"'),

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from bodycheck.casefile.formats import is_mechanism
-from bodycheck.casefile.mechanisms import model_reading, stored
+from bodycheck.casefile.mechanisms import stored
 from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.robot_notes import JointRange, RobotNotes
@@ -120,6 +120,8 @@ def with_model(
         tomllib.loads(f"{text}{stored.MARK}")
     except tomllib.TOMLDecodeError:  # after an inline table
         return text, ((FILE, "is not in a table of its own; write it below a line [model]"),)
+    from bodycheck.casefile.mechanisms import model_reading  # what is stored is read without the readers of robots' files
+
     try:
         return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(table))), ()
     except BadInput as error:
@@ -155,6 +157,8 @@ def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ())
     try:
         read = StoredTable.model_validate(table["stored"])
         if read.text is not None:
+            from bodycheck.casefile.mechanisms import model_reading
+
             read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(table)))
     except ValidationError:  # reported with the faults of the grammar
         return Expanded(document)

@@ -8,7 +8,7 @@ from typing import Any
 from bodycheck.casefile.mechanisms import model_sentences as sentences
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.mechanisms.model_files import ModelFiles, NoFiles
-from bodycheck.casefile.robots import mjcf_tree
+from bodycheck.casefile.robots.mjcf import tree as mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.urdf import tree as urdf_tree
 from bodycheck.errors import BadInput

@@ -1,6 +1,6 @@
 """The result of reading a robot's file for a case: bodies and joints as tables, and all other parts of the file.
 
-`urdf.tree` and `mjcf_tree.tree` read files; `mechanisms.model` makes the document of a case from the result.
+`urdf.tree` and `mjcf.tree` read files; `mechanisms.model` makes the document of a case from the result.
 """
 
 from dataclasses import dataclass

@@ -1,12 +1,19 @@
 """Tables of bodies and joints of a case file, from a robot model: the doubles nearest to the exact numbers of the model."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from typing import Any
 
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, vector
 from bodycheck.reference.exact.rotations import IDENTITY, conjugate, multiply
+
+#: The names of the world and the plane, which no body of a case may have.
+RESERVED = ("world", "plane")
+
+#: The name of the joint of a base that floats in the case alone.
+BASE = "base"
 
 #: The tables `bodies`, `joints` and `loops` of a document.
 Tables = dict[str, list[dict[str, Any]]]
@@ -61,3 +68,8 @@ def doubles(values: Sequence[Real]) -> list[float]:
     """
     least = NEGLIGIBLE * max(1, *map(abs, values))
     return [float(value) if abs(value) > least else 0.0 for value in values]
+
+
+def unique(name: str, taken: Collection[str]) -> str:
+    """Return a name that is not taken: the name itself, or with a number behind it."""
+    return next(each for each in chain([name], (f"{name}-{number}" for number in count(2))) if each not in taken)

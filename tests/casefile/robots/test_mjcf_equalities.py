@@ -31,10 +31,21 @@ CHAIN = """
         <geom type="box" size="0.1 0.2 0.3"/><site name="tip" pos="0.1 0.2 0.3"/>
       </body>
     </body>
-    <body name="ball" pos="1 2 3" euler="20 30 40"><freejoint name="float"/><geom size="0.1"/><site name="top" pos="0 0 0.1"/></body>
+    <body name="ball" pos="1 2 3" euler="20 30 40"><freejoint name="float"/><geom size="0.1"/>
+      <site name="top" pos="0 0 0.1"/></body>
   </worldbody>
   <equality>EQUALITY</equality>
 </mujoco>
+"""
+
+
+TENDONS = """
+<tendon>
+  <fixed name="pair"><joint joint="one" coef="2"/><joint joint="three" coef="3"/></fixed>
+  <fixed name="alone"><joint joint="one" coef="1"/></fixed><fixed name="other"><joint joint="two" coef="3"/></fixed>
+  <fixed name="all"><joint joint="one" coef="1"/><joint joint="two" coef="1"/><joint joint="three" coef="1"/></fixed>
+  <spatial name="rope"><site site="top"/><site site="tip"/></spatial>
+</tendon>
 """
 
 
@@ -63,14 +74,16 @@ def table(read: Read, name: str) -> dict[str, Any]:
         ('joint1="one" joint2="two" polycoef="0.3 2 0 0 0"', (2.0,)),
         ('joint1="two" joint2="three" polycoef="0.3 -0.5"', (-0.5,)),
         ('joint1="three" joint2="one" polycoef="0.3"', (1.0,)),
+        ('tendon1="pair" polycoef="0.4 0"', (-1.5,)),
+        ('tendon1="alone" tendon2="other" polycoef="0.4 0.7"', (2.1,)),
     ],
 )
 def test_a_joint_follows_another_one(attributes: str, rule: tuple[float]) -> None:
-    text = chain(f"<joint {attributes}/>")
+    text = chain(f"<{attributes[: attributes.index('1')]} {attributes}/>").replace("</mujoco>", TENDONS + "</mujoco>")
     read = read_text(text)
     follower = next(joint for joint in read.tables["joints"] if "mimic" in joint)
     mimic = follower["mimic"]
-    assert (mimic["multiplier"],) == rule
+    assert (mimic["multiplier"],) == pytest.approx(rule, rel=1e-15)
     assert "initial" not in follower
     there = {mimic["joint"]: 0.7, follower["name"]: mimic["multiplier"] * 0.7 + mimic["offset"]}
     assert np.abs(residual(text, there)).max() < ROUNDING
@@ -169,12 +182,28 @@ def test_a_weld_fixes_a_body_that_floats(attributes: str) -> None:
         '<joint joint1="one" joint2="two" polycoef="0 1 1 0 0"/>',
         '<weld body1="a" body2="b"/>',
         '<joint joint1="one" joint2="two"/><joint joint1="two" joint2="one"/>',
-        '<joint joint1="one" joint2="two"/><joint joint1="one" joint2="three"/>',
     ],
 )
 def test_what_a_case_cannot_say_of_equalities_acts(equality: str) -> None:
     acting = [feature for feature in read_text(chain(equality)).features if feature.acts]
     assert [(feature.word, len(feature.lines)) for feature in acting] == [("equalities", 1)]
+
+
+@pytest.mark.parametrize("tendon", ["all", "rope"])
+def test_other_equalities_of_tendons_act(tendon: str) -> None:
+    text = chain(f'<tendon tendon1="{tendon}"/>').replace("</mujoco>", TENDONS + "</mujoco>")
+    assert {feature.word for feature in read_text(text).features if feature.acts} == {"equalities"}
+
+
+def test_a_joint_that_others_follow_follows_one_itself() -> None:
+    """The second equality has its two joints the other way round, as the first of them follows another one already."""
+    text = chain('<joint joint1="one" joint2="two"/><joint joint1="one" joint2="three" polycoef="0 2"/>')
+    read = read_text(text)
+    assert table(read, "three")["mimic"]["joint"] == "one"
+    rules = {name: table(read, name)["mimic"] for name in ("one", "three")}
+    one = rules["one"]["multiplier"] * 0.7 + rules["one"]["offset"]
+    there = {"two": 0.7, "one": one, "three": rules["three"]["multiplier"] * one + rules["three"]["offset"]}
+    assert np.abs(residual(text, there)).max() < ROUNDING
 
 
 def test_equalities_that_do_not_act() -> None:

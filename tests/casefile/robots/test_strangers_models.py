@@ -6,7 +6,7 @@ import pytest
 
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.robots import template as robots
+from bodycheck.casefile import body_template as robots
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from tests.support.commands import bodycheck

@@ -4,16 +4,15 @@ The root link is the world, as in engines that load a URDF without a free joint,
 moves it. A massless link that is fixed to another link is only a frame of that link; one that moves is a body without mass.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, count
 from typing import Any
 
 from bodycheck.casefile.robot_notes import JointRange
 from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
 from bodycheck.casefile.robots.reading import Choice, Read
-from bodycheck.casefile.robots.tables import HERE, Pose, turned
+from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, turned, unique
 from bodycheck.casefile.robots.urdf.features import features
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
@@ -28,12 +27,6 @@ from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
 #: The types of joints of a case, by the types of a robot model.
 TYPES = {form.robot: form.name for form in JOINT_TYPES.values() if form.robot is not None}
-
-#: The name of the joint that moves a free base.
-BASE = "base"
-
-#: The names of the world and the plane, which no body of a case may have.
-RESERVED = ("world", "plane")
 
 #: The position of a frame that is not moved, and the mass properties of a frame.
 ORIGIN = vector((0, 0, 0))
@@ -75,7 +68,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     by_name, holders = {link.name: link for link in read.links}, {joint.child: joint for joint in read.joints}
     base, root_link = None, by_name[read.root]
     if choice.base == "free":
-        base = _unique(BASE, {joint.name for joint in read.joints})
+        base = unique(BASE, {joint.name for joint in read.joints})
         _add(links, root_link, read, tables.joint(base, "free", world, _body_name(read.root, read), HERE), HERE)
     else:
         links.frames[read.root] = world, HERE
@@ -200,9 +193,4 @@ def _ranges(joints: Sequence[JointPart]) -> Iterator[JointRange]:
 
 def _body_name(link: str, read: Parts) -> str:
     """Return the name of the body of a link: that of the link, unless no body may have it."""
-    return _unique(f"{link}:link", {link.name for link in read.links}) if link in RESERVED else link
-
-
-def _unique(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken: the name itself, or with a number behind it."""
-    return next(each for each in chain([name], (f"{name}-{number}" for number in count(2))) if each not in taken)
+    return unique(f"{link}:link", {link.name for link in read.links}) if link in RESERVED else link

@@ -3,24 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bodycheck.casefile.robots import mjcf_geoms
 from bodycheck.casefile.robots.link import without_rounding
-from bodycheck.casefile.robots.mjcf_geoms import Shapes
-from bodycheck.casefile.robots.mjcf_parts import Part
-from bodycheck.casefile.robots.mjcf_settings import Settings, attitude
+from bodycheck.casefile.robots.mjcf import geoms
+from bodycheck.casefile.robots.mjcf.geoms import Shapes
+from bodycheck.casefile.robots.mjcf.parts import Part
+from bodycheck.casefile.robots.mjcf.settings import Settings, attitude
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import Pose, turned
-from bodycheck.reference.exact.inertia import Components, MassProperties, joined
-from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
+from bodycheck.reference.exact.inertia import MassProperties, joined
+from bodycheck.reference.exact.numbers import MP, Real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, plus
 from bodycheck.robots.elements import Element, refuse
-from bodycheck.robots.orientations import from_axes, turned_inertia
+from bodycheck.robots.orientations import principal_axes, turned_inertia
 
 #: The largest mass (kg) that MuJoCo ignores in the sum of the geoms of a body.
 NO_MASS = 1e-14
 
 
-def of_body(body: Element, parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassProperties | None:
+def inertia_of(body: Element, parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassProperties | None:
     """Return the mass properties of a body in its frame; None if it has neither mass nor moments of inertia.
 
     Parameters
@@ -89,10 +89,7 @@ def principal_frame(parts: Sequence[Part], mass_properties: MassProperties, rule
     ]
     if stated_axes:
         return Pose(mass_properties.centre, stated_axes[0].turn)
-    moments, axes = _principal(mass_properties.tensor)
-    largest, middle, _ = sorted(range(3), key=lambda index: moments[index], reverse=True)
-    first, second = ((axes[0, index], axes[1, index], axes[2, index]) for index in (largest, middle))
-    return Pose(mass_properties.centre, from_axes(first, second))
+    return Pose(mass_properties.centre, principal_axes(mass_properties.tensor)[1])
 
 
 def within(inner: MassProperties, pose: Pose) -> MassProperties:
@@ -108,7 +105,7 @@ def _of_geoms(parts: Sequence[Part], rules: Settings, shapes: Shapes) -> MassPro
         for part in parts
         if part.element.tag == "geom"
         and rules.counts(number(part.element, "group", 0.0))
-        and (solid := mjcf_geoms.mass_properties(part.element, rules, shapes)) is not None
+        and (solid := geoms.mass_properties(part.element, rules, shapes)) is not None
         and solid.mass > NO_MASS
     ]
     return joined(solids) if solids else None
@@ -119,22 +116,10 @@ def _bounded(mass_properties: MassProperties, rules: Settings) -> MassProperties
     mass = max(mass_properties.mass, MP.mpf(rules.boundmass))
     if not (rules.boundinertia > 0 or rules.balanceinertia):
         return without_rounding(replace(mass_properties, mass=mass))
-    moments, axes = _principal(mass_properties.tensor)
-    bounded = [max(moment, MP.mpf(rules.boundinertia)) for moment in moments]
+    moments, turn = principal_axes(mass_properties.tensor)
+    bounded = tuple(max(moment, MP.mpf(rules.boundinertia)) for moment in moments)
     if rules.balanceinertia and 2 * max(bounded) > sum(bounded):
-        bounded = [sum(bounded) / 3] * 3
+        bounded = (sum(bounded) / 3,) * 3
     if bounded == moments:
         return without_rounding(replace(mass_properties, mass=mass))
-
-    def component(i: int, j: int) -> Real:
-        return sum(axes[i, k] * bounded[k] * axes[j, k] for k in range(3))
-
-    tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
-    return without_rounding(MassProperties(mass, mass_properties.centre, tensor))
-
-
-def _principal(tensor: Components) -> tuple[list[Real], Real]:
-    """Return the principal moments (kg m^2) of a tensor, and the matrix whose columns are their axes."""
-    xx, yy, zz, xy, xz, yz = tensor
-    moments, axes = MP.eigsy(MP.matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    return list(moments), axes
+    return without_rounding(MassProperties(mass, mass_properties.centre, turned_inertia((*bounded, 0.0, 0.0, 0.0), turn)))

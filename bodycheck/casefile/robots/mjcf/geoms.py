@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from bodycheck.casefile.robots import mjcf_solids
-from bodycheck.casefile.robots.mjcf_settings import TRUTHS, Settings, attitude, word
+from bodycheck.casefile.robots.mjcf import solids
+from bodycheck.casefile.robots.mjcf.settings import TRUTHS, Settings, attitude, word
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
@@ -48,7 +48,7 @@ def placed(geom: Element, rules: Settings) -> Placed:
     return Placed((x, y, z), from_z((dx, dy, dz)))
 
 
-def shape(geom: Element) -> Shape | None:
+def shape_of(geom: Element) -> Shape | None:
     """Return the shape of a geom; None if case files do not have it. Raises `BadInput` if its sizes cannot be read."""
     kind = _kind(geom)
     if kind not in SIZES or kind == "capsule" or "fromto" in geom.attributes or "mesh" in geom.attributes:
@@ -112,11 +112,11 @@ def mass_properties(geom: Element, rules: Settings, shapes: Shapes) -> MassPrope
         at = at.within(fitted.placed).within(Placed(centre, IDENTITY))
     else:
         sizes = _sizes(geom, kind)
-    volume = mjcf_solids.extent(kind, sizes, shell)
+    volume = solids.extent(kind, sizes, shell)
     mass = _mass(geom, volume)
     if not mass or volume <= NO_VOLUME:
         return None
-    along = mjcf_solids.moments(kind, sizes, shell)
+    along = solids.moments(kind, sizes, shell)
     return _placed_mass(mass, (mass * along[0], mass * along[1], mass * along[2]), at)
 
 
@@ -125,7 +125,7 @@ def _of_mesh(geom: Element, fitted: Fitted, at: Placed) -> MassProperties | None
     mass = _mass(geom, fitted.volume)
     if not mass or fitted.volume <= NO_VOLUME:
         return None
-    along = mjcf_solids.moments("box", list(fitted.box), shell=False)
+    along = solids.moments("box", list(fitted.box), shell=False)
     return _placed_mass(mass, (mass * along[0], mass * along[1], mass * along[2]), at.within(fitted.placed))
 
 

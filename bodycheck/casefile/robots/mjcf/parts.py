@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, attitude
+from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, attitude
 from bodycheck.casefile.robots.numbers import numbers
 from bodycheck.casefile.robots.tables import HERE, Pose
 from bodycheck.reference.exact.numbers import vector
@@ -36,12 +36,12 @@ class Part:
 Classes = dict[str, Defaults]
 
 
-def classes(root: Element) -> Classes:
+def classes_of(root: Element) -> Classes:
     """Return the default classes of a file for the elements of bodies."""
     return {tag: Defaults(root, tag) for tag in WITH_DEFAULTS}
 
 
-def parts(body: Element, inherited: str | None, rules: Settings, of_file: Classes) -> list[Part]:
+def parts_of(body: Element, inherited: str | None, rules: Settings, of_file: Classes) -> list[Part]:
     """Return the elements of a body, also those inside its frames; the elements of bodies inside it are not among them.
 
     inherited: the default class of the body itself.
@@ -54,7 +54,7 @@ def _parts(body: Element, inherited: str | None, rules: Settings, of_file: Class
     while left:
         element, frame, name = left.pop()
         if element.tag == "frame":
-            inner = frame.then(pose(element, rules))
+            inner = frame.then(pose_of(element, rules))
             name = element.attributes.get("childclass", name)
             left += [(child, inner, name) for child in reversed(element.children)]
             continue
@@ -62,6 +62,6 @@ def _parts(body: Element, inherited: str | None, rules: Settings, of_file: Class
         yield Part(resolved, frame, name)
 
 
-def pose(element: Element, rules: Settings) -> Pose:
+def pose_of(element: Element, rules: Settings) -> Pose:
     """Return the pose of an element in the frame around it."""
     return Pose(vector(numbers(element, "pos", (3,), (0.0, 0.0, 0.0))), attitude(element, rules))

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from bodycheck.casefile.robots import tables
-from bodycheck.casefile.robots.mjcf_carriers import Tree
-from bodycheck.casefile.robots.mjcf_features import Kind
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
-from bodycheck.casefile.robots.mjcf_settings import Defaults, word
-from bodycheck.casefile.robots.numbers import numbers
+from bodycheck.casefile.robots.mjcf.carriers import Tree
+from bodycheck.casefile.robots.mjcf.features import Kind
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.settings import Defaults, word
+from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.casefile.robots.reading import Ignored
 from bodycheck.casefile.robots.tables import HERE, Pose
-from bodycheck.reference.exact.numbers import MP, vector
+from bodycheck.reference.exact.numbers import MP, Real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, unit
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean
@@ -22,14 +23,16 @@ from bodycheck.suggestion import did_you_mean
 WORLD = "world"
 
 
-def read(root: Element, tree: Tree) -> list[dict[str, Any]]:
+def loops_of(root: Element, tree: Tree) -> list[dict[str, Any]]:
     """Apply the equalities of a file to its joints, and return the table `loops`.
 
     Those that a case does not have, or that it ignores, are added to the features. Raises `BadInput` for what MuJoCo refuses.
     """
     loops = []
     for element in _active(root):
-        word_of = "mimic" if element.tag == "joint" and "equalities" not in tree.features.ignore else "equalities"
+        word_of: Ignored = (
+            "mimic" if element.tag in ("joint", "tendon") and "equalities" not in tree.features.ignore else "equalities"
+        )
         kind: Kind = (word_of, True, "hold their bodies", (f"equality <{element.tag}>", f"equalities <{element.tag}>"))
         if "equality" in tree.features.off:
             continue
@@ -37,7 +40,7 @@ def read(root: Element, tree: Tree) -> list[dict[str, Any]]:
             tree.features.add(kind, element)
             continue
         match element.tag:
-            case "joint":
+            case "joint" | "tendon":
                 done = _follow(element, tree)
             case "connect":
                 loops.append(_loop(element, tree))
@@ -61,35 +64,72 @@ def _active(root: Element) -> Iterator[Element]:
                 yield resolved
 
 
-def _follow(element: Element, tree: Tree) -> bool:
-    """Let the first joint of an equality follow the second one; return whether a case can state that.
+#: A linear form of coordinates: hinges and slides with the coefficients of their displacements from the pose of the file.
+Form = list[tuple[JointOfFile, Real]]
 
-    In MuJoCo, y - y0 = a0 + a1 (x - x0) + ... for the coordinates y of the first and x of the second joint, where y0 and x0 are
-    their coordinates in the pose of the file.
+
+def _follow(element: Element, tree: Tree) -> bool:
+    """Let joints follow others by an equality of joints or of fixed tendons; return whether a case can state that.
+
+    In MuJoCo, y - y0 = a0 + a1 (x - x0) + ... for the coordinates or lengths y of the first and x of the second one, where y0
+    and x0 are those in the pose of the file.
     """
-    follower = _joint(element, "joint1", tree)
     coefficients = numbers(element, "polycoef", (1, 2, 3, 4, 5), (0.0, 1.0))
     # Coefficients that are not stated keep their defaults, of which the second is 1.
     coefficients = (*coefficients, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(coefficients) :])
-    shift, factor = MP.mpf(coefficients[0]), MP.mpf(coefficients[1])
-    if "joint2" not in element.attributes:
-        factor = MP.mpf(0)
-    elif any(coefficients[2:]):
+    ends = [f"{element.tag}{index}" for index in (1, 2) if index == 1 or f"{element.tag}2" in element.attributes]
+    if len(ends) == 2 and any(coefficients[2:]):
         return False
-    if "mimic" in follower.table or follower.table["type"] == "fixed":
-        return False
-    if not factor:
-        if any(joint.table.get("mimic", {}).get("joint") == follower.name for joint in tree.joints):
+    factors = (MP.mpf(1), -MP.mpf(coefficients[1]))
+    form: Form = []
+    for end, factor in zip(ends, factors, strict=False):
+        coordinates = _coordinates(element, end, tree)
+        if coordinates is None:
             return False
-        follower.fix(follower.reference + shift)
+        form += [(joint, factor * coefficient) for joint, coefficient in coordinates]
+    names = dict.fromkeys(joint.name for joint, _ in form)
+    by_name = {joint.name: joint for joint, _ in form}
+    sums = [(by_name[name], sum(part for joint, part in form if joint.name == name)) for name in names]
+    return _bind([(joint, coefficient) for joint, coefficient in sums if coefficient], MP.mpf(coefficients[0]), tree)
+
+
+def _coordinates(element: Element, attribute: str, tree: Tree) -> Form | None:
+    """Return the joint, or the linear form of a fixed tendon, that an equality names; None for a spatial tendon."""
+    if element.tag == "joint":
+        return [(_joint(element, attribute, tree), MP.mpf(1))]
+    name = element.attributes.get(attribute, "")
+    if name not in tree.tendons:
+        refuse(element, attribute, f"there is no tendon {quoted(name)}{did_you_mean(name, tree.tendons)}")
+    tendon = tree.tendons[name]
+    if tendon.tag != "fixed":
+        return None
+    return [(_joint(each, "joint", tree), MP.mpf(number(each, "coef"))) for each in tendon.all("joint")]
+
+
+def _bind(form: Form, constant: Real, tree: Tree) -> bool:
+    """Let a linear form of one or two coordinates have a constant value; return whether a case can state that."""
+    if len(form) == 1:
+        joint, coefficient = form[0]
+        if not _is_loose(joint) or any(each.table.get("mimic", {}).get("joint") == joint.name for each in tree.joints):
+            return False
+        joint.fix(joint.reference + constant / coefficient)
         return True
-    leader = _joint(element, "joint2", tree)
-    if leader.table["type"] == "fixed" or _leads(follower, leader, tree):
+    if len(form) != 2:
         return False
-    offset = follower.reference + shift - factor * leader.reference
-    follower.table.pop("initial", None)
-    follower.table["mimic"] = {"joint": leader.name, "multiplier": float(factor), "offset": float(offset)}
-    return True
+    for (follower, coefficient), (leader, other) in (form, form[::-1]):
+        if not _is_loose(follower) or leader.table["type"] == "fixed" or _leads(follower, leader, tree):
+            continue
+        factor = -other / coefficient
+        offset = follower.reference + constant / coefficient - factor * leader.reference
+        follower.table.pop("initial", None)
+        follower.table["mimic"] = {"joint": leader.name, "multiplier": float(factor), "offset": float(offset)}
+        return True
+    return False
+
+
+def _is_loose(joint: JointOfFile) -> bool:
+    """Return whether a joint moves by itself so far."""
+    return "mimic" not in joint.table and joint.table["type"] != "fixed"
 
 
 def _leads(follower: JointOfFile, leader: JointOfFile, tree: Tree) -> bool:

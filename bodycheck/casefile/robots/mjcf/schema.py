@@ -11,26 +11,27 @@ TURN = "quat axisangle euler xyaxes zaxis"
 
 #: The attributes of the elements, by their tags.
 ATTRIBUTES = {
-    "compiler": "alignfree angle assetdir autolimits balanceinertia boundinertia boundmass conflict coordinate discardvisual "
-    "eulerseq fitaabb fusestatic inertiafromgeom inertiagrouprange meshdir passthrough savecanonical savecompiled saveinertial "
-    "settotalmass strippath texturedir usethread",
-    "option": "actuatorgroupdisable ccd_iterations ccd_tolerance cone density gravity impratio integrator iterations jacobian "
-    "ls_iterations ls_tolerance magnetic noslip_iterations noslip_tolerance o_friction o_margin o_solimp o_solref sdf_initpoints "
-    "sdf_iterations sleep_tolerance solver timestep tolerance viscosity wind",
-    "flag": "actuation autoreset clampctrl constraint contact damper diagexact energy equality eulerdamp filterparent "
-    "frictionloss fwdinv gravity invdiscrete ipc island limit midphase multiccd nativeccd override refsafe sensor sleep "
-    "speculative spring warmstart",
+    "compiler": "alignfree angle assetdir autolimits balanceinertia boundinertia boundmass conflict coordinate "
+    "discardvisual eulerseq fitaabb fusestatic inertiafromgeom inertiagrouprange meshdir passthrough "
+    "savecanonical savecompiled saveinertial settotalmass strippath texturedir usethread",
+    "option": "actuatorgroupdisable ccd_iterations ccd_tolerance cone density gravity impratio integrator "
+    "iterations jacobian ls_iterations ls_tolerance magnetic noslip_iterations noslip_tolerance "
+    "o_friction o_margin o_solimp o_solref sdf_initpoints sdf_iterations sleep_tolerance solver timestep "
+    "tolerance viscosity wind",
+    "flag": "actuation autoreset clampctrl constraint contact damper diagexact energy equality eulerdamp "
+    "filterparent frictionloss fwdinv gravity invdiscrete ipc island limit midphase multiccd nativeccd "
+    "override refsafe sensor sleep speculative spring warmstart",
     "body": f"childclass fuse gravcomp mocap name pos simple sleep user {TURN}",
     "frame": f"childclass name pos {TURN}",
     "replicate": "childclass count euler offset sep",
     "inertial": f"diaginertia fullinertia mass pos {TURN}",
-    "joint": "actuatorfrclimited actuatorfrcrange actuatorgravcomp armature axis class damping frictionloss group limited margin "
-    "name pos range ref solimpfriction solimplimit solreffriction solreflimit springdamper springref springyield stiffness type "
-    "user",
+    "joint": "actuatorfrclimited actuatorfrcrange actuatorgravcomp armature axis class damping frictionloss group "
+    "limited margin name pos range ref solimpfriction solimplimit solreffriction solreflimit springdamper "
+    "springref springyield stiffness type user",
     "freejoint": "align group name",
-    "geom": "adhesion castshadow class conaffinity condim contype density fitscale fluidcoef fluidshape friction fromto gap group "
-    "hfield margin mass material mesh name pos priority rgba shellinertia size solimp solmix solref surfacevel type user "
-    f"{TURN}",
+    "geom": "adhesion castshadow class conaffinity condim contype density fitscale fluidcoef fluidshape friction "
+    "fromto gap group hfield margin mass material mesh name pos priority rgba shellinertia size solimp "
+    f"solmix solref surfacevel type user {TURN}",
     "site": f"class fromto group material mesh name pos rgba size type user {TURN}",
 }
 

@@ -5,8 +5,8 @@ The inertia of a joint is the inverse of the diagonal element of the inverse mas
 
 import numpy as np
 
-from bodycheck.casefile.robots.mjcf_carriers import Tree
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.carriers import Tree
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
 from bodycheck.casefile.robots.numbers import numbers
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import wide

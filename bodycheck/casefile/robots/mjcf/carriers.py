@@ -1,21 +1,20 @@
 """The bodies and joints of an MJCF file, as far as they have been read for a case."""
 
-from collections.abc import Collection
 from dataclasses import dataclass, field
-from itertools import count
 
-from bodycheck.casefile.robots.mjcf_features import Features
-from bodycheck.casefile.robots.mjcf_geoms import Shapes
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
-from bodycheck.casefile.robots.mjcf_parts import Classes
-from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.casefile.robots.mjcf.features import Features
+from bodycheck.casefile.robots.mjcf.geoms import Shapes
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile
+from bodycheck.casefile.robots.mjcf.parts import Classes
+from bodycheck.casefile.robots.mjcf.settings import Settings
 from bodycheck.casefile.robots.tables import Pose
 from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.robots.elements import Element
 
 
 @dataclass(frozen=True, eq=False)
 class Carrier:
-    """What carries the elements of a body of the file: a body of the case, and the pose of their frame in it.
+    """The body of the case that carries the elements of a body of the file, and the pose of their frame in it.
 
     Attributes
     ----------
@@ -57,6 +56,8 @@ class Tree:
         The sites by their names: the name of their body, and their pose in its frame.
     masks
         The bits of `contype` and of `conaffinity` of all geoms of each body of the case, and whether it moves.
+    tendons
+        The tendons by their names.
     taken
         The names of the joints of the case, and of the bodies of the file and of the case.
     """
@@ -70,9 +71,5 @@ class Tree:
     carriers: dict[str, Carrier] = field(default_factory=dict)
     sites: dict[str, tuple[str, Pose]] = field(default_factory=dict)
     masks: dict[str, tuple[int, int, bool]] = field(default_factory=dict)
+    tendons: dict[str, Element] = field(default_factory=dict)
     taken: tuple[set[str], set[str]] = field(default_factory=lambda: (set(), set()))
-
-
-def unlike(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken yet: the given one, or the given one with a number behind."""
-    return next(each for number in count(1) if (each := name if number == 1 else f"{name}:{number}") not in taken)

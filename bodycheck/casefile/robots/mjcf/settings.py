@@ -84,15 +84,16 @@ def settings(root: Element) -> Settings:
             name: word(compiler, name, str(getattr(rules, name)).lower(), TRUTHS) == "true"
             for name in ("autolimits", "balanceinertia", "fusestatic", "alignfree", "fitaabb", "strippath")
         }
-        bounds = {name: number(compiler, name, getattr(rules, name)) for name in ("boundmass", "boundinertia", "settotalmass")}
         rules = Settings(
             degrees=word(compiler, "angle", "degree" if rules.degrees else "radian", ("degree", "radian")) == "degree",
             eulerseq=sequence,
             inertiafromgeom=word(compiler, "inertiafromgeom", rules.inertiafromgeom, (*TRUTHS, "auto")),
             groups=numbers(compiler, "inertiagrouprange", (2,), rules.groups),
             meshdir=compiler.attributes.get("meshdir", meshdir),
+            boundmass=number(compiler, "boundmass", rules.boundmass),
+            boundinertia=number(compiler, "boundinertia", rules.boundinertia),
+            settotalmass=number(compiler, "settotalmass", rules.settotalmass),
             **switches,
-            **bounds,
         )
     return rules
 

@@ -1,4 +1,4 @@
-"""Read the triangles of meshes from files of strangers: STL, OBJ and MSH, with coordinates in single precision as MuJoCo has them.
+"""Read the triangles of meshes from files of strangers, with coordinates in single precision as MuJoCo has them.
 
 - STL: https://en.wikipedia.org/wiki/STL_(file_format), binary and text
 - OBJ: only the first object or group with faces, as MuJoCo reads it; polygons are divided into triangles
@@ -6,6 +6,7 @@
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from bodycheck.errors import BadInput
 
 #: The largest number of triangles of a mesh.
-MAX_TRIANGLES = 1_000_000
+MAX_TRIANGLES = 500_000
 
 #: The record of a triangle in a binary STL file.
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -32,21 +33,17 @@ def triangles(content: bytes, suffix: str) -> Triangles:
 
     suffix: the ending of the name of the file, in small letters.
     """
+    readers = {".stl": _of_stl, ".obj": _of_obj, ".msh": _of_msh}
+    if suffix not in readers:
+        raise BadInput("is no STL, OBJ or MSH file")
     try:
-        match suffix:
-            case ".stl":
-                mesh = _of_stl(content)
-            case ".obj":
-                mesh = _of_obj(content)
-            case ".msh":
-                mesh = _of_msh(content)
-            case _:
-                raise BadInput("is no STL, OBJ or MSH file")
+        with np.errstate(over="ignore"):  # coordinates beyond single precision, which are refused below
+            mesh = readers[suffix](content)
     except (ValueError, IndexError, OverflowError) as error:
         raise BadInput(f"is no {suffix[1:].upper()} file that can be read") from error
     if not np.isfinite(mesh.corners).all():
         raise BadInput("has a coordinate that is not finite")
-    if len(mesh.faces) and not (0 <= mesh.faces.min() and mesh.faces.max() < len(mesh.corners)):
+    if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.corners)):
         raise BadInput("has a triangle without all of its corners")
     return mesh
 
@@ -108,4 +105,4 @@ def _divided(polygon: list[int], corners: NDArray[np.float32]) -> list[list[int]
         a, b, c, d = polygon
         lengths = [np.square(corners[one].astype(float) - corners[other]).sum() for one, other in ((a, c), (b, d))]
         return [[a, b, c], [a, c, d]] if lengths[0] < lengths[1] else [[a, b, d], [b, c, d]]
-    return [[polygon[0], one, other] for one, other in zip(polygon[1:-1], polygon[2:], strict=True)]
+    return [[polygon[0], one, other] for one, other in pairwise(polygon[1:])]

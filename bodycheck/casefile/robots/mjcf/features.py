@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from bodycheck.casefile.robots.mjcf_options import Options
-from bodycheck.casefile.robots.mjcf_settings import Defaults, word
+from bodycheck.casefile.robots.mjcf.options import Options
+from bodycheck.casefile.robots.mjcf.settings import Defaults, word
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.reading import Feature, Ignored
 from bodycheck.robots.elements import Element, quoted
@@ -21,7 +21,7 @@ class Features:
     ignore
         The words that a case ignores.
     off
-        What flags of the file switch off: values of `mjcf_options.FLAGS`.
+        What flags of the file switch off: values of `options.FLAGS`.
     """
 
     def __init__(self, ignore: frozenset[Ignored], off: frozenset[str]) -> None:
@@ -73,21 +73,21 @@ IDLE_OF_BODIES = {
 }
 
 #: Elements that act, and that no word leaves out, by their tags.
-COMPOSITE: Kind = (None, True, "stand for many bodies", ("composite", "composites"))
+COMPOSITE: Kind = (None, True, "are many bodies", ("composite", "composites"))
 FLEX: Kind = (None, True, "are deformable bodies", ("flex", "flexes"))
 PLUGIN: Kind = (None, True, "may move bodies", ("plugin", "plugins"))
-ATTACHED: Kind = (None, True, "bring another model", ("element <attach>", "elements <attach>"))
+ATTACHED: Kind = (None, True, "are another model", ("element <attach>", "elements <attach>"))
 ACTING = {"composite": COMPOSITE, "flexcomp": FLEX, "flex": FLEX, "plugin": PLUGIN, "attach": ATTACHED}
 
 GRAVCOMP: Kind = ("gravity_compensation", True, "have gravity compensation", ("body", "bodies"))
-MOCAP: Kind = (None, False, "are moved from outside, and stay where they are without that", ("mocap body", "mocap bodies"))
+MOCAP: Kind = (None, False, "are at rest, as nothing moves them", ("mocap body", "mocap bodies"))
 MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
 
 #: Attributes by which a tendon exerts a force.
 OF_TENDONS = ("stiffness", "damping", "frictionloss", "armature")
 
 
-def of_file(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
+def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
     """Return the features of a file without those of its joints and equalities."""
     features = Features(ignore, options.off)
     if options.medium is not None:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots.mjcf_settings import word
+from bodycheck.casefile.robots.mjcf.settings import word
 from bodycheck.casefile.robots.numbers import number, numbers, positive
 from bodycheck.reference.scene import Vector
 from bodycheck.robots.elements import Element

@@ -10,20 +10,19 @@ from pathlib import PurePosixPath
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
-from bodycheck.casefile.robots import mesh_files
-from bodycheck.casefile.robots.mesh_files import Triangles
-from bodycheck.casefile.robots.mjcf_geoms import Fitted, Placed
-from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, word
+from bodycheck.casefile.robots.mjcf import mesh_files
+from bodycheck.casefile.robots.mjcf.geoms import Fitted, Placed
+from bodycheck.casefile.robots.mjcf.mesh_files import Triangles
+from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, word
 from bodycheck.casefile.robots.numbers import many, numbers
 from bodycheck.casefile.robots.reading import Files
 from bodycheck.errors import BadInput
-from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, exactly, vector, wide
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import NotFound
-from bodycheck.robots.orientations import from_axes, normed
+from bodycheck.robots.orientations import principal_axes
 from bodycheck.suggestion import did_you_mean
 
 Wide = NDArray[np.longdouble]
@@ -108,14 +107,9 @@ def _fitted(mesh: Element, read: Triangles) -> Fitted:
     if np.prod(np.sign(scale)) < 0:
         hull = hull[:, [0, 2, 1]]
     extent, centre, tensor = _sums(mesh, corners, hull, read.faces if len(read.faces) else hull, rule)
-    exact = [exactly(value) for value in tensor]
-    moments, axes = MP.eigsy(
-        MP.matrix([[exact[0], exact[3], exact[4]], [exact[3], exact[1], exact[5]], exact[4:6] + [exact[2]]])
-    )
-    order = sorted(range(3), key=lambda index: moments[index], reverse=True)
-    a, b, c = (moments[index] for index in order)
-    first, second = (normed((axes[0, index], axes[1, index], axes[2, index])) for index in order[:2])
-    volume, turn = exactly(extent), from_axes(first, second)
+    xx, yy, zz, xy, xz, yz = map(exactly, tensor)
+    (a, b, c), turn = principal_axes((xx, yy, zz, xy, xz, yz))
+    volume = exactly(extent)
     squares = [6 * (b + c - a) / volume, 6 * (a + c - b) / volume, 6 * (a + b - c) / volume]
     box = vector([MP.sqrt(max(square, 0)) / 2 for square in squares])
     return Fitted(volume, Placed(vector(list(map(exactly, centre))), turn), box, _bounds(corners - centre, turn))
@@ -128,11 +122,13 @@ def _placed(mesh: Element, corners: Wide) -> Wide:
     if not (w or x or y or z):
         refuse(mesh, "refquat", "read zeros; allowed: a quaternion that is not 0")
     rows = matrix((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
-    return moved @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    return np.asarray(moved @ np.array([[wide(part) for part in row] for row in rows]))
 
 
 def _hull(mesh: Element, corners: NDArray[np.float32]) -> NDArray[np.int64]:
     """Return the triangles (m, 3) of the convex hull of points, with their corners in the order that faces outwards."""
+    from scipy.spatial import ConvexHull, QhullError  # heavy, and few files need it
+
     try:
         hull = ConvexHull(corners.astype(float), qhull_options="Qt")
     except (QhullError, ValueError):
@@ -202,6 +198,6 @@ def _extents(normals: Wide, areas: Wide, arms: Wide, rule: str) -> Wide:
 def _bounds(corners: Wide, turn: Sequence[Real]) -> tuple[Vector3, Vector3]:
     """Return the smallest and the largest coordinates of points (n, 3) along axes with an attitude."""
     rows = matrix((turn[0], turn[1], turn[2], turn[3]))
-    along = corners @ np.array([[np.longdouble(float(part)) for part in row] for row in rows])
+    along = corners @ np.array([[wide(part) for part in row] for row in rows])
     low, high = along.min(axis=0), along.max(axis=0)
     return vector(list(map(exactly, low))), vector(list(map(exactly, high)))

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bodycheck.casefile.robots import tables
-from bodycheck.casefile.robots.mjcf_features import Features
-from bodycheck.casefile.robots.mjcf_parts import Part
-from bodycheck.casefile.robots.mjcf_settings import Settings, word
+from bodycheck.casefile.robots.mjcf.features import Features
+from bodycheck.casefile.robots.mjcf.parts import Part
+from bodycheck.casefile.robots.mjcf.settings import Settings, word
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.tables import HERE, Pose, turned
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
@@ -73,7 +73,7 @@ def displacement(kind: str, axis: Vector3, coordinate: Real) -> Pose:
     return Pose(ORIGIN, about_axis(axis, coordinate))
 
 
-def joints(parts: Iterable[Part]) -> list[Part]:
+def joints_of(parts: Iterable[Part]) -> list[Part]:
     """Return the joints among the elements of a body."""
     return [part for part in parts if part.element.tag in ("joint", "freejoint")]
 
@@ -115,29 +115,29 @@ def chain(
     for index, (part, child) in enumerate(zip(moving, names, strict=True)):
         kind, at = kind_of(part.element), anchor(part)
         shift = Pose(minus(at, before), IDENTITY)
-        place = pose.then(shift) if index == 0 else shift
+        frame = pose.then(shift) if index == 0 else shift
         parent = around if index == 0 else names[index - 1]
-        chained.append(_joint(part, kind, (parent, child), place, rules, features))
+        chained.append(_joint(part, kind, (parent, child), frame, rules, features))
         before = at
     return chained
 
 
-def _joint(part: Part, kind: str, ends: tuple[str, str], place: Pose, rules: Settings, features: Features) -> JointOfFile:
-    """Return a joint between two bodies. place: where its frame is in the pose of the file, in the frame of the first body."""
+def _joint(part: Part, kind: str, ends: tuple[str, str], frame: Pose, rules: Settings, features: Features) -> JointOfFile:
+    """Return a joint between two bodies. frame: the pose of its frame in that of the first body, where the file has them."""
     joint, (parent, child) = part.element, ends
     name = joint.attributes["name"]
     if kind == "free":
-        start = {"position": tables.doubles(place.origin), "quaternion": tables.doubles(place.turn)}
+        start = {"position": tables.doubles(frame.origin), "quaternion": tables.doubles(frame.turn)}
         table = tables.joint(name, "free", parent, child, HERE) | {"initial": start}
         _add_what_is_not_read(joint, kind, features)
         return JointOfFile(joint, kind, table, HERE)
     if kind == "ball":
-        table = tables.joint(name, "spherical", parent, child, place) | _damping(joint, features)
+        table = tables.joint(name, "spherical", parent, child, frame) | _damping(joint, features)
         _add_what_is_not_read(joint, kind, features)
-        return JointOfFile(joint, kind, table, place)
+        return JointOfFile(joint, kind, table, frame)
     axis, given = _axis(part)
     reference = _coordinate(joint, "ref", kind, rules)
-    pose = place.then(displacement(kind, axis, -reference))
+    pose = frame.then(displacement(kind, axis, -reference))
     table = tables.joint(name, TYPES[kind], parent, child, pose) | {"axis": given} | _properties(joint, kind, rules, features)
     if reference:
         table["initial"] = {"position": float(reference)}

@@ -10,27 +10,23 @@ from dataclasses import replace
 from itertools import combinations
 
 from bodycheck.casefile.robot_notes import JointRange
-from bodycheck.casefile.robots import (
-    mjcf_equalities,
-    mjcf_features,
-    mjcf_inertia,
-    mjcf_joints,
-    mjcf_keyframes,
-    mjcf_parts,
-    mjcf_springs,
-    tables,
-)
+from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
-from bodycheck.casefile.robots.mjcf_carriers import Carrier, Tree, unlike
-from bodycheck.casefile.robots.mjcf_file import assemble
-from bodycheck.casefile.robots.mjcf_joints import JointOfFile
-from bodycheck.casefile.robots.mjcf_meshes import MeshesOfFile
-from bodycheck.casefile.robots.mjcf_options import options
-from bodycheck.casefile.robots.mjcf_parts import Part
-from bodycheck.casefile.robots.mjcf_settings import TRUTHS, settings, word
+from bodycheck.casefile.robots.mjcf.carriers import Carrier, Tree
+from bodycheck.casefile.robots.mjcf.equalities import WORLD, loops_of
+from bodycheck.casefile.robots.mjcf.features import features_of
+from bodycheck.casefile.robots.mjcf.file import assemble
+from bodycheck.casefile.robots.mjcf.inertia import inertia_of, principal_frame, scaled, within
+from bodycheck.casefile.robots.mjcf.joints import JointOfFile, anchor, chain, joints_of, kind_of, limits
+from bodycheck.casefile.robots.mjcf.keyframes import keyframe_names, start_at
+from bodycheck.casefile.robots.mjcf.meshes import MeshesOfFile
+from bodycheck.casefile.robots.mjcf.options import options
+from bodycheck.casefile.robots.mjcf.parts import Part, classes_of, parts_of, pose_of
+from bodycheck.casefile.robots.mjcf.settings import TRUTHS, settings, word
+from bodycheck.casefile.robots.mjcf.springs import set_springs
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Choice, Read
-from bodycheck.casefile.robots.tables import HERE, Pose
+from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, unique
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP
@@ -38,12 +34,6 @@ from bodycheck.reference.exact.rotations import ORIGIN
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.robots.mjcf_assembly import own
 from bodycheck.robots.orientations import turned_inertia
-
-#: The names that no body of a case may have.
-RESERVED = ("world", "plane")
-
-#: The name of the joint of a base that floats in the case alone.
-BASE = "base"
 
 #: The mass properties of a body without mass.
 NOTHING = MassProperties(MP.mpf(0), ORIGIN, (MP.mpf(0),) * 6)
@@ -57,15 +47,15 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     assemble(root, choice.files)
     of_file, rules = options(root), settings(root)
     base = _float(root) if choice.base == "free" else None
-    features = mjcf_features.of_file(root, of_file, choice.ignore)
-    read = Tree(rules, mjcf_parts.classes(root), MeshesOfFile(root, rules, choice.files), features)
+    features = features_of(root, of_file, choice.ignore)
+    read = Tree(rules, classes_of(root), MeshesOfFile(root, rules, choice.files), features)
     _walk(root, world, read)
     _scale(read)
-    mjcf_springs.set_springs(read)
+    set_springs(read)
     moving = [joint for joint in read.joints if joint.kind != "fixed"]
-    mjcf_keyframes.start(root, choice.keyframe, [joint for joint in moving if joint.element is not base])
+    start_at(root, choice.keyframe, [joint for joint in moving if joint.element is not base])
     ranges = () if "limit" in of_file.off else tuple(_ranges(moving, read))
-    loops = mjcf_equalities.read(root, read)
+    loops = loops_of(root, read)
     floating = [joint.name for joint in moving if joint.table["type"] == "free"]
     return Read(
         {
@@ -78,7 +68,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
         ranges=ranges,
         touching="contact" not in of_file.off and _touching(root, read),
         welded=any(joint.kind == "fixed" and joint.table["parent"] == world for joint in read.joints),
-        keyframes=mjcf_keyframes.names(root),
+        keyframes=keyframe_names(root),
         gravity=of_file.gravity,
         timestep=of_file.timestep,
     )
@@ -86,20 +76,21 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
 
 def _walk(root: Element, world: str, read: Tree) -> None:
     """Read all bodies of a file, each before those in it, in the order of the file."""
+    read.tendons |= {each.attributes.get("name", ""): each for part in root.all("tendon") for each in part.children}
     bodies, joints = read.taken
     bodies |= {*RESERVED, *(body.attributes["name"] for body in root.everything() if _names(body, "body"))}
     joints |= {joint.attributes["name"] for joint in root.everything() if _names(joint, "joint", "freejoint")}
     around = Carrier(world, HERE, HERE)
     left: list[tuple[Part, Carrier]] = []
     for top in root.all("worldbody"):
-        parts = mjcf_parts.parts(top, None, read.rules, read.classes)
-        _add_sites_and_geoms(mjcf_equalities.WORLD, around, parts, read)
+        parts = parts_of(top, None, read.rules, read.classes)
+        _add_sites_and_geoms(WORLD, around, parts, read)
         left += [(part, around) for part in parts if part.element.tag == "body"]
     left.reverse()
     while left:
         part, around = left.pop()
-        carrier, parts = _add(part, around, read)
-        left += [(inner, carrier) for inner in reversed(parts) if inner.element.tag == "body"]
+        carrier, inside = _add(part, around, read)
+        left += [(inner, carrier) for inner in reversed(inside) if inner.element.tag == "body"]
 
 
 def _names(element: Element, *tags: str) -> bool:
@@ -113,11 +104,11 @@ def _add(part: Part, around: Carrier, read: Tree) -> tuple[Carrier, Sequence[Par
     name, inherited = body.attributes["name"], body.attributes.get("childclass", part.inherited)
     if name in read.carriers:
         refuse(body, "name", f"{quoted(name)} is the name of another body or of the world; names must be unique")
-    parts = mjcf_parts.parts(body, inherited, read.rules, read.classes)
-    pose = part.frame.then(mjcf_parts.pose(body, read.rules))
-    inertia = mjcf_inertia.of_body(body, parts, read.rules, read.shapes)
+    parts = parts_of(body, inherited, read.rules, read.classes)
+    pose = part.frame.then(pose_of(body, read.rules))
+    inertia = inertia_of(body, parts, read.rules, read.shapes)
     frame = Carrier(around.name, around.pose.then(pose), around.world.then(pose), around.moves)
-    if moving := mjcf_joints.joints(parts):
+    if moving := joints_of(parts):
         carrier = _add_moving(body, moving, parts, inertia, frame, read)
     elif inertia is None or not inertia.mass:
         carrier = frame
@@ -132,7 +123,7 @@ def _add(part: Part, around: Carrier, read: Tree) -> tuple[Carrier, Sequence[Par
 def _add_fixed(body: Element, inertia: MassProperties, frame: Carrier, read: Tree) -> Carrier:
     """Add a body that is fixed to its parent. frame: the body of the case that carries it, and its pose there."""
     name = _name_in_case(body, read)
-    joint = unlike(name, read.taken[1])
+    joint = unique(name, read.taken[1])
     read.taken[1].add(joint)
     read.inertias[name] = inertia
     read.joints.append(JointOfFile(body, "fixed", tables.joint(joint, "fixed", frame.name, name, frame.pose), frame.pose))
@@ -148,31 +139,31 @@ def _add_moving(
     read: Tree,
 ) -> Carrier:
     """Add a body that joints move, with a body without mass for each joint but the last one."""
-    if frame.name != read.carriers[mjcf_equalities.WORLD].name or len(moving) > 1:
+    if frame.name != read.carriers[WORLD].name or len(moving) > 1:
         for part in moving:
-            if mjcf_joints.kind_of(part.element) == "free":
+            if kind_of(part.element) == "free":
                 refuse(part.element, None, "is not the only joint of a body in the world, as MuJoCo's free joints are")
     if inertia is not None and not inertia.mass and any(inertia.tensor):
         refuse(body, None, "has moments of inertia without mass, which no body that moves has")
     name = _name_in_case(body, read)
     names = []
     for part in moving[:-1]:
-        names.append(unlike(f"{name}:{part.element.attributes['name']}", read.taken[0]))
+        names.append(unique(f"{name}:{part.element.attributes['name']}", read.taken[0]))
         read.taken[0].add(names[-1])
         read.inertias[names[-1]] = NOTHING
-    own_frame = Pose(mjcf_joints.anchor(moving[-1]), HERE.turn)
+    own_frame = Pose(anchor(moving[-1]), HERE.turn)
     if inertia is not None and _aligned(moving[0].element, parts, read):
-        own_frame = mjcf_inertia.principal_frame(parts, inertia, read.rules)
+        own_frame = principal_frame(parts, inertia, read.rules)
         frame = replace(frame, pose=frame.pose.then(own_frame))
     back = own_frame.inverse()
-    read.inertias[name] = NOTHING if inertia is None else without_rounding(mjcf_inertia.within(inertia, back))
-    read.joints += mjcf_joints.chain(moving, [*names, name], frame.name, frame.pose, read.rules, read.features)
+    read.inertias[name] = NOTHING if inertia is None else without_rounding(within(inertia, back))
+    read.joints += chain(moving, [*names, name], frame.name, frame.pose, read.rules, read.features)
     return replace(frame, name=name, pose=back, moves=True)
 
 
 def _aligned(joint: Element, parts: Sequence[Part], read: Tree) -> bool:
     """Return whether a body that a joint moves gets a frame along its principal axes: one that floats alone."""
-    alone = mjcf_joints.kind_of(joint) == "free" and not any(part.element.tag == "body" for part in parts)
+    alone = kind_of(joint) == "free" and not any(part.element.tag == "body" for part in parts)
     align = word(joint, "align", "auto", (*TRUTHS, "auto")) if joint.tag == "freejoint" else "auto"
     return alone and (align == "true" or (align == "auto" and read.rules.alignfree))
 
@@ -181,7 +172,7 @@ def _name_in_case(body: Element, read: Tree) -> str:
     """Return the name of a body in the case, which is its name in the file if a case allows that."""
     name = body.attributes["name"]
     if name in RESERVED:
-        name = unlike(name, read.taken[0])
+        name = unique(f"{name}:body", read.taken[0])
         read.taken[0].add(name)
     return name
 
@@ -205,7 +196,7 @@ def _add_sites_and_geoms(body: str, carrier: Carrier, parts: Sequence[Part], rea
             types |= int(number(part.element, "contype", 1.0))
             affinities |= int(number(part.element, "conaffinity", 1.0))
         if part.element.tag == "site" and "name" in part.element.attributes:
-            read.sites[part.element.attributes["name"]] = body, part.frame.then(mjcf_parts.pose(part.element, read.rules))
+            read.sites[part.element.attributes["name"]] = body, part.frame.then(pose_of(part.element, read.rules))
     read.masks[carrier.name] = types, affinities, carrier.moves
 
 
@@ -215,7 +206,7 @@ def _scale(read: Tree) -> None:
         return
     factor = MP.mpf(read.rules.settotalmass) / sum(inertia.mass for inertia in read.inertias.values())
     for name, inertia in read.inertias.items():
-        read.inertias[name] = mjcf_inertia.scaled(inertia, factor)
+        read.inertias[name] = scaled(inertia, factor)
 
 
 def _float(root: Element) -> Element | None:
@@ -236,7 +227,7 @@ def _float(root: Element) -> Element | None:
     joints = [element for element in own(tops[0]) if element.tag in ("joint", "freejoint")]
     if not joints:
         names = {element.attributes["name"] for element in root.everything() if _names(element, "joint", "freejoint")}
-        joint = Element("freejoint", {"name": unlike(BASE, names)}, tops[0].file, tops[0].line)
+        joint = Element("freejoint", {"name": unique(BASE, names)}, tops[0].file, tops[0].line)
         tops[0].children.insert(0, joint)
         return joint
     if joints[0].tag != "freejoint" and joints[0].attributes.get("type", "hinge") != "free":
@@ -247,7 +238,7 @@ def _float(root: Element) -> Element | None:
 def _ranges(moving: Sequence[JointOfFile], read: Tree) -> Iterator[JointRange]:
     """Yield the limits of the hinges and slides."""
     for joint in moving:
-        between = mjcf_joints.limits(joint, read.rules)
+        between = limits(joint, read.rules)
         if between is not None and joint.kind in ("hinge", "slide"):
             yield JointRange(joint.name, *between)
 

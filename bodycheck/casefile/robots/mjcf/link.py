@@ -6,10 +6,11 @@ classes) or refused with the reason.
 
 from collections.abc import Iterator
 
-from bodycheck.casefile.robots import mjcf_geoms, mjcf_inertia, mjcf_parts
 from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out
-from bodycheck.casefile.robots.mjcf_geoms import Fitted
-from bodycheck.casefile.robots.mjcf_settings import Settings, settings
+from bodycheck.casefile.robots.mjcf.geoms import Fitted, placed, shape_of
+from bodycheck.casefile.robots.mjcf.inertia import inertia_of
+from bodycheck.casefile.robots.mjcf.parts import classes_of, parts_of
+from bodycheck.casefile.robots.mjcf.settings import Settings, settings
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import Vector3
@@ -34,10 +35,10 @@ def link(root: Element, name: str | None) -> Link:
     body = chosen(root, list(inherited), name, "body")
     _refuse_what_is_not_followed(body)
     rules = settings(root)
-    parts = mjcf_parts.parts(body, inherited[body], rules, mjcf_parts.classes(root))
+    parts = parts_of(body, inherited[body], rules, classes_of(root))
     if rules.inertiafromgeom == "false" and body.only("inertial") is None:
         refuse(body, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")')
-    mass_properties = mjcf_inertia.of_body(body, parts, rules, NoFiles())
+    mass_properties = inertia_of(body, parts, rules, NoFiles())
     if mass_properties is None or not mass_properties.mass:
         refuse(body, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
     geoms = [part.element for part in parts if part.element.tag == "geom"]
@@ -112,10 +113,10 @@ def _shape(geoms: list[Element], mass_properties: MassProperties, rules: Setting
     if len(geoms) != 1:
         return None, f"the body has {len(geoms) or 'no'} geoms; a body has one shape"
     (geom,) = geoms
-    shape = mjcf_geoms.shape(geom)
+    shape = shape_of(geom)
     if shape is None:
         return None, f"{place(geom)} is no box, ellipsoid, cylinder or sphere of its own size"
-    solid = mjcf_geoms.placed(geom, rules)
+    solid = placed(geom, rules)
     if not about_centre(mass_properties.centre, shape, solid.centre, solid.attitude):
         return None, f"{place(geom)} is not about the centre of mass and along the axes of the body"
     return shape, place(geom)

@@ -2,8 +2,8 @@
 
 from functools import partial
 
-from bodycheck.casefile.robots import mjcf_schema
-from bodycheck.casefile.robots.mjcf_settings import Settings, attitude, settings
+from bodycheck.casefile.robots.mjcf import schema
+from bodycheck.casefile.robots.mjcf.settings import Settings, attitude, settings
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.reading import Files
 from bodycheck.casefile.robots.tables import turned
@@ -25,7 +25,7 @@ def assemble(root: Element, files: Files) -> None:
     """
     mjcf_assembly.include(root, root.file, partial(_opened, files))
     _limit_depth(root)
-    mjcf_schema.check(root)
+    schema.check(root)
     mjcf_assembly.name(root)
     rules, count = settings(root), sum(1 for _ in root.everything())
     for world in root.all("worldbody"):

@@ -2,19 +2,19 @@
 
 from collections.abc import Sequence
 
-from bodycheck.casefile.robots.mjcf_joints import SIZES, JointOfFile
+from bodycheck.casefile.robots.mjcf.joints import SIZES, JointOfFile
 from bodycheck.casefile.robots.numbers import many
 from bodycheck.errors import BadInput
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean, first_names
 
 
-def names(root: Element) -> tuple[str, ...]:
+def keyframe_names(root: Element) -> tuple[str, ...]:
     """Return the names of the keyframes of a file; empty texts for those without a name."""
     return tuple(key.attributes.get("name", "") for key in _keys(root))
 
 
-def start(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile]) -> None:
+def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile]) -> None:
     """Let joints begin at a keyframe, given by its name or its number; None for the pose of the file.
 
     joints: the joints of the file that move, in its order.
@@ -58,7 +58,7 @@ def _keys(root: Element) -> list[Element]:
 
 
 def _chosen(root: Element, keyframe: str | int) -> Element:
-    keys, known = _keys(root), names(root)
+    keys, known = _keys(root), keyframe_names(root)
     if isinstance(keyframe, int) and 0 <= keyframe < len(keys):
         return keys[keyframe]
     if isinstance(keyframe, str) and keyframe and keyframe in known:
@@ -66,5 +66,5 @@ def _chosen(root: Element, keyframe: str | int) -> Element:
     listed = ", ".join(first_names([quoted(name) if name else str(index) for index, name in enumerate(known)]))
     allowed = f"allowed: {listed}" if known else "the file has none"
     near = did_you_mean(keyframe, [name for name in known if name]) if isinstance(keyframe, str) else ""
-    told = quoted(keyframe) if isinstance(keyframe, str) else str(keyframe)
-    raise BadInput(f"{root.file}: has no keyframe {told}; {allowed}{near}")
+    shown = quoted(keyframe) if isinstance(keyframe, str) else str(keyframe)
+    raise BadInput(f"{root.file}: has no keyframe {shown}; {allowed}{near}")
