@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.exact.numbers import NEGLIGIBLE, FloatType, WideArray
+from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms import articulated, exact, poses
 from bodycheck.reference.mechanisms.link_states import (
@@ -26,7 +26,7 @@ from bodycheck.reference.mechanisms.link_states import (
     split,
     start,
 )
-from bodycheck.reference.mechanisms.mechanism import JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -107,7 +107,7 @@ def require_regular(mechanism: Mechanism, duration: float, zero: float = ZERO) -
 
     zero: the pivots, relative to their largest values in the motion, that count as zero.
     """
-    if not any(_lacks_inertia(body) for body in mechanism.bodies):
+    if not any(exact.has_zero_moment(body) for body in mechanism.bodies):
         return
     for tree in forest(mechanism).trees:
         times, largest = np.linspace(0.0, duration, INSTANTS), np.zeros((1, 1))
@@ -115,26 +115,19 @@ def require_regular(mechanism: Mechanism, duration: float, zero: float = ZERO) -
             pivots = _pivots(tree, times)
             largest = np.maximum(largest, pivots.max(axis=1, keepdims=True))
             relative = pivots / largest
-            row, column = np.unravel_index(int(np.argmin(relative)), relative.shape)
+            row, column = divmod(int(np.argmin(relative)), len(times))
             if not relative[row, column] > zero:
-                raise OutOfReach(_undetermined(mechanism, tree, int(row), float(times[column])))
+                raise OutOfReach(_undetermined(mechanism, tree, row, float(times[column])))
             if relative[row, column] > NEAR or not duration:
                 break
             times = np.linspace(times[max(column - 1, 0)], times[min(column + 1, len(times) - 1)], AROUND)
-
-
-def _lacks_inertia(body: JointedBody) -> bool:
-    """Return whether a body has no mass, or no moment of inertia about some axis, except for rounding of a hundred digits."""
-    xx, yy, zz, xy, xz, yz = exact.inertia(body).tensor
-    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    return bool(determinant <= NEGLIGIBLE * (xx + yy + zz) ** 3)
 
 
 def _pivots(tree: Tree, times: Array) -> Array:
     """The pivots (k, n) of the mass matrix of a tree at times (n,), s, in double precision."""
     form, links = in_arithmetic(tree, float), solver()(tree, times, FloatType(np.float64)).links
     moving = [
-        replace(link, coordinates=state.coordinates.T, rates=state.rates.T)
+        replace(link, coordinates=list(state.coordinates.T), rates=list(state.rates.T))
         for link, state in zip(links_of(form, start(tree)), links, strict=True)
     ]
     with np.errstate(all="ignore"):

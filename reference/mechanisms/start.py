@@ -159,8 +159,8 @@ def _mass_matrix(mechanism: Mechanism, at: dict[int, Frame], slots: Sequence[tup
     for row, (_, body, _) in enumerate(slots):
         rows_of.setdefault(body, []).append(row)
     matrix = np.zeros((len(slots), len(slots)), Wide)
-    for row, (index, start, column) in enumerate(slots):
-        matrix[row, row] = Wide(0.0 if index is None else mechanism.joints[index].armature)
+    for row, (joint_index, start, column) in enumerate(slots):
+        matrix[row, row] = Wide(0.0 if joint_index is None else mechanism.joints[joint_index].armature)
         body, force = start, carried[start] @ column
         while True:
             for other in rows_of.get(body, ()):
