@@ -85,8 +85,8 @@ def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence
     BadInput
         As for `new`, and if the file is in another folder, or is no case.
     """
-    from bodycheck.casefile import loading
     from bodycheck.casefile.mechanisms.stored import file_text
+    from bodycheck.casefile.robots import loading
 
     if model.resolve().parent != folder.resolve():
         raise BadInput(f"--model {model}: must be in the folder of the case file, {folder.resolve()}")

@@ -175,7 +175,7 @@ def expect(
         A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
         those that the existing ones limit.
     """
-    from bodycheck.casefile import loading
+    from bodycheck.casefile.robots import loading
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran

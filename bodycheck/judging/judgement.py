@@ -155,7 +155,7 @@ class Verdict:
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time
-            row |= self.discrepancy.maxima() | self.discrepancy.before | {"steps": steps}
+            row |= self.discrepancy.maxima() | dict(self.discrepancy.before) | {"steps": steps}
             row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
