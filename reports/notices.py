@@ -23,7 +23,7 @@ def of_header(header: Header) -> list[str]:
 
 def of_robots(header: Header) -> list[str]:
     """Return the sentences on the robots' files of cases."""
-    return [f"{case}: {sentence}" for case, told in header["robots"].items() for sentence in told]
+    return [f"{case}: {sentence}" for case, sentences in header["robots"].items() for sentence in sentences]
 
 
 def missing_engines(header: Header) -> list[str]:

@@ -9,11 +9,12 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
-from bodycheck.adapters.mujoco.robot_joints import body_name, columns
+from bodycheck.adapters.mujoco.robot_joints import body_name, columns, joints_of
 from bodycheck.adapters.mujoco.robots import loaded
 from bodycheck.adapters.mujoco.stepping import quiet
+from bodycheck.adapters.robot_numbers import values_of
 from bodycheck.adapters.robot_reading import ModelRefused, RobotFile, Touch
-from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.state import COORDINATES, RobotState
 from bodycheck.reference.trajectory import Array
 
 #: The largest distance (m) between a centre of mass of MuJoCo's model and that of the motion.
@@ -28,7 +29,8 @@ def first_touch(file: RobotFile, states: Sequence[RobotState], centres: Mapping[
     file
         The file.
     states
-        n states; joints that they do not have keep MuJoCo's default positions.
+        n states; joints that they do not have keep MuJoCo's default positions. A free joint has the position and the attitude
+        of its child in the world.
     centres
         The centres of mass (n, 3) of bodies in these states, by their names (m, world).
 
@@ -41,8 +43,12 @@ def first_touch(file: RobotFile, states: Sequence[RobotState], centres: Mapping[
     data = mujoco.MjData(model)
     with quiet():
         positions, *_ = columns(model, file.format, states)
+        free = [joint for joint in joints_of(model, file.format) if joint.type == "floating"]
         for index, qpos in enumerate(positions):
             data.qpos[:] = qpos
+            for joint in free:
+                if (pose := values_of(states[index].positions, joint.name, COORDINATES["floating"])) is not None:
+                    data.qpos[joint.qpos : joint.qpos + len(pose)] = pose
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             _check(model, data, {name: centre[index] for name, centre in centres.items()})

@@ -66,11 +66,16 @@ def validate(*files: str, robots: OfRobots = AS_THEY_ARE) -> int:
     files
         Case files, files of robots (URDF or MJCF), folders of them, patterns, or names of shipped cases.
     """
+    from bodycheck.running import robot_notices
+
     if not files:
         raise BadInput("validate: give at least one case file")
     loaded = arguments.read_cases(files, robots)
+    said = robot_notices.as_loaded(loaded.cases).sentences
     for case in loaded.cases:
         print(f"{case.name}: valid")
+        if case.robot is not None:
+            print(f"  {case.robot.file}: {robot_notices.described(case)}", *said[case.name], sep="\n  ")
     for fault in loaded.faults:
         print(fault, file=sys.stderr)
     return FAILED if loaded.faults else OK
@@ -80,9 +85,11 @@ def new(
     name: str | None = None,
     /,
     *,
-    model: Annotated[Path | None, Parameter(name="--from")] = None,
+    source: Annotated[Path | None, Parameter(name="--from")] = None,
     body: str | None = None,
     mechanism: bool = False,
+    model: Path | None = None,
+    robots: OfRobots = AS_THEY_ARE,
 ) -> int:
     """Write a new case file, NAME.case.toml, into the working directory.
 
@@ -92,20 +99,28 @@ def new(
     ----------
     name
         The name of the case. It may contain small letters, digits and hyphens. With --from, the default is that of the body.
-    model
+    source
         A robot model, URDF or MJCF, of which one body is taken: mass, inertia, and a shape about the centre of mass. Comments
         say where each number is from. Files that it names, such as meshes, are not opened.
     body
         The name of the body in the robot model. Default: the only one.
     mechanism
         Write a case of bodies on joints, and not of one body.
+    model
+        The file of a robot, URDF or MJCF, in this folder: write a case that names it, with the initial states of all joints.
+        The default name is that of the file.
     """
     from bodycheck.casefile import authoring
 
+    if sum((source is not None, mechanism, model is not None)) > 1:
+        raise BadInput("new: --from, --mechanism and --model exclude each other; a case of a whole robot is written by --model")
     if model is not None:
-        if mechanism:
-            raise BadInput("new: --mechanism and --from exclude each other; a case file names a whole robot model by [model]")
-        path, left_out = authoring.new_of_robot(name, Path(), model, body)
+        if body is not None:
+            raise BadInput(f"new --body {body}: needs --from; --model takes the whole robot")
+        print(authoring.new_of_model(name, Path(), model, robots.package_path, robots.ignore))
+        return OK
+    if source is not None:
+        path, left_out = authoring.new_of_robot(name, Path(), source, body)
         if left_out:
             print(f"bodycheck: a case has one body; left out: {left_out}", file=sys.stderr)
         print(path)
@@ -160,7 +175,7 @@ def expect(
         A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
         those that the existing ones limit.
     """
-    from bodycheck.casefile import loading
+    from bodycheck.casefile.robots import loading
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran

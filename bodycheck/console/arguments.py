@@ -81,8 +81,8 @@ def read_cases(cases: tuple[str, ...], robots: Robots = AS_THEY_ARE) -> Loaded:
     Raises `CaseFaults` with the faults of all files if no case is left, and `BadInput` if a folder or a pattern stands for no
     case, or there is no robot's file for `--ignore`.
     """
-    from bodycheck.casefile import loading
     from bodycheck.casefile.case import CaseFaults, Fault
+    from bodycheck.casefile.robots import loading
 
     meant = case_names(cases)
     robot_names = loading.names(meant)

@@ -132,19 +132,20 @@ def content(mesh: Element, name: str, bases: Sequence[Path], folders: Folders, r
 
     what: what the shape does, for messages. Raises `BadInput` if the file cannot be copied.
     """
+    attribute = "file" if "file" in mesh.attributes else "filename"
     try:
         path = folders.find(name, bases)
     except NotFound as error:
-        refuse(mesh, "file", f"{quoted(name)} {error}, and its shape {what}")
+        refuse(mesh, attribute, f"{quoted(name)} {error}, and its shape {what}")
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        refuse(mesh, "file", f"read {quoted(name)}; allowed where a shape {what}: {', '.join(SUFFIXES)}")
+        refuse(mesh, attribute, f"read {quoted(name)}; allowed where a shape {what}: {', '.join(SUFFIXES)}")
     try:
         data = reading.content(path, room)
     except reading.Refused as error:
-        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)}: {error.reason}") from error
+        raise BadInput(f"{place(mesh, attribute)}: {quoted(name)}: {error.reason}") from error
     except OSError as error:
-        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)} cannot be read: {error.strerror}") from error
+        raise BadInput(f"{place(mesh, attribute)}: {quoted(name)} cannot be read: {error.strerror}") from error
     return (_plain_obj(data) if suffix == ".obj" else data), suffix
 
 

@@ -77,7 +77,7 @@ def header(
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
         "soft": {name: dict(record.soft) for name, record in records.items() if record.soft},
         "without_method": dict(without_method),
-        "robots": {name: list(told) for name, told in robots.sentences.items()},
+        "robots": {name: list(sentences) for name, sentences in robots.sentences.items()},
         "departures": dict(robots.departures),
     }
 

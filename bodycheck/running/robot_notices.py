@@ -1,4 +1,4 @@
-"""What is said of cases with robots' files: what was left out, what does not act, and from when on limits and contacts act.
+"""Sentences on cases with robots' files: what was left out, what does not act, and from when on limits and contacts act.
 
 Limits are roots of the truth. Contacts are looked for by MuJoCo's collision detection in the poses of the truth. Both need the
 truth of the case, which worker processes compute.
@@ -20,8 +20,11 @@ from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.coordinates import by_name
-from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
+from bodycheck.reference.mechanisms.exact import nearest_turn
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 from bodycheck.robots.touching_copy import copied
@@ -43,7 +46,7 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True)
 class Robots:
-    """What is said of the cases with robots' files.
+    """Sentences on the cases with robots' files.
 
     Attributes
     ----------
@@ -58,7 +61,7 @@ class Robots:
     departures: Mapping[str, float] = field(default_factory=dict)
 
 
-#: What is said where there are no robots.
+#: The sentences where there are no robots.
 NO_ROBOTS = Robots()
 
 
@@ -72,7 +75,10 @@ class Moved:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """The states of a robot at n instants t (n,), s: positions of joints by name, and centres of mass (n, 3) of bodies (m)."""
+    """The states of a robot at n instants t (n,), s: positions of joints by name, and centres of mass (n, 3) of bodies (m).
+
+    A free joint has the position and the attitude of its child in the world.
+    """
 
     t: Array
     joints: Mapping[str, Array]
@@ -114,6 +120,18 @@ def of(cases: Sequence[Case], jobs: int) -> Robots:
     return Robots(sentences, departures)
 
 
+def described(case: Case) -> str:
+    """Return the numbers of bodies, joints and degrees of freedom of a robot, and its mass, in words."""
+    scene = case.scene
+    assert isinstance(scene, Mechanism)  # robots are mechanisms
+    masses = [body.mass for body in bodies(scene) if body.mass]
+    moving = sum(joint.type != "fixed" for joint in scene.joints)
+    freedoms = of_mechanism(scene).degrees_of_freedom
+    loops = f" without its loops, loops: {len(scene.loops)}" if scene.loops else ""
+    counts = f"bodies with mass: {len(masses)}, joints that move: {moving}, degrees of freedom: {freedoms}{loops}"
+    return f"{counts}, mass: {sum(masses):.6g} kg"
+
+
 def _left_out(robot: RobotNotes) -> Iterator[str]:
     if robot.without:
         yield f"of the robot without its {_listed([WITHOUT.get(word, word) for word in robot.without])}"
@@ -140,10 +158,19 @@ def _moved(case: Case) -> Moved | str:
     except (NotModelled, OutOfReach) as error:
         return str(error)
     assert truth.joints is not None  # the truth of a mechanism has joints
-    joints = {name: motion["position"] for name, motion in by_name(scene, truth.joints).items() if motion["position"].size}
+    motions = by_name(scene, truth.joints)
+    joints = {joint.name: _in_world(joint, motions[joint.name]["position"]) for joint in scene.joints if joint.type != "fixed"}
     massive = [(index, body.name) for index, body in enumerate(bodies(scene)) if body.mass]
     centres = {name: truth.trajectory.body(index).position for index, name in massive}
     return Moved(passings, States(truth.trajectory.t, joints, centres))
+
+
+def _in_world(joint: Joint, positions: Array) -> Array:
+    """Return the coordinates of a joint at n instants, with the pose in the world (n, 7) for a free joint."""
+    if joint.type != "free" or joint.parent != WORLD:
+        return positions
+    turn = np.array(nearest_turn(joint.attitude))
+    return np.hstack([np.array(joint.position) + rotate(turn, positions[:, :3]), multiply(turn, positions[:, 3:])])
 
 
 def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touch | str | None]:
@@ -187,7 +214,7 @@ def _first_touch(search: Search) -> Touch | str | None:
 
     states = search.states
     at = [
-        RobotState({name: np.atleast_1d(values[index]) for name, values in states.joints.items()}, {}, {}, {})
+        RobotState({name: tuple(np.atleast_1d(values[index]).tolist()) for name, values in states.joints.items()}, {}, {}, {})
         for index in range(len(states.t))
     ]
     try:
@@ -234,14 +261,14 @@ class _Acting:
         if isinstance(self.moved, str):
             yield f"From when on limits or contacts would act is not known: {self.moved}."
             return
+        acting = []
         if self.moved is not None and self.moved.passings:
-            yield self._of_limits(self.moved.passings)
+            acting.append((self.moved.passings[0].time, self._of_limits(self.moved.passings)))
         if isinstance(self.touch, Touch):
-            yield self._of_contacts(self.touch)
-        elif self.touch is not None:
+            acting.append((self.between(self.touch)[1], self._of_contacts(self.touch)))
+        yield from (sentence for _, sentence in sorted(acting))
+        if isinstance(self.touch, str):
             yield f"Contacts were not looked for: {self.touch}."
-        if self.moved is not None and self.moved.states is not None and _rests(self.moved.states):
-            yield "Nothing moves in this scene."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
         assert isinstance(self.case.scene, Mechanism)
@@ -261,14 +288,9 @@ class _Acting:
     def _of_contacts(self, touch: Touch) -> str:
         pairs = [f"{one} touches {other}" for one, other in touch.pairs]
         if more := len(pairs) - MOST_NAMED:
-            pairs = [*pairs[:MOST_NAMED], f"{more} more pairs touch"] if more > 0 else pairs
+            pairs = [*pairs[:MOST_NAMED], f"{more} more {'pairs touch' if more > 1 else 'pair touches'}"] if more > 0 else pairs
         after, before = self.between(touch)
         if not touch.index:
             return f"{_listed(pairs)} at the start: this is the robot without its contacts."
         when = f"between {after:.4g} and {before:.4g} s"
         return f"{_listed(pairs)} {when}: from there on this is the robot without its contacts."
-
-
-def _rests(states: States) -> bool:
-    """Return whether nothing moves."""
-    return all(bool((values == values[0]).all()) for values in states.joints.values())

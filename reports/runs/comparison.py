@@ -98,8 +98,8 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
         "soft": _merged_by_engine([header["soft"] for header in headers.values()]),
         "without_method": _merged_by_engine([own["without_method"] for own in headers.values()]),
-        "robots": {case: told for own in headers.values() for case, told in own["robots"].items()},
-        "departures": {case: instant for own in headers.values() for case, instant in own["departures"].items()},
+        "robots": {name: sentences for one in headers.values() for name, sentences in one["robots"].items()},
+        "departures": {name: instant for one in headers.values() for name, instant in one["departures"].items()},
     }
 
 

@@ -1,14 +1,15 @@
 """The outcomes of runs: the headline, the number of runs with each outcome, the limits of the report, and failed runs."""
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 
+from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.notices import missing_engines, of_robots
-from bodycheck.reports.quantities import count, verb
+from bodycheck.reports.quantities import count, number, verb
 from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Unsupported
@@ -76,9 +77,26 @@ def limits(one: ResultSet) -> tuple[str, ...]:
             f"The command was interrupted after {count(len(one.verdicts), 'run')}. "
             "Runs that had not finished by then are missing from this report."
         )
+    texts += _before_departures(one.verdicts)
     texts += missing_engines(one.results.header)
     texts += sentences(one.results.unchecked)
     return tuple(_labelled(one, text) for text in texts)
+
+
+def _before_departures(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """Yield a sentence on the attitude errors up to the departure of each robot from its file."""
+    column, errors = BEFORE_DEPARTURE["attitude_error"], defaultdict[str, list[tuple[float, float, str]]](list)
+    for verdict in verdicts:
+        before = {} if verdict.discrepancy is None else verdict.discrepancy.before
+        if column in before:
+            method = f"{verdict.run.engine} {verdict.run.method}"
+            errors[verdict.run.case].append((before[column], before[DEPARTURE], method))
+    for case, of_case in errors.items():
+        (least, departure, best), (most, _, worst) = min(of_case), max(of_case)
+        ends = f"{number(least)} rad, with {best}"
+        if least != most:
+            ends = f"from {ends}, to {number(most)} rad, with {worst}"
+        yield f"{case}: up to {departure:.4g} s, the largest attitude error is {ends}."
 
 
 def _labelled(one: ResultSet, text: str) -> str:

@@ -79,7 +79,7 @@ def _renamed(submission: Submission, names: Mapping[str, str]) -> Submission:
         header=replace(
             submission.header,
             without_method=without,
-            robots={names.get(case, case): told for case, told in submission.header.robots.items()},
+            robots={names.get(case, case): sentences for case, sentences in submission.header.robots.items()},
             departures={names.get(case, case): instant for case, instant in submission.header.departures.items()},
         ),
         tables={name: tuple(_row(row, names) for row in table) for name, table in submission.tables.items()},

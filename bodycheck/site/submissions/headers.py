@@ -51,9 +51,9 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
         for name in ("engines", "missing", *groups):
             _check_by_engine(name, getattr(found, name))
         _check_size("robots", found.robots)
-        for told in found.robots.values():
-            _check_size("robots", dict.fromkeys(told))
-            for sentence in told:
+        for sentences in found.robots.values():
+            _check_size("robots", dict.fromkeys(sentences))
+            for sentence in sentences:
                 _text("robots", sentence, LONGEST_REASON)
         _check_size("departures", found.departures)
     except ValueError as error:

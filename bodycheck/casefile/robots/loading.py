@@ -76,8 +76,9 @@ def _of_robot(path: Path, faults: Sequence[Fault]) -> Iterator[Fault]:
     words = [match[1] for fault in faults if (match := ADVICE.search(fault.message)) is not None]
     for fault in faults:
         message = ADVICE.sub(r"--ignore \1 leaves", fault.message)
-        own, line, text = re.fullmatch(rf"({re.escape(path.name)}:(\d+:)? )?(.*)", message, re.DOTALL).groups()
-        yield Fault(f"{path}:{line.rstrip(':')}" if own and line else str(path), text)
+        in_file = re.match(rf"{re.escape(path.name)}:(\d+:)? ", message)
+        line = "" if in_file is None or in_file[1] is None else f":{in_file[1].rstrip(':')}"
+        yield Fault(f"{path}{line}", message if in_file is None else message[in_file.end() :])
     if len(words) == len(faults):
         options = [option for word in dict.fromkeys(words) for option in ("--ignore", word)]
         yield Fault(str(path), f"runs without them by: {shlex.join(['bodycheck', 'run', str(path), *options])}")
