@@ -84,9 +84,7 @@ def test_contacts_that_cannot_be_looked_for_are_told(calls_here: None, tmp_path:
     path = written(tmp_path, "rail.urdf", RAIL.replace("</inertial></link>", f"</inertial>{mesh}"))
     robots = robot_notices.of([interface.load(path)], 1)
     (said,) = (sentence for sentence in robots.sentences["rail"] if "ontacts" in sentence)
-    assert said.startswith(
-        "Contacts were not looked for: rail.urdf:3: <mesh filename>: 'package://nowhere/part.stl' is out"
-    )
+    assert said.startswith("Contacts were not looked for: rail.urdf:3: <mesh filename>: 'package://nowhere/part.stl' is out")
 
 
 def test_robots_of_one_file_name_have_the_names_of_their_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
