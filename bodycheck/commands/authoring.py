@@ -71,11 +71,11 @@ def validate(*files: str, robots: OfRobots = AS_THEY_ARE) -> int:
     if not files:
         raise BadInput("validate: give at least one case file")
     loaded = arguments.read_cases(files, robots)
-    said = robot_notices.as_loaded(loaded.cases).sentences
     for case in loaded.cases:
         print(f"{case.name}: valid")
         if case.robot is not None:
-            print(f"  {case.robot.file}: {robot_notices.described(case)}", *said[case.name], sep="\n  ")
+            said = [*robot_notices.left_out(case.robot), *case.robot.notices]
+            print(f"  {case.robot.file}: {robot_notices.described(case)}", *said, sep="\n  ")
     for fault in loaded.faults:
         print(fault, file=sys.stderr)
     return FAILED if loaded.faults else OK

@@ -4,7 +4,7 @@ Limits are roots of the truth. Contacts are looked for by MuJoCo's collision det
 truth of the case, which worker processes compute.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -96,7 +96,7 @@ class Search:
 
 def as_loaded(cases: Sequence[Case]) -> Robots:
     """Return what is said of cases before anything is computed."""
-    return Robots({case.name: [*_left_out(case.robot), *case.robot.notices] for case in cases if case.robot is not None})
+    return Robots({case.name: _said(case.robot, ()) for case in cases if case.robot is not None})
 
 
 def of(cases: Sequence[Case], jobs: int) -> Robots:
@@ -114,7 +114,7 @@ def of(cases: Sequence[Case], jobs: int) -> Robots:
         if case.robot is None:
             continue
         acting = _Acting(case, moved.get(case.name), touching.get(case.name))
-        sentences[case.name] = [*_left_out(case.robot), *acting.sentences(), *case.robot.notices]
+        sentences[case.name] = _said(case.robot, acting.sentences())
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
     return Robots(sentences, departures)
@@ -132,7 +132,13 @@ def described(case: Case) -> str:
     return f"{counts}, mass: {sum(masses):.6g} kg"
 
 
-def _left_out(robot: RobotNotes) -> Iterator[str]:
+def _said(robot: RobotNotes, acting: Iterable[str]) -> list[str]:
+    """Return the sentences on a robot, with all on parts that do not act in one text. acting: those on parts that act later."""
+    return [*left_out(robot), *acting, *([" ".join(robot.notices)] if robot.notices else [])]
+
+
+def left_out(robot: RobotNotes) -> Iterator[str]:
+    """Yield a clause on what is left out of a robot on purpose, if anything is."""
     if robot.without:
         yield f"of the robot without its {_listed([WITHOUT.get(word, word) for word in robot.without])}"
 

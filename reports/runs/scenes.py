@@ -171,7 +171,7 @@ def _touching(friction: float, restitution: float) -> str:
 
 
 def _bodies(mechanism: Mechanism) -> str:
-    masses = {body.name: body.mass for body in bodies(mechanism)}
+    masses = {body.name: body.mass for body in bodies(mechanism) if body.mass}  # frames are no bodies for readers
     if len(masses) > MOST_TOLD:
         least, most = number(min(masses.values())), number(max(masses.values()))
         return f"{len(masses)} of {least if least == most else f'{least} to {most}'} kg"

@@ -211,7 +211,7 @@ def test_results_are_frozen(all_results: tuple[Results, ...]) -> None:
         (bodycheck.tradeoff, ["free-brick"], {"batch": 0}),
         (bodycheck.tradeoff, ["free-brick"], {"batch": "10,x"}),
         (bodycheck.tradeoff, ["free-brick"], {"batch": 10**9}),
-        (bodycheck.extremes, ["dumbbell"], {}),
+        (bodycheck.extremes, ["dumbell"], {}),
         (bodycheck.recommend, ["free-brick"], {"error": -1}),
         (bodycheck.recommend, ["free-brick"], {"error": "x"}),
         (bodycheck.recommend, ["free-brick"], {"error": 1e-3, "quantity": "atitude"}),
