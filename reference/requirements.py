@@ -7,9 +7,9 @@ from typing import ClassVar, Literal, TypeGuard
 
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.coordinates import VELOCITIES
-from bodycheck.reference.mechanisms.exact import inertia, nearest_inertia
+from bodycheck.reference.mechanisms.exact import has_zero_moment, nearest_inertia
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
-from bodycheck.reference.mechanisms.mechanism import AnyScene, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Scene, Vector
 
@@ -162,7 +162,7 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "joint efforts": any(joint.effort for joint in joints),
         "mimic joints": any(joint.mimic for joint in joints),
         "loops": bool(mechanism.loops),
-        "point masses": any(nearest_inertia(body).mass and _has_zero_moment(body) for body in mechanism.bodies),
+        "point masses": any(nearest_inertia(body).mass and has_zero_moment(body) for body in mechanism.bodies),
         "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),
         "contacts": mechanism.plane is not None,
         "pushes": bool(mechanism.pushes),
@@ -245,12 +245,3 @@ def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:
     that `MechanismRequirements.names` gives.
     """
     return ", ".join(name for name in needs(scene).names() if name not in modelled) or None
-
-
-def _has_zero_moment(body: JointedBody) -> bool:
-    """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
-    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms only
-
-    xx, yy, zz, xy, xz, yz = inertia(body).tensor
-    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)

@@ -48,11 +48,13 @@ FREEDOMS: dict[Kind, tuple[int, ...]] = {
 class Accelerations:
     """The derivatives of the rates of each link; of a free link the acceleration (6,), without gravity, along its own axes.
 
-    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating.
+    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating. pivots: of the mass
+    matrix, for the coordinates of each link.
     """
 
     rates: list[Vec]
     strains: list[Number]
+    pivots: list[Vec]
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +190,11 @@ def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: A
             inertias[link.parent] = plus_rows(inertias[link.parent], passed.inertia)
             forces[link.parent] = plus(forces[link.parent], passed.force)
             answers[link.parent] = _together(answers[link.parent], passed.answers)
-    return _solved(links, motions, eliminated[::-1], shared.accelerations())
+    leading, pivots = shared.accelerations()
+    solution = _solved(links, motions, eliminated[::-1], leading)
+    for leader, pivot in pivots.items():
+        solution.pivots[leader].append(pivot)
+    return solution
 
 
 def _outward(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> tuple[list[_Motion], list[Vec]]:
@@ -380,7 +386,7 @@ def _solved(
         extra.append(whole)
         rates.append([along[k] for k in sorted(along)])
         strains.append(strain)
-    return Accelerations(rates, strains)
+    return Accelerations(rates, strains, [[step.weight for step in steps] for steps in eliminated])
 
 
 def _absent(value: Number) -> bool:

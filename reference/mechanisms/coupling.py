@@ -39,8 +39,8 @@ class Shared:
                 if other <= leader:
                     self._add(leader, other, -(part * one))
 
-    def accelerations(self) -> dict[int, Number]:
-        """The accelerations of the leaders, by Gauss's elimination without pivots, as H is positive definite."""
+    def accelerations(self) -> tuple[dict[int, Number], dict[int, Number]]:
+        """The accelerations of the leaders, and the pivots of H, by Gauss's elimination, as H is positive definite."""
         h, x = dict(self._inertia), {leader: -load for leader, load in self._load.items()}
         for n, k in enumerate(self._leaders):
             below = [i for i in self._leaders[n + 1 :] if (i, k) in h]
@@ -56,7 +56,7 @@ class Shared:
                 if i > k and (i, k) in h:
                     rest = rest - h[i, k] * x[i]
             x[k] = rest / h[k, k]
-        return x
+        return x, {k: h[k, k] for k in self._leaders}
 
     def _add(self, one: int, other: int, value: Number) -> None:
         pair = max(one, other), min(one, other)

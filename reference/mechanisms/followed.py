@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.forms.choice import form_of
@@ -158,10 +158,15 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
     """
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
-    measured = measured or _measured(mechanism, times)
-    grown = measured.growth
-    instants = np.union1d(times, grown.t)
-    states = recursion.follow(mechanism, instants, dtype)
+    try:
+        measured = measured or _measured(mechanism, times)
+        grown = measured.growth
+        instants = np.union1d(times, grown.t)
+        states = recursion.follow(mechanism, instants, dtype)
+    except Stopped as stopped:
+        recursion.require_regular(mechanism, stopped.time, recursion.SMALL)
+        raise
+    recursion.require_regular(mechanism, float(grown.t[-1]))
     wide = _motion_in_joints(states)
     count = DOP853_ROUNDINGS
     if dtype is not np.float64:

@@ -244,7 +244,8 @@ def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> lis
     for index, link in enumerate(tree.links):
         if link.follows is not None:
             leader, ratio, shift = states[link.follows], kind.number(link.constants.ratio), kind.number(link.constants.shift)
-            states[index] = LinkStates(ratio * leader.coordinates + shift, ratio * leader.rates)
+            # Zero is added since the product of a negative ratio and zero is minus zero.
+            states[index] = LinkStates(ratio * leader.coordinates + shift, ratio * leader.rates + kind.number(MP.mpf(0)))
         elif link.kind == "free":
             moved = rows[:, :6] * 0
             if index in floating(tree.links):

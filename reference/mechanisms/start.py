@@ -135,9 +135,9 @@ def _coordinates_with_followers(mechanism: Mechanism, at: dict[int, Frame]) -> t
     shares = np.zeros((len(slots), len(alone)), Wide)
     for number, row in enumerate(alone):
         shares[row, number] = 1
-        for other, (joint, _, _) in enumerate(slots):
-            if other not in alone and joint is not None:
-                rule = mimicry.rule(mechanism.joints, joint)
+        for other, (index, _, _) in enumerate(slots):
+            if other not in alone and index is not None:
+                rule = mimicry.rule(mechanism.joints, index)
                 if rule.leader == slots[row][0]:
                     shares[other, number] = wide(real(rule.multiplier))
     matrix = shares.T @ _mass_matrix(mechanism, at, slots) @ shares
@@ -159,8 +159,8 @@ def _mass_matrix(mechanism: Mechanism, at: dict[int, Frame], slots: Sequence[tup
     for row, (_, body, _) in enumerate(slots):
         rows_of.setdefault(body, []).append(row)
     matrix = np.zeros((len(slots), len(slots)), Wide)
-    for row, (index, start, column) in enumerate(slots):
-        matrix[row, row] = Wide(0.0 if index is None else mechanism.joints[index].armature)
+    for row, (joint_index, start, column) in enumerate(slots):
+        matrix[row, row] = Wide(0.0 if joint_index is None else mechanism.joints[joint_index].armature)
         body, force = start, carried[start] @ column
         while True:
             for other in rows_of.get(body, ()):
