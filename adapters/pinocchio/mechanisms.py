@@ -3,7 +3,8 @@
 The accelerations are those of the articulated-body algorithm (`aba`), and with loops those of its dynamics with constraints
 (`constraintDynamics`), which give the two points of a loop the same acceleration. The option `baumgarte` adds a correction of
 the gap and of its rate. Neither algorithm supports Pinocchio's mimic joints. With these, the accelerations are the solution of
-the equations of motion, with the mass matrix of `crba` and the forces of `nonLinearEffects`, which do support them.
+the equations of motion, whose mass matrix and forces `rnea` gives, which does support them. So does `crba`, but its mass matrix
+is wrong in Pinocchio 4.1.0 if a joint that follows another one carries two branches (`claims/pinocchio/mimic_dynamics.py`).
 
 Pinocchio takes armature from the model. All other effects in joints are forces that users of Pinocchio add to `tau`. They are
 evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the velocity.
@@ -175,11 +176,12 @@ def with_followers(
 
 def coupled(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:
     """Return the accelerations of a mechanism with mimic joints: the solution of its equations of motion."""
+    still, units = np.zeros(model.nv), np.eye(model.nv)
 
     def acceleration(q: Array, v: Array) -> Array:
-        upper = np.triu(pin.crba(model, data, q))
-        inertia = upper + np.triu(upper, 1).T
-        return np.linalg.solve(inertia, forces(q, v) - pin.nonLinearEffects(model, data, q, v))
+        at_rest = pin.rnea(model, data, q, still, still).copy()
+        inertia = np.array([pin.rnea(model, data, q, still, unit) - at_rest for unit in units])
+        return np.linalg.solve(inertia, forces(q, v) - pin.rnea(model, data, q, v, still))
 
     return acceleration
 

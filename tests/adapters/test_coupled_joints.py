@@ -133,6 +133,18 @@ def test_a_mimic_joint_yields_in_mujoco_as_its_softness_says() -> None:
     assert sag == pytest.approx(2 * (1 - impedance) * 9.81 / (impedance * stiffness), rel=1e-6)
 
 
+def test_a_joint_that_follows_may_carry_two_branches() -> None:
+    """The mass matrix of Pinocchio's crba is wrong for it, and that of rnea is right."""
+    arm, first, link, second = FINGERS.joints
+    third = Joint("third", "revolute", 3, 4, (0.1, 0.0, 0.1), axis=(0.0, 1.0, 0.3), start=(0.2,), start_velocity=(-1.0,))
+    fourth = Joint("fourth", "revolute", 3, 5, (0.0, 0.2, 0.1), axis=(1.0, 0.0, 0.3), start=(0.4,), start_velocity=(1.0,))
+    tips = (body("third", 0.4, MOMENTS, (0.1, 0.0, 0.2)), body("fourth", 0.5, MOMENTS, (0.0, 0.1, 0.3)))
+    branched = replace(FINGERS, bodies=(*FINGERS.bodies, *tips), joints=(arm, first, link, second, third, fourth))
+    sizes = errors(registry.load("pinocchio"), branched, "rk4")
+    assert orders(sizes) == pytest.approx([4, 4], abs=0.2)
+    assert sizes[-1] < 1e-10
+
+
 def test_followers_that_a_mechanism_lists_first_keep_their_coordinates() -> None:
     mechanism = gripper()
     states = end("pinocchio", mechanism, "rk4")
