@@ -1,9 +1,9 @@
 """Print the tables of docs/robot_files.md on robots' files in folders. Run: python docs/robot_files.py FOLDER ...
 
 Each URDF and MJCF file with a joint is a row: whether it runs as it is, what must be ignored, or why it is refused; the bound
-of its truth; the error of MuJoCo's default method at the file's own step; how far its mass matrix, bias and gravity are from those
-of the model that `bodycheck parity` reads; the order in which MuJoCo's RK4 converges to the truth of the robot without dry
-friction, mimic joints and loops, whose joints start with random velocities; and the time of all this.
+of its truth; the error of MuJoCo's default method at the file's own step; how far its mass matrix, bias and gravity are from
+those of the model that `bodycheck parity` reads; the order in which MuJoCo's RK4 converges to the truth of the robot without
+dry friction, mimic joints and loops, whose joints start with random velocities; and the time of all this.
 """
 
 import math

@@ -16,10 +16,10 @@ from typing import Any
 
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, Vector3, WideArray
 from bodycheck.reference.exact.rotations import ORIGIN, plus, scaled
-from bodycheck.reference.mechanisms import articulated
-from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.articulation import articulated
+from bodycheck.reference.mechanisms.articulation.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.articulation.spatial import Number, quaternion_rows
 from bodycheck.reference.mechanisms.frames import Place
-from bodycheck.reference.mechanisms.spatial import Number, quaternion_rows
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
 #: The numbers of coordinates and of rates of each kind of link.

@@ -15,7 +15,8 @@ import numpy as np
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
-from bodycheck.reference.mechanisms import articulated, exact, poses
+from bodycheck.reference.mechanisms import exact, poses
+from bodycheck.reference.mechanisms.articulation import articulated
 from bodycheck.reference.mechanisms.link_states import (
     Change,
     Course,

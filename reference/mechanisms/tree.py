@@ -21,7 +21,7 @@ from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, multiply, scaled, unit
 from bodycheck.reference.mechanisms import exact, mimicry
-from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.articulation.articulated import Constants, Kind
 from bodycheck.reference.mechanisms.frames import (
     Moving,
     Place,

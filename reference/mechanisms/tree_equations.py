@@ -15,7 +15,7 @@ import heyoka as hy
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
-from bodycheck.reference.mechanisms.articulated import Constants
+from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import (
     Course,
     Form,

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.exact.numbers import FloatType
-from bodycheck.reference.mechanisms import articulated, poses
-from bodycheck.reference.mechanisms.articulated import Constants
+from bodycheck.reference.mechanisms import poses
+from bodycheck.reference.mechanisms.articulation import articulated
+from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_arithmetic, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms import coupling, followed, mimicry, observables
+from bodycheck.reference.mechanisms import followed, mimicry, observables
+from bodycheck.reference.mechanisms.articulation import coupling
 from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.lagrangian import mass_matrix
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, Mimic

@@ -8,7 +8,7 @@ a^T H a / 2 + c^T a, in which H is their mass matrix while all other joints are 
 
 from collections.abc import Iterable, Mapping
 
-from bodycheck.reference.mechanisms.spatial import Number
+from bodycheck.reference.mechanisms.articulation.spatial import Number
 
 
 class Shared:

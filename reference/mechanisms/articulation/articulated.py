@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from bodycheck.reference.mechanisms.coupling import Shared
-from bodycheck.reference.mechanisms.spatial import (
+from bodycheck.reference.mechanisms.articulation.coupling import Shared
+from bodycheck.reference.mechanisms.articulation.spatial import (
     ZERO,
     AboutZ,
     Number,
