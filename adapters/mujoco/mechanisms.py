@@ -42,7 +42,7 @@ import numpy as np
 
 {sampling}
 BODIES = {bodies}
-XML = r"""
+XML = """
 {xml}
 """
 

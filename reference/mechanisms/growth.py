@@ -30,9 +30,6 @@ SMALL = 1e-2
 #: coordinates and velocities.
 STARTS = (0.0, 0.0, 1 / 3, 2 / 3)
 
-#: The turn (rad) within the duration that the unit of rates corresponds to at least.
-SLOW = 1e-3
-
 #: The growth at which nothing is known of a motion any more, in any arithmetic.
 LARGEST = 1e30
 
@@ -119,12 +116,13 @@ def _nudges(mechanism: Mechanism, base: Motion, t: Array, units: dict[str, float
 def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
     """The sizes of the states of a motion, by the names of `bounds.STATES`.
 
-    They are one radian, the length of the mechanism (m), and the largest speed (m/s) and rate (rad/s) of the motion. A motion
-    whose joints turn by less than `SLOW` has the rate of that turn: rates that are zero but for rounding are no unit.
+    They are one radian, the length of the mechanism (m), and the largest speed (m/s) and rate (rad/s) of the motion. Rates that
+    are smaller than a nudge beside the speeds, as in a free fall, may be zero but for rounding, and are no unit.
     """
     largest = {name: float(values.max(initial=0.0)) for name, values in sizes(mechanism, motion).items()}
-    length, time = reach(mechanism), duration or 1.0
-    rate = max(largest["angular_velocity_error"], SLOW / time) if largest["angular_velocity_error"] else 1 / time
+    length, rate = reach(mechanism), largest["angular_velocity_error"]
+    if rate <= NUDGE * largest["velocity_error"] / length:
+        rate = 1 / (duration or 1.0)
     return {
         "error": 1.0,
         "position_error": length,

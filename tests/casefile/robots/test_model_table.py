@@ -265,7 +265,7 @@ def test_files_are_read_only_inside_the_folders_that_the_user_named(tmp_path: Pa
         with pytest.raises(CaseFaults, match="is not there"):
             load(case_file(home, INCLUDING.format(name=name), ""))
     path = case_file(home, INCLUDING.format(name="package://outside/arm.xml"), "")
-    case = load(path, [outside])
+    case = load(path, packages=[outside])
     assert "package://outside/arm.xml" in case.text
     assert str(tmp_path) not in case.text.replace(MARK, "")
     assert parse_stored(case.text, "stored") == case
