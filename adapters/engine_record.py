@@ -100,6 +100,9 @@ class Engine:
     roles
         The methods behind the aliases `default` and `recommended`, keyed by role and kind of scene. The default is what a user
         of the engine's quick start gets, and the recommended method is what its documentation recommends.
+    soft
+        The requirements of mechanisms that the engine models by springs and dampers, so that a part of the error does not
+        vanish with the time step; the values name the options that change them.
     largest_step
         The engine's own limit (s) on the steps of methods with error control; None if it has none.
     """
@@ -116,4 +119,5 @@ class Engine:
     varies: frozenset[Varied] = frozenset()
     defaults: Mapping[str, str] = field(default_factory=dict)
     roles: Mapping[Role, Mapping[Kind, Usage]] = field(default_factory=dict)
+    soft: Mapping[str, str] = field(default_factory=dict)
     largest_step: float | None = None

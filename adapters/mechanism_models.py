@@ -6,7 +6,8 @@
   joint, two points for a hinge, 1 m apart on its axis, and three points for a fixed joint.
 
 `three-hinges` needs ball joints without damping, because hinges cannot damp the angular velocity of a ball. `free-bodies` needs
-joints in which nothing acts, because no joint is left between the bodies.
+bodies with a mass, and joints in which nothing acts and which follow no other joint, because no joint is left between the
+bodies.
 """
 
 import math
@@ -50,6 +51,10 @@ def lacking(mechanism: Mechanism, model: str) -> str | None:
     if model == "free-bodies":
         if other := sorted({joint.type for joint in joints} - {"revolute", "spherical", "fixed", "free"}):
             return f"points do not make {' and '.join(other)} joints"
+        if not all(exact.nearest_inertia(body).mass for body in mechanism.bodies):
+            return "a body has no mass"
+        if any(joint.mimic for joint in joints):
+            return "a joint follows another"
         acting = any(joint.armature or joint.damping or joint.stiffness or joint.friction or joint.effort for joint in joints)
         return "something acts on its joints" if acting else None
     return None

@@ -1,5 +1,7 @@
 """Convert bodies on joints to the forms that engines take."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -90,6 +92,26 @@ def from_z(axis: Array) -> Array:
 def from_x(axis: Array) -> Array:
     """Return a quaternion (4,) of a rotation that turns the x axis to a unit vector (3,)."""
     return multiply(from_z(axis), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]))
+
+
+def massless_parts(mechanism: Mechanism) -> Iterator[list[int]]:
+    """Yield the sets of bodies that are fixed to each other, move, and have no mass, each with its moving body first."""
+    fixed: dict[int, list[int]] = {}
+    for joint in mechanism.joints:
+        if joint.type == "fixed":
+            fixed.setdefault(joint.parent, []).append(joint.child)
+    for index, moving in enumerate(mechanism.joint_of):
+        if moving is None or moving.type != "fixed":
+            part = [index]
+            for body in part:
+                part += fixed.get(body, [])
+            if not any(has_mass(mechanism.bodies[body]) for body in part):
+                yield part
+
+
+def has_mass(body: JointedBody) -> bool:
+    """Return whether a body has a mass."""
+    return nearest_inertia(body).mass > 0
 
 
 def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:

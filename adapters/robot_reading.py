@@ -226,3 +226,19 @@ class RobotSteps(Protocol):
             If the engine can read the robot, but not step it.
         """
         ...
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The first of several states of a robot in which shapes touch.
+
+    Attributes
+    ----------
+    index
+        The index of the state.
+    pairs
+        The names of the bodies that touch, or of the shapes of the world.
+    """
+
+    index: int
+    pairs: tuple[tuple[str, str], ...]

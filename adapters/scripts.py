@@ -71,6 +71,11 @@ def indented(lines: str) -> str:
     return "\n".join(f"    {line}" for line in lines.splitlines())
 
 
+def embedded(text: str) -> str:
+    """Return a text as it stands between three quotes in a script: names in it may have quotes and backslashes."""
+    return text.replace("\\", r"\\").replace('"""', r"\"\"\"")
+
+
 def written(numbers: Iterable[float]) -> str:
     """Return the source of a list of numbers, with all digits of a float."""
     return f"[{', '.join(repr(float(number)) for number in numbers)}]"

@@ -13,7 +13,8 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bodycheck.casefile.case import Case, CaseFaults, load
+    from bodycheck.casefile.case import Case, CaseFaults
+    from bodycheck.casefile.robots.loading import load
     from bodycheck.errors import BadInput, Failed
     from bodycheck.interface.exporting import export
     from bodycheck.interface.plots import Plot
@@ -76,7 +77,7 @@ HOMES = {
     "Failed": "errors",
     "Case": "casefile.case",
     "CaseFaults": "casefile.case",
-    "load": "casefile.case",
+    "load": "casefile.robots.loading",
     "Discrepancy": "judging.discrepancy",
     "compare": "judging.comparison",
     "Run": "results.outcome",

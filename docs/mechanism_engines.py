@@ -43,6 +43,8 @@ PARAMETERS = {
     "joint efforts": "efforts",
     "loops": "loops",
     "point masses": "point masses",
+    "massless bodies": "bodies without mass",
+    "mimic joints": "mimic joints",
 }
 
 #: The cases of the second table, and its time steps (s), each half of the one before.

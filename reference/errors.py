@@ -18,6 +18,14 @@ class OutOfReach(Exception):
     """The reference cannot compute this motion, or not in a reasonable number of steps; the text says why."""
 
 
+class Stopped(OutOfReach):
+    """An integration stopped at a time (s)."""
+
+    def __init__(self, text: str, time: float) -> None:
+        super().__init__(text)
+        self.time = time
+
+
 class NotFlat(Exception):
     """The body does not lie flat on the plane, or has no face to lie on; the text lists what is wrong."""
 

@@ -16,8 +16,9 @@ from bodycheck.reference.trajectory import Array, Trajectory
 #: The identity quaternion (w, x, y, z): the body frame is along the principal axes.
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
-#: Relative amount by which A + B may fall short of C, because of rounding in the moments of a disc or a needle.
-TRIANGLE_TOLERANCE = 1e-12
+#: Amount by which A + B may fall short of C, relative to C, because of rounding in the moments of a disc or a needle; the same
+#: as in `robots.physical`.
+TRIANGLE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +137,7 @@ def in_body_frame(scene: Scene, motion: Trajectory) -> Trajectory:
 def satisfies_triangle_inequality(moments: Vector) -> bool:
     """Return whether a body can have these principal moments (kg m^2): none exceeds the sum of the other two."""
     smallest, middle, largest = sorted(moments)
-    return largest <= (smallest + middle) * (1 + TRIANGLE_TOLERANCE)
+    return largest - (smallest + middle) <= TRIANGLE_TOLERANCE * largest
 
 
 def _second_moments_to_inertia(second: Array) -> Array:

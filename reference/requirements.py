@@ -7,9 +7,9 @@ from typing import ClassVar, Literal, TypeGuard
 
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.coordinates import VELOCITIES
-from bodycheck.reference.mechanisms.exact import inertia
+from bodycheck.reference.mechanisms.exact import has_zero_moment, nearest_inertia
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
-from bodycheck.reference.mechanisms.mechanism import AnyScene, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Scene, Vector
 
@@ -100,10 +100,11 @@ class MechanismRequirements:
     ----------
     effects
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
-        "joint springs", "joint friction", "joint efforts", "loops", "point masses" where a body has a moment of zero,
-        "contacts" where there is a plane, and "pushes".
+        "joint springs", "joint friction", "joint efforts", "mimic joints", "loops", "point masses" where a body with a mass has
+        a moment of zero, "massless bodies", "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
-        Number of velocities of its joints and free bodies. The velocities that loops take away are not subtracted.
+        Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
+        take away are not subtracted.
     """
 
     effects: tuple[str, ...]
@@ -159,13 +160,15 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "joint springs": any(joint.stiffness for joint in joints),
         "joint friction": any(joint.friction for joint in joints),
         "joint efforts": any(joint.effort for joint in joints),
+        "mimic joints": any(joint.mimic for joint in joints),
         "loops": bool(mechanism.loops),
-        "point masses": any(_has_zero_moment(body) for body in mechanism.bodies),
+        "point masses": any(nearest_inertia(body).mass and has_zero_moment(body) for body in mechanism.bodies),
+        "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),
         "contacts": mechanism.plane is not None,
         "pushes": bool(mechanism.pushes),
     }
     free = sum(joint is None for joint in mechanism.joint_of)
-    velocities = sum(VELOCITIES[joint.type] for joint in joints) + 6 * free
+    velocities = sum(VELOCITIES[joint.type] for joint in joints if joint.mimic is None) + 6 * free
     return MechanismRequirements(tuple(name for name, needed in effects.items() if needed), velocities)
 
 
@@ -242,12 +245,3 @@ def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:
     that `MechanismRequirements.names` gives.
     """
     return ", ".join(name for name in needs(scene).names() if name not in modelled) or None
-
-
-def _has_zero_moment(body: JointedBody) -> bool:
-    """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
-    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms only
-
-    xx, yy, zz, xy, xz, yz = inertia(body).tensor
-    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)

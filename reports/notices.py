@@ -16,6 +16,16 @@ KINDS = {"turning": "rotation", "translation": "translation", "drag": "drag", "c
 MOST_REASONS = 3
 
 
+def of_header(header: Header) -> list[str]:
+    """Return sentences on the robots' files of cases, and one on each engine that could not be used, with the reason."""
+    return [*of_robots(header), *missing_engines(header)]
+
+
+def of_robots(header: Header) -> list[str]:
+    """Return the sentences on the robots' files of cases."""
+    return [f"{case}: {sentence}" for case, sentences in header["robots"].items() for sentence in sentences]
+
+
 def missing_engines(header: Header) -> list[str]:
     """Return a sentence for each engine that could not be used, with the reason."""
     return [f"The engine {engine} was not used: {reason}." for engine, reason in header["missing"].items()]

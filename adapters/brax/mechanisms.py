@@ -22,7 +22,7 @@ from bodycheck.adapters.contract import Engine, Method, SceneUnsupported
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import begin, states_of
+from bodycheck.adapters.mujoco.mechanisms import begin, seen_states
 from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
@@ -40,6 +40,7 @@ MODELS = frozenset(
         "joint damping",
         "joint springs",
         "joint efforts",
+        "massless bodies",
     }
 )
 
@@ -97,8 +98,7 @@ def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
         begin(plain, start, mechanism)
         inputs = jnp.array([joint.effort + joint.stiffness * joint.rest for joint in mechanism.joints if pushed(joint)])
         state = START(system, jnp.array(start.qpos), jnp.array(start.qvel))
-        states = states_of(plain, [body.name for body in mechanism.bodies])
-        return Compiled(TAKE.one, (system, inputs), state, states, len(mechanism.bodies))
+        return Compiled(TAKE.one, (system, inputs), state, seen_states(mechanism, xml), len(mechanism.bodies))
 
 
 UNTURNED = "1 0 0 0"
@@ -124,7 +124,8 @@ def _align(parent: ElementTree.Element, turns: bool) -> None:
     for body in parent.findall("body"):
         kinds = {joint.get("type"): joint for joint in body.findall("joint")}
         if "slide" in kinds:
-            if turns:
+            order = [joint.get("type") for joint in body.findall("joint")]
+            if turns or "hinge" in order[: len(order) - order[::-1].index("slide")]:
                 raise SceneUnsupported(
                     f"{kinds['slide'].get('name')} slides on a body that turns, and Brax does not turn the axes of slides"
                 )

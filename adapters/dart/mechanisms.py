@@ -13,6 +13,7 @@ from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.contract import EngineDiverged, Method, Simulation
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.mechanisms import frames, in_body_axes, link_of, starts
+from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop as Stepped
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms import exact, kinematics
@@ -36,6 +37,7 @@ MODELS = frozenset(
         "joint efforts",
         "loops",
         "point masses",
+        "massless bodies",
     }
 )
 
@@ -78,8 +80,9 @@ def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]
         position, velocity = in_dart(joint, *of_joint[joint.name])
         dart_joint.setPositions(position)
         dart_joint.setVelocities(velocity)
-    for index, body in enumerate(mechanism.bodies):
-        bodies[index].setInertia(inertia(link_of(body)))
+    with no_stderr():  # DART warns of bodies without mass, but takes them
+        for index, body in enumerate(mechanism.bodies):
+            bodies[index].setInertia(inertia(link_of(body)))
     return [bodies[index] for index in range(len(mechanism.bodies))]
 
 

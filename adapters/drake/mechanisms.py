@@ -3,8 +3,8 @@
 Each joint is Drake's joint of the same type. The coordinates of a spherical joint are roll, pitch and yaw, whose rates are
 infinite at a pitch of a right angle. A body without a joint and a body on a free joint have Drake's quaternion joint. Springs
 are Drake's force elements. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and a constant effort
-is the input of such an actuator. Loops are Drake's ball constraints, which only the discrete plant has. Drake has no dry
-friction."""
+is the input of such an actuator. Loops are Drake's ball constraints, and a joint that follows another one has Drake's coupler
+constraint; only the discrete plant has constraints. Drake has no dry friction."""
 
 from collections.abc import Callable
 from typing import Any
@@ -32,7 +32,7 @@ from pydrake.systems.framework import DiagramBuilder
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
 from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, controlled, integrated, stepper
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mechanisms import centred, frames, in_body_axes, link_of, starts
+from bodycheck.adapters.mechanisms import centred, frames, in_body_axes, link_of, massless_parts, starts
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_turn
@@ -56,6 +56,8 @@ MODELS = frozenset(
         "joint efforts",
         "loops",
         "point masses",
+        "massless bodies",
+        "mimic joints",
     }
 )
 
@@ -76,7 +78,7 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     Raises
     ------
     SceneUnsupported
-        If Drake refuses a body, or has no loops with this method.
+        If Drake refuses a body, has no constraints with this method, or refuses bodies without mass with it.
     """
 
     def in_bodies(numbers: Array) -> Array:
@@ -90,11 +92,16 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
 
 def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array]]:
     """Return the model of a mechanism, and the function that `seer` returns. Raises `SceneUnsupported` as `prepare` does."""
-    if mechanism.loops and method.integrator not in CONSTRAINED:
-        raise SceneUnsupported("Drake has constraints for loops in its discrete plant with the solver SAP only")
+    constrained = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
+    if constrained and method.integrator not in CONSTRAINED:
+        raise SceneUnsupported(
+            "Drake has constraints for loops and mimic joints in its discrete plant with the solver SAP only"
+        )
+    if method.integrator == CENIC and (part := next(massless_parts(mechanism), None)) is not None:
+        raise SceneUnsupported(f"cenic refuses the body {mechanism.bodies[part[0]].name}: composite for body has zero mass")
     config = configured(method, approximations)
     builder = DiagramBuilder()
-    in_diagram = method.integrator == CENIC or bool(mechanism.loops)
+    in_diagram = method.integrator == CENIC or constrained
     if in_diagram:
         plant, _ = AddMultibodyPlant(config, builder)
     else:
@@ -106,6 +113,9 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
     actuators = [add_actuator(plant, drake_joint, joint) for drake_joint, joint in zip(joints, mechanism.joints, strict=True)]
     if mechanism.loops:
         add_loops(plant, bodies, mechanism)
+    for joint, drake_joint in zip(mechanism.joints, joints, strict=True):
+        if joint.mimic is not None:
+            plant.AddCouplerConstraint(drake_joint, joints[joint.mimic.joint], joint.mimic.multiplier, joint.mimic.offset)
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -mechanism.gravity])
     try:
         plant.Finalize()

@@ -134,6 +134,8 @@ def add_body(plant: Any, links: Sequence[Link]) -> Any:
 
 def add_link(plant: Any, name: str, link: Link) -> Any:
     """Add a link to a plant, and return it. Raises `SceneUnsupported` if Drake refuses it."""
+    if not link.mass:
+        return plant.AddRigidBody(name, SpatialInertia.Zero())  # the other function ends the process
     try:
         inertia = SpatialInertia.MakeFromCentralInertia(link.mass, link.center_of_mass, RotationalInertia(*link.inertia))
     except RuntimeError as error:

@@ -54,6 +54,7 @@ OF_MECHANISMS = frozenset(
         "joint friction",
         "joint efforts",
         "loops",
+        "massless bodies",
         "point masses",
     }
 )

@@ -2,10 +2,10 @@
 
 `ObjectKinematicTree` has turning and sliding joints along the axes of its links. The frames of the links are rotated so that
 the axis of every joint is z. A universal joint consists of two of these joints and a planar joint of three, with links without
-mass between them. A body on a fixed joint is a part of the link that carries it, by Exudyn's own sum of inertias. Springs,
-damping and efforts are properties of the tree. Armature is the mass matrix of a second object on the coordinates of the tree.
-Dry friction is a connector of a coordinate, and is proportional to the velocity at low speeds; see `friction_zone`. A loop is a
-spherical joint between two markers, which needs an implicit solver.
+mass between them, as bodies without mass are. A body on a fixed joint is a part of the link that carries it, by Exudyn's own
+sum of inertias. Springs, damping and efforts are properties of the tree. Armature is the mass matrix of a second object on the
+coordinates of the tree. Dry friction is a connector of a coordinate, and is proportional to the velocity at low speeds; see
+`friction_zone`. A loop is a spherical joint between two markers, which needs an implicit solver.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ from exudyn import itemInterface, utilities
 from scipy.spatial.transform import Rotation
 
 from bodycheck.adapters.links import tensor
-from bodycheck.adapters.mechanisms import from_z, link_of, starts
+from bodycheck.adapters.mechanisms import from_z, has_mass, link_of, starts
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.joint_types import JointType
@@ -146,7 +146,7 @@ def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place]
     matrix = utilities.EulerParameters2RotationMatrix
     sums: list[Any] = [None] * len(links)
     for frame, body in zip(places, mechanism.bodies, strict=True):
-        if frame.link >= 0:
+        if frame.link >= 0 and has_mass(body):  # Exudyn's sum divides by the mass
             inertia, turn = link_of(body), matrix(frame.turn)
             centre = frame.origin + turn @ np.array(inertia.center_of_mass)
             part = utilities.RigidBodyInertia(inertia.mass, turn @ tensor(inertia) @ turn.T, centre, inertiaTensorAtCOM=True)

@@ -21,8 +21,8 @@ from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.stepping import InTurn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -62,6 +62,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         device=device(),
         batch=2,
         defaults=options.defaults(),
+        soft=SOFT,
         roles={"default": dict.fromkeys(KINDS, replace(options.roles()["default"]["flight"], page=PAGE))},
     )
 
@@ -79,12 +80,13 @@ def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compi
 def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
     """Return the simulation of a mechanism. Raises as `prepare` does."""
     check_precision(engine)
-    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    compiled = compiled_model(xml)
     model, data = handed_over(compiled)
     start = mujoco.MjData(compiled)
     begin(compiled, start, mechanism)
     initial_values = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
-    states = states_of(compiled, [body.name for body in mechanism.bodies])
+    states = seen_states(mechanism, xml)
     return Compiled(TAKE_COORDINATES.one, model, data.replace(**initial_values), states, len(mechanism.bodies))
 
 

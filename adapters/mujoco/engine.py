@@ -122,6 +122,7 @@ engine = Engine(
     varies=frozenset({"body", "gravity"}),
     defaults=options.defaults(),
     roles=options.roles(),
+    soft=mechanism_xml.SOFT,
 )
 
 

@@ -108,7 +108,7 @@ def touching_script(scene: AnyScene, method: Method, duration: float, samples: i
     return SCRIPT.format(
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
-        xml=xml,
+        xml=scripts.embedded(xml),
         qpos=scripts.written(data.qpos),
         qvel=scripts.written(data.qvel),
         force=applied,

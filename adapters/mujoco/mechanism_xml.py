@@ -11,21 +11,24 @@ the attitude of the body's frame in the file. A joint of the file becomes:
 - fixed: no joint. A body of MuJoCo without a joint moves with its parent and keeps its own mass, tensor and frame in the model.
   MuJoCo would fuse such bodies into their parents with `fusestatic`, which is off in MJCF (and on in URDF).
 
+A body without mass between two joints is no body of MuJoCo: both joints are joints of the body behind it; see `massless`.
+
 Armature, damping, stiffness with `springref`, and `frictionloss` are attributes of a joint. A loop is a `connect` between two
-sites. Angles are in radians, and `balanceinertia` is off, so that MuJoCo refuses inertias that it cannot use instead of
-changing them.
+sites, and the rule of a joint that follows another one is an equality `joint`. Both are soft constraints. Angles are in
+radians, and `balanceinertia` is off, so that MuJoCo refuses inertias that it cannot use instead of changing them.
 
 An option that is not given is not written into the XML, and keeps the default of the installed MuJoCo. The keys are:
 
-- solref, solimp: the stiffness and the softness of the constraints that close loops.
+- solref, solimp: the stiffness and the softness of the constraints that close loops and that make joints follow others.
 - solreffriction, solimpfriction: the stiffness and the softness of the dry friction of joints.
 - noslip: the number of iterations of MuJoCo's noslip solver, which acts on dry friction.
 - eulerdamp: with `disable`, `Euler` computes the damping of joints from the velocity before the step, else from the velocity
   after the step.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
@@ -33,6 +36,9 @@ from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
+
+if TYPE_CHECKING:
+    from bodycheck.adapters.mujoco.massless import Mounted, Seat
 
 #: The kinds of scene with loops and friction of joints.
 JOINTED: frozenset[Kind] = frozenset({"mechanism"})
@@ -46,22 +52,30 @@ OPTIONS: dict[str, Option] = {
     "solimpfriction": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
 }
 
+#: The requirements of mechanisms that are soft constraints, and the options of their softness.
+SOFT = {
+    "loops": "solref, solimp",
+    "mimic joints": "solref, solimp",
+    "joint friction": "solreffriction, solimpfriction",
+}
+
 #: The options of `Euler` for a mechanism.
 OF_EULER = {"eulerdamp": choice("disable", kinds=JOINTED)}
 
-#: MuJoCo's joints for each type of joint, each as its kind and its axis. The axis is None if the joint in the file has an axis.
-PARTS: dict[str, tuple[tuple[str, str | None], ...]] = {
-    "revolute": (("hinge", None),),
-    "prismatic": (("slide", None),),
+#: MuJoCo's joints for each type of joint, each as its kind and the name of its axis in the frame of the joint: "given" for the
+#: axis of the joint in the file, and empty for a ball.
+PARTS: dict[str, tuple[tuple[str, str], ...]] = {
+    "revolute": (("hinge", "given"),),
+    "prismatic": (("slide", "given"),),
     "spherical": (("ball", ""),),
-    "free": (("slide", "1 0 0"), ("slide", "0 1 0"), ("slide", "0 0 1"), ("ball", "")),
+    "free": (("slide", "x"), ("slide", "y"), ("slide", "z"), ("ball", "")),
     "fixed": (),
-    "universal": (("hinge", "1 0 0"), ("hinge", "0 1 0")),
-    "planar": (("slide", "1 0 0"), ("slide", "0 1 0"), ("hinge", "0 0 1")),
+    "universal": (("hinge", "x"), ("hinge", "y")),
+    "planar": (("slide", "x"), ("slide", "y"), ("hinge", "z")),
 }
 
 #: The three hinges that replace a ball.
-THREE_HINGES = (("hinge", "1 0 0"), ("hinge", "0 1 0"), ("hinge", "0 0 1"))
+THREE_HINGES = (("hinge", "x"), ("hinge", "y"), ("hinge", "z"))
 
 
 def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> str:
@@ -79,8 +93,11 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     Raises
     ------
     SceneUnsupported
-        If an option does not fit the mechanism, or if MuJoCo would silently change it.
+        If an option does not fit the mechanism, if MuJoCo would silently change it, or for a moving body without mass that
+        MuJoCo would refuse.
     """
+    from bodycheck.adapters.mujoco.massless import seats  # it imports the exact arithmetic, which only mechanisms need
+
     hinges = chosen.get("model") == "three-hinges"
     check_options(mechanism, timestep, integrator, chosen)
     root = ElementTree.Element("mujoco")
@@ -94,26 +111,26 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     ElementTree.SubElement(ElementTree.SubElement(root, "option", option), "flag", flags)
     friction = {key: chosen[key] for key in ("solreffriction", "solimpfriction") if key in chosen}
     elements = {WORLD: ElementTree.SubElement(root, "worldbody")}
-    for index in depth_first(mechanism):
-        joint = mechanism.joint_of[index]
-        parent = elements[WORLD if joint is None else joint.parent]
-        elements[index] = add_body(parent, mechanism.bodies[index], joint, friction, hinges)
-    add_loops(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
+    for index, seat in seats(mechanism, depth_first(mechanism)).items():
+        parent, joint = elements[seat.parent], mechanism.joint_of[index]
+        elements[index] = add_body(parent, mechanism.bodies[index], joint, seat, friction, hinges)
+    add_equalities(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
 
 
 def constrained(mechanism: Mechanism) -> bool:
-    """Return whether a mechanism has constraints for MuJoCo's constraint solver: loops or dry friction."""
-    return bool(mechanism.loops) or any(joint.friction for joint in mechanism.joints)
+    """Return whether a mechanism has constraints for MuJoCo's solver: loops, joints that follow others, or dry friction."""
+    return bool(mechanism.loops) or any(joint.friction or joint.mimic for joint in mechanism.joints)
 
 
 def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> None:
     """Raise `SceneUnsupported` for options without an effect, and for a time constant that MuJoCo would raise."""
     rubbing = any(joint.friction for joint in mechanism.joints)
+    held = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
     for key, present, lacking in (
-        ("solref", mechanism.loops, "loops"),
-        ("solimp", mechanism.loops, "loops"),
+        ("solref", held, "loops and mimic joints"),
+        ("solimp", held, "loops and mimic joints"),
         ("solreffriction", rubbing, "dry friction"),
         ("solimpfriction", rubbing, "dry friction"),
         ("noslip", rubbing, "dry friction"),
@@ -126,20 +143,21 @@ def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen
 
 
 def add_body(
-    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, friction: Mapping[str, str], hinges: bool
+    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, seat: "Seat", friction: Mapping[str, str], hinges: bool
 ) -> ElementTree.Element:
     """Add a body, with its joints and its inertia, to the element of its parent, and return its element.
 
-    `hinges` is whether three hinges replace a ball.
+    `seat` is its place in MuJoCo's tree, and `hinges` is whether three hinges replace a ball.
     """
     attributes = {"name": body.name}
     if joint is not None:
-        attributes |= {"pos": numbers_written(*joint.position), "quat": numbers_written(*exact.nearest_turn(joint.attitude))}
+        attributes |= {"pos": numbers_written(*seat.position), "quat": numbers_written(*seat.quaternion)}
     element = ElementTree.SubElement(parent, "body", attributes)
     if joint is None or (joint.type == "free" and joint.parent == WORLD):
         ElementTree.SubElement(element, "freejoint", {} if joint is None else {"name": joint.name})
     else:
-        add_joints(element, joint, THREE_HINGES if hinges and joint.type == "spherical" else PARTS[joint.type], friction)
+        for mounted in seat.joints:
+            add_joints(element, mounted, friction, hinges)
     inertia = exact.nearest_inertia(body)
     inertial = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
     if any(inertia.tensor[3:]):
@@ -150,10 +168,20 @@ def add_body(
     return element
 
 
-def add_joints(
-    element: ElementTree.Element, joint: Joint, parts: Sequence[tuple[str, str | None]], friction: Mapping[str, str]
-) -> None:
-    """Add the MuJoCo joints that make up a joint, given as in `PARTS`, to the element of the joint's child."""
+def names_of_parts(joint: Joint, hinges: bool) -> list[str]:
+    """Return the names of MuJoCo's joints that make up a joint. `hinges` is whether three hinges replace a ball."""
+    count = len(parts_of(joint, hinges))
+    return [joint.name] if count == 1 else [f"{joint.name}:{number + 1}" for number in range(count)]
+
+
+def parts_of(joint: Joint, hinges: bool) -> tuple[tuple[str, str], ...]:
+    """Return MuJoCo's joints that make up a joint, as in `PARTS`. `hinges` is whether three hinges replace a ball."""
+    return THREE_HINGES if hinges and joint.type == "spherical" else PARTS[joint.type]
+
+
+def add_joints(element: ElementTree.Element, mounted: "Mounted", friction: Mapping[str, str], hinges: bool) -> None:
+    """Add the MuJoCo joints that make up a joint to the element of the body that they move."""
+    joint = mounted.joint
     numbers = {
         "armature": joint.armature,
         "damping": joint.damping,
@@ -162,18 +190,20 @@ def add_joints(
         "frictionloss": joint.friction,
     }
     written = {key: numbers_written(value) for key, value in numbers.items() if value}
-    for number, (kind, axis) in enumerate(parts):
-        name = joint.name if len(parts) == 1 else f"{joint.name}:{number + 1}"
-        along = numbers_written(*exact.nearest_axis(joint)) if axis is None else axis
-        attributes = {"name": name, "type": kind} | ({"axis": along} if along else {}) | written
-        ElementTree.SubElement(element, "joint", attributes | (dict(friction) if joint.friction else {}))
+    anchor = {"pos": numbers_written(*mounted.anchor)} if any(mounted.anchor) else {}
+    for name, (kind, axis) in zip(names_of_parts(joint, hinges), parts_of(joint, hinges), strict=True):
+        attributes = {"name": name, "type": kind} | anchor
+        if axis:
+            attributes["axis"] = numbers_written(*mounted.axis(axis))
+        ElementTree.SubElement(element, "joint", attributes | written | (dict(friction) if joint.friction else {}))
 
 
-def add_loops(
+def add_equalities(
     root: ElementTree.Element, elements: Mapping[int, ElementTree.Element], mechanism: Mechanism, softness: Mapping[str, str]
 ) -> None:
-    """Add the loops of a mechanism: a site at each of the two points, and a `connect` between the sites."""
-    if not mechanism.loops:
+    """Add the loops of a mechanism, each a `connect` between two sites, and the rules of joints that follow others."""
+    following = [(joint.name, joint.mimic) for joint in mechanism.joints if joint.mimic is not None]
+    if not mechanism.loops and not following:
         return
     equality = ElementTree.SubElement(root, "equality")
     for number, loop in enumerate(mechanism.loops, start=1):
@@ -181,3 +211,7 @@ def add_loops(
         for site, body, point in zip(sites, loop.bodies, loop.points, strict=True):
             ElementTree.SubElement(elements[body], "site", name=site, pos=numbers_written(*point))
         ElementTree.SubElement(equality, "connect", {"site1": sites[0], "site2": sites[1], **softness})
+    for follower, rule in following:
+        polynomial = numbers_written(rule.offset, rule.multiplier, 0, 0, 0)
+        pair = {"joint1": follower, "joint2": mechanism.joints[rule.joint].name, "polycoef": polynomial}
+        ElementTree.SubElement(equality, "joint", {**pair, **softness})

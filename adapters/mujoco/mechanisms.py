@@ -3,7 +3,8 @@
 MuJoCo computes the poses and the velocities of bodies from the coordinates at the start of a step, so that in the data after
 the step they lag by one step. Here they are computed again from the coordinates after the step, by `mj_kinematics`, `mj_comPos`
 and `mj_comVel` on separate data. `cvel` contains the angular velocity (world) and the velocity at the centre of mass of the
-tree of bodies, from which the velocity at the centre of mass of the body is computed.
+tree of bodies, from which the velocity at the centre of mass of the body is computed. The states of bodies without mass between
+joints, which are no bodies of the model, come from a second model with the same coordinates; see `massless`.
 
 The velocity of a ball joint is the angular velocity in the child's frame. The velocity of a free joint is the velocity of the
 origin of the child's frame, in the world frame, and the angular velocity in the child's frame.
@@ -18,11 +19,11 @@ from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.exporting import ADVANCE
-from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanism_xml import document, names_of_parts
 from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, Mechanism
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of a mechanism that MuJoCo models. MuJoCo itself refuses a moving body with a moment of zero.
@@ -30,7 +31,7 @@ MODELS = frozenset(
     {
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
         *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
-        "point masses",
+        *("point masses", "massless bodies", "mimic joints"),
     }
 )
 
@@ -54,8 +55,20 @@ data.qfrc_applied[:] = {applied}
 
 {source}
 
-states = states_of(model, BODIES)
+{frames}states = states_of(frames, BODIES)
 {loop}'''
+
+
+#: The lines of a script that define the model from which the poses of bodies come.
+SAME_FRAMES, OWN_FRAMES = (
+    "frames = model\n",
+    """\
+# Bodies without mass between joints are no bodies of the model above. Their poses come from a model in which they have a mass.
+frames = mujoco.MjModel.from_xml_string(r\"\"\"
+{xml}
+\"\"\")
+""",
+)
 
 
 def prepare(mechanism: Mechanism, method: Method) -> Stepper:
@@ -64,7 +77,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Stepper:
     model = compiled_model(xml)
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
-    return Stepper(model, data, states_of(model, [body.name for body in mechanism.bodies]))
+    return Stepper(model, data, seen_states(mechanism, xml, method.option("model") == "three-hinges"))
 
 
 def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
@@ -76,9 +89,27 @@ def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
     return mechanism, document(mechanism, method.timestep, method.integrator, chosen)
 
 
+def seen_states(mechanism: Mechanism, xml: str, hinges: bool = False) -> Callable[[Array], Array]:
+    """Return the function from n states (n, nq + nv) of a model to the states (n, bodies, 13) of the bodies of a mechanism.
+
+    `xml` is the XML of the model, and `hinges` is whether three hinges replace a ball in it.
+    """
+    return states_of(compiled_model(frames_xml(mechanism, xml, hinges)), [body.name for body in mechanism.bodies])
+
+
+def frames_xml(mechanism: Mechanism, xml: str, hinges: bool) -> str:
+    """Return the XML of the model from which the poses of bodies come: `xml` itself, unless there are bodies without mass."""
+    from bodycheck.adapters.mujoco.massless import with_masses  # it imports the exact arithmetic, which only mechanisms need
+
+    whole = with_masses(mechanism)
+    # Poses depend neither on the time step and the integrator nor on the options of constraints.
+    return xml if whole is mechanism else document(whole, 0.001, "Euler", {"model": "three-hinges"} if hinges else {})
+
+
 def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
     mechanism, xml = described(mechanism, method)
+    xml_of_frames = frames_xml(mechanism, xml, method.option("model") == "three-hinges")
     model = compiled_model(xml)
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
@@ -86,11 +117,12 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
         bodies=[body.name for body in mechanism.bodies],
-        xml=xml,
+        xml=scripts.embedded(xml),
         qpos=scripts.written(data.qpos),
         qvel=scripts.written(data.qvel),
         applied=scripts.written(data.qfrc_applied),
         source=scripts.source(conjugate, rotate, states_of),
+        frames=SAME_FRAMES if xml_of_frames == xml else OWN_FRAMES.format(xml=xml_of_frames),
         loop=scripts.mechanism_loop(ADVANCE, "states(np.concatenate([data.qpos, data.qvel])[None])[0]"),
     )
 
@@ -101,7 +133,7 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> N
     for index, joint in enumerate(joint_of):
         if joint is not None and joint.type == "fixed":
             continue
-        first = model.body_jntadr[model.body(mechanism.bodies[index].name).id]
+        first = first_joint(model, mechanism.bodies[index], joint)
         at, by = model.jnt_qposadr[first], model.jnt_dofadr[first]
         if joint is None or model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
             # The coordinates of a free joint are along the axes of the world, not along the axes of the joint's frame.
@@ -115,6 +147,14 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> N
         data.qpos[at : at + len(position)], data.qvel[by : by + len(velocity)] = position, velocity
         if joint is not None and joint.effort:
             data.qfrc_applied[by] = joint.effort
+
+
+def first_joint(model: mujoco.MjModel, body: JointedBody, joint: Joint | None) -> int:
+    """Return the number of the first of MuJoCo's joints that make up the joint of a body; if it is None, the body is free."""
+    if joint is None:
+        return int(model.body_jntadr[model.body(body.name).id])
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
+    return number if number >= 0 else int(model.joint(names_of_parts(joint, hinges=True)[0]).id)
 
 
 def states_of(model: mujoco.MjModel, names: Sequence[str]) -> Callable[[Array], Array]:

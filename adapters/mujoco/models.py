@@ -6,6 +6,7 @@ that bears it, and friction by the reference's law is an external force.
 """
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -279,7 +280,12 @@ def compiled_model(xml: str) -> mujoco.MjModel:
     try:
         return mujoco.MjModel.from_xml_string(xml)
     except ValueError as error:
-        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
+        raise SceneUnsupported(f"MuJoCo refuses the model: {without_lines(str(error))}") from error
+
+
+def without_lines(message: str) -> str:
+    """Return a message of MuJoCo's compiler on one line, without numbers and lines of an XML that no user sees."""
+    return " ".join(re.sub(r"\s*Element name '(.*)', id \d+, line \d+", r": '\1'", message, flags=re.DOTALL).split())
 
 
 def inertial(link: Link) -> str:

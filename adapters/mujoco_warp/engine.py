@@ -12,8 +12,8 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method,
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
 from bodycheck.adapters.mujoco_warp.drag import resist
@@ -73,6 +73,7 @@ engine = Engine(
     batch=2,
     defaults=defaults(),
     roles=roles(),
+    soft=SOFT,
 )
 
 calls = graphs.CALLS
@@ -177,7 +178,8 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
 
 def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
     """Return the simulation of a mechanism, whose poses MuJoCo computes after a step. Raises `SceneUnsupported`."""
-    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    compiled = compiled_model(xml)
     start = MjData(compiled)
     begin(compiled, start, mechanism)
     mj_forward(compiled, start)  # so that the data of MuJoCo Warp have room for the constraints
@@ -188,5 +190,4 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
     data = mjw.put_data(compiled, start)
     qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
     graph = graphs.record(lambda: mjw.step(model, data))
-    rows = states_of(compiled, [body.name for body in mechanism.bodies])
-    return Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), rows)
+    return Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), seen_states(mechanism, xml))

@@ -2,9 +2,10 @@
 
 Joints are Newton's revolute, prismatic, ball and fixed joints, and Newton's joint of six degrees of freedom for universal and
 planar joints. Damping, springs, armature and dry friction are properties of a joint, which not every solver models; a constant
-effort is a force of the control.
+effort is a force of the control. Bodies without mass are links without mass, which MuJoCo's solvers and `XPBD` do not have.
 """
 
+import re
 from typing import Any
 
 import newton
@@ -39,6 +40,7 @@ MODELS = frozenset(
         "joint springs",
         "joint friction",
         "joint efforts",
+        "massless bodies",
     }
 )
 
@@ -59,9 +61,12 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
     try:
         solver = solver_of_method.make(model, method)
     except ValueError as error:  # such as moments of which one is the sum of the others, rounded to single precision
-        raise SceneUnsupported(
-            f"Newton's solver {method.integrator} refuses the model: {' '.join(str(error).split())}"
-        ) from error
+        reason = " ".join(str(error).split())
+        for index, number in numbers(mechanism).items():
+            if index != WORLD:
+                words = re.split(rf"Element name 'body_{number}', id \d+", reason)
+                reason = mechanism.bodies[index].name.join(words)
+        raise SceneUnsupported(f"Newton's solver {method.integrator} refuses the model: {reason}") from error
 
     def step() -> None:
         state.clear_forces()

@@ -108,7 +108,7 @@ SOLVERS: dict[str, Solver] = {
                 "a factor for the joints' impulses above 0 and at most 1", numbers=((Range(0, 1, above=True),),)
             ),
         },
-        lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction"}),
+        lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction", "massless bodies"}),
     ),
     "VBD": Solver(lambda model, method: solvers.SolverVBD(model), kinds=ONE_BODY),
     "Steel": Solver(

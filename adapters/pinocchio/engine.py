@@ -121,7 +121,7 @@ engine = Engine(
 calls = tuple(
     (pin, name)
     for name in (
-        *("aba", "integrate", "dDifference", "computeAllTerms", "computeCollisions"),
+        *("aba", "rnea", "integrate", "dDifference", "computeAllTerms", "computeCollisions"),
         *("forwardKinematics", "computeJointJacobians", "computeMinverse", "getConstraintsJacobian", "constraintDynamics"),
     )
     if hasattr(pin, name)

@@ -10,6 +10,9 @@ frame:
 - planar: `JointModelPlanar`, or two prismatic joints and a revolute one.
 - universal: `JointModelUniversal`, or two revolute joints in a release without it.
 - fixed: none. The inertia is added to the inertia of the parent's joint, as Pinocchio's readers of files do.
+- a joint that follows another one: `JointModelMimic`, which has no coordinate of its own, and may follow only a joint that was
+  added before it. The first of the joints that move together keeps its coordinate, and the others follow it, so that their
+  rules may be reversed.
 
 Joints are added depth first, as Pinocchio's documentation requires: `aba` accepts any order, but `constraintDynamics` and
 other algorithms return wrong numbers if the joints of a branch do not follow one another, and `model.check(data)` is then
@@ -17,7 +20,7 @@ False. Pinocchio's quaternions are x, y, z, w.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +31,7 @@ from bodycheck.adapters.mechanism_models import hinge_motion
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, to_pinocchio, world
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms import exact, mimicry
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
@@ -59,6 +62,27 @@ KINDS = {
 }
 
 
+@dataclass(frozen=True)
+class Follower:
+    """A joint whose coordinate is ratio * (coordinate of another joint) + offset.
+
+    Parameters
+    ----------
+    joint, leader
+        The indices of the two joints in the model. The leader comes first, and follows no joint.
+    of_mechanism
+        The index of the joint in the mechanism.
+    ratio, offset
+        The numbers of the rule.
+    """
+
+    joint: int
+    leader: int
+    of_mechanism: int
+    ratio: float
+    offset: float
+
+
 @dataclass(frozen=True, eq=False)
 class Built:
     """A mechanism in Pinocchio.
@@ -72,9 +96,12 @@ class Built:
     places
         For each body, the index of the joint that moves it, and the frame of the body in the frame of this joint.
     first
-        For each joint of the mechanism, its first index in q and its first index in v.
+        For each joint of the mechanism, its first index in q and its first index in v; for a joint that follows another one,
+        those of the other.
     kinds
         The joints of the model, without the one that does not move.
+    followers
+        The joints that follow others, in the order of the model.
     """
 
     model: pin.Model
@@ -83,10 +110,11 @@ class Built:
     places: tuple[tuple[int, pin.SE3], ...]
     first: tuple[tuple[int, int], ...]
     kinds: tuple[Kind, ...]
+    followers: tuple[Follower, ...]
 
 
 def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built:
-    """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it.
+    """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for what a release of Pinocchio does not have.
 
     `body_twist` is whether the scheme integrates the body twist, and `hinges` whether three hinges model a ball joint.
     """
@@ -94,12 +122,13 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
     q, v, kinds = list[float](), list[float](), list[Kind]()
     coordinates, origins, first = starts(mechanism), frames(mechanism), dict[Joint, tuple[int, int]]()
+    numbers = dict[Joint, int]()
     for index in depth_first(mechanism):
         body, joint = mechanism.bodies[index], mechanism.joint_of[index]
         parent, frame = places[WORLD if joint is None else joint.parent]
         if joint is not None:
             frame = frame * placement(joint.position, exact.nearest_turn(joint.attitude))
-            first[joint] = len(q), len(v)
+            first[joint], numbers[joint] = (len(q), len(v)), model.njoints
         for kind in THREE_HINGES if hinges and is_ball(joint) else joints_of(joint, body_twist):
             joint_model = getattr(pin, f"JointModel{kind[0]}")(*kind[1])
             parent, frame = model.addJoint(parent, joint_model, frame, f"{body.name} {model.njoints}"), pin.SE3.Identity()
@@ -116,9 +145,55 @@ def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built
         v += velocity
         model.appendBodyToJoint(parent, inertia_of(body), frame)
         places[index] = parent, frame
-    add_armature(model, [(first[joint][1], joint.armature) for joint in mechanism.joints if joint.armature])
+    followers = followers_of(mechanism, numbers)
+    for follower in followers:
+        model = pin.transformJointIntoMimic(model, follower.leader, follower.joint, follower.ratio, follower.offset)
+    if followers:
+        held = [first[mechanism.joints[follower.of_mechanism]] for follower in followers]
+        q, v = np.delete(q, [in_q for in_q, _ in held]).tolist(), np.delete(v, [in_v for _, in_v in held]).tolist()
+        moving = (joint for joint in mechanism.joints if joint.type != "fixed")
+        first |= {joint: (model.joints[numbers[joint]].idx_q, model.joints[numbers[joint]].idx_v) for joint in moving}
+    ratios = {follower.of_mechanism: follower.ratio for follower in followers}
+    armatures = [
+        (first[joint][1], ratios.get(index, 1.0) ** 2 * joint.armature)
+        for index, joint in enumerate(mechanism.joints)
+        if joint.armature
+    ]
+    add_armature(model, armatures)
     of_bodies = tuple(places[index] for index in range(len(mechanism.bodies)))
-    return Built(model, np.array(q), np.array(v), of_bodies, tuple(first[joint] for joint in mechanism.joints), tuple(kinds))
+    of_joints = tuple(first[joint] for joint in mechanism.joints)
+    return Built(model, np.array(q), np.array(v), of_bodies, of_joints, tuple(kinds), followers)
+
+
+def followers_of(mechanism: Mechanism, numbers: Mapping[Joint, int]) -> tuple[Follower, ...]:
+    """Return the joints that follow others in a model, in its order. numbers: the indices of the joints in the model.
+
+    Raises `SceneUnsupported` for a release without mimic joints, and for a joint with the multiplier zero that comes before the
+    joint that it follows.
+    """
+    together: dict[int, list[int]] = {}
+    rules = {index: mimicry.rule(mechanism.joints, index) for index in range(len(mechanism.joints))}
+    for index, rule in rules.items():
+        together.setdefault(rule.leader, []).append(index)
+    followers = []
+    for group in together.values():
+        group.sort(key=lambda index: numbers[mechanism.joints[index]])
+        first = next(index for index in group if rules[index].multiplier)
+        leading = rules[first]
+        for index in group:
+            joint, ratio = mechanism.joints[index], rules[index].multiplier / leading.multiplier
+            if index == first:
+                continue
+            if numbers[joint] < numbers[mechanism.joints[first]]:
+                raise SceneUnsupported(
+                    f"the mimic joint {joint.name}, whose multiplier is zero, before the joint that it follows"
+                )
+            offset = rules[index].offset - ratio * leading.offset
+            pair = numbers[joint], numbers[mechanism.joints[first]]
+            followers.append(Follower(*pair, index, float(ratio), float(offset)))
+    if followers and not hasattr(pin, "transformJointIntoMimic"):
+        raise SceneUnsupported(f"mimic joints: Pinocchio {pin.__version__} has none")
+    return tuple(sorted(followers, key=lambda follower: follower.joint))
 
 
 def add_armature(model: pin.Model, armatures: Sequence[tuple[int, float]]) -> None:
@@ -133,7 +208,7 @@ def add_armature(model: pin.Model, armatures: Sequence[tuple[int, float]]) -> No
         raise SceneUnsupported(f"armature: Pinocchio {pin.__version__} has no `model.armature`")
     armature = np.zeros(model.nv)
     for index, value in armatures:
-        armature[index] = value
+        armature[index] += value
     model.armature = armature
 
 

@@ -1,5 +1,8 @@
 """Write a run of a mechanism as a script that needs Pinocchio alone."""
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import pinocchio as pin
 
 from bodycheck.adapters import scripts
@@ -27,7 +30,7 @@ def place(turn, origin):
 model = pin.Model()
 model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
 {joints}
-{armature}
+{followers}{armature}
 q = np.array({q})
 v = np.array({v})
 # The joint of each body, and the body's frame in that of the joint; the centres of mass in the bodies' frames.
@@ -39,12 +42,12 @@ CENTRES = np.array({centres})
 FORCES = [
 {forces}
 ]
-
+{rules}
 
 {source}
 
 data = model.createData()
-forces = forces_of(*FORCES)
+forces = {forces_of}
 {acceleration}
 states = states_of(model, data, PLACES, CENTRES)
 step_length = np.full(model.nv, TIMESTEP)
@@ -55,12 +58,29 @@ model.addJoint({parent}, pin.JointModel{kind}({numbers}), {frame}, {name!r})
 model.inertias[{place}] = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))"""
 
 
+#: The line of a script that makes a joint of the model follow another one.
+FOLLOWER = "model = pin.transformJointIntoMimic(model, {0.leader}, {0.joint}, {0.ratio!r}, {0.offset!r})\n"
+
+#: The lines of a script that define the numbers of `mechanisms.rules_of`.
+RULES = """\
+# Of the joints that follow others: the ratios and the offsets, and the places in q and in v of those that they follow.
+RULES = [
+{}
+]
+"""
+
+
 def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for Pinocchio alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
     mechanism = mechanisms.modelled(mechanism, method)
     scheme, body_twist = SCHEMES[method.integrator]
     built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
-    dynamics = mechanisms.constrained if mechanism.loops else mechanisms.unconstrained
+    followers = bool(built_mechanism.followers)
+    dynamics: list[Callable[..., Any]]
+    if followers:
+        dynamics = [mechanisms.with_followers, mechanisms.coupled]
+    else:
+        dynamics = [mechanisms.constrained if mechanism.loops else mechanisms.unconstrained]
     needed = [transport, scheme] if scheme is rk4 else [scheme]
     return SCRIPT.format(
         future=scripts.FUTURE,
@@ -68,13 +88,16 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         bodies=[body.name for body in mechanism.bodies],
         gravity=-mechanism.gravity,
         joints=joint_lines(built_mechanism),
+        followers="".join(FOLLOWER.format(follower) for follower in built_mechanism.followers),
         armature=armature_line(mechanism, built_mechanism),
         q=scripts.written(built_mechanism.q),
         v=scripts.written(built_mechanism.v),
         places="\n".join(f"    ({joint}, {placed(frame)})," for joint, frame in built_mechanism.places),
         centres=mechanisms.centres_of(mechanism).tolist(),
-        forces="\n".join(f"    {array(numbers)}," for numbers in mechanisms.joint_numbers(mechanism, built_mechanism)),
-        source=scripts.source(rotate, mechanisms.forces_of, dynamics, mechanisms.states_of, *needed),
+        forces=arrays(mechanisms.joint_numbers(mechanism, built_mechanism)),
+        rules=RULES.format(arrays(mechanisms.rules_of(built_mechanism))) if followers else "",
+        source=scripts.source(rotate, mechanisms.forces_of, *dynamics, mechanisms.states_of, *needed),
+        forces_of="with_followers(forces_of(*FORCES), *RULES)" if followers else "forces_of(*FORCES)",
         acceleration=acceleration_line(mechanism, built_mechanism, method),
         loop=scripts.mechanism_loop(
             f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, step_length)",
@@ -113,6 +136,8 @@ def armature_line(mechanism: Mechanism, built_mechanism: Built) -> str:
 
 def acceleration_line(mechanism: Mechanism, built_mechanism: Built, method: Method) -> str:
     """Return the line that defines the accelerations."""
+    if built_mechanism.followers:
+        return "acceleration = coupled(model, data, forces)"
     if not mechanism.loops:
         return "acceleration = unconstrained(model, data, forces)"
     ends = ", ".join(
@@ -131,3 +156,8 @@ def placed(frame: pin.SE3) -> str:
 def array(numbers: Array | mechanisms.Indices) -> str:
     """Return an array as a Python expression."""
     return f"np.array({numbers.tolist()})"
+
+
+def arrays(numbers: Sequence[Array | mechanisms.Indices]) -> str:
+    """Return the lines of a list of arrays."""
+    return "\n".join(f"    {array(each)}," for each in numbers)

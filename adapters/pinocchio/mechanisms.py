@@ -2,7 +2,9 @@
 
 The accelerations are those of the articulated-body algorithm (`aba`), and with loops those of its dynamics with constraints
 (`constraintDynamics`), which give the two points of a loop the same acceleration. The option `baumgarte` adds a correction of
-the gap and of its rate.
+the gap and of its rate. Neither algorithm supports Pinocchio's mimic joints. With these, the accelerations are the solution of
+the equations of motion, whose mass matrix and forces `rnea` gives, which does support them. So does `crba`, but its mass matrix
+is wrong in Pinocchio 4.1.0 if a joint that follows another one carries two branches (`claims/pinocchio/mimic_dynamics.py`).
 
 Pinocchio takes armature from the model. All other effects in joints are forces that users of Pinocchio add to `tau`. They are
 evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the velocity.
@@ -33,7 +35,7 @@ MODELS = frozenset(
     {
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
         *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
-        "point masses",
+        *("point masses", "massless bodies", "mimic joints"),
     }
 )
 
@@ -71,7 +73,9 @@ def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
     model, nq = built_mechanism.model, built_mechanism.model.nq
     check_memory(model)
     data, forces = model.createData(), forces_of(*joint_numbers(mechanism, built_mechanism))
-    if mechanism.loops:
+    if built_mechanism.followers:
+        acceleration = coupled(model, data, with_followers(forces, *rules_of(built_mechanism)))
+    elif mechanism.loops:
         acceleration = constrained(model, data, forces, ends_of(mechanism, built_mechanism), gains_of(method), ACCURACY)
     else:
         acceleration = unconstrained(model, data, forces)
@@ -96,8 +100,8 @@ def check_memory(model: pin.Model) -> None:
 def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
     """Return the mechanism that the model of a method simulates.
 
-    Raises `SceneUnsupported` for a model that the mechanism does not have, for the option `baumgarte` without loops, and for
-    loops in a release without constraints between two bodies.
+    Raises `SceneUnsupported` for a model that the mechanism does not have, for the option `baumgarte` without loops, for loops
+    in a release without constraints between two bodies, and for loops together with mimic joints.
     """
     mechanism_models.check(mechanism, method.option("model"))
     if method.option("model") == "free-bodies":
@@ -106,14 +110,24 @@ def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
         raise SceneUnsupported(f"the option baumgarte={method.option('baumgarte')} for a mechanism without loops")
     if mechanism.loops and not hasattr(pin, "RigidConstraintModel"):
         raise SceneUnsupported(f"loops: Pinocchio {pin.__version__} has no constraints between two bodies")
+    if mechanism.loops and any(joint.mimic for joint in mechanism.joints):
+        raise SceneUnsupported("loops together with mimic joints, which Pinocchio's constraintDynamics does not support")
     return mechanism
 
 
 def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
-    """Return efforts, dampings, stiffnesses, rests and frictions (nv,) of joints, and the indices in q of their coordinates."""
-    effort, damping, stiffness, rest, friction = (np.zeros(built_mechanism.model.nv) for _ in range(5))
-    position = np.zeros(built_mechanism.model.nv, dtype=np.int64)
-    for joint, (in_q, in_v) in zip(mechanism.joints, built_mechanism.first, strict=True):
+    """Return efforts, dampings, stiffnesses, rests and frictions of joints, and the indices in q of their coordinates.
+
+    All are arrays (nv + k,): first those of the velocities, then those of the k joints that follow others, whose coordinates
+    are behind those in q.
+    """
+    model, followers = built_mechanism.model, built_mechanism.followers
+    effort, damping, stiffness, rest, friction = (np.zeros(model.nv + len(followers)) for _ in range(5))
+    position = np.zeros(model.nv + len(followers), dtype=np.int64)
+    first = list(built_mechanism.first)
+    for number, follower in enumerate(followers):
+        first[follower.of_mechanism] = model.nq + number, model.nv + number
+    for joint, (in_q, in_v) in zip(mechanism.joints, first, strict=True):
         of_joint = slice(in_v, in_v + VELOCITIES[joint.type])
         damping[of_joint], friction[of_joint], effort[of_joint] = joint.damping, joint.friction, joint.effort
         stiffness[of_joint], rest[of_joint], position[of_joint] = joint.stiffness, joint.rest, in_q
@@ -123,7 +137,7 @@ def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, 
 def forces_of(
     effort: Array, damping: Array, stiffness: Array, rest: Array, friction: Array, position: Indices
 ) -> Callable[[Array, Array], Array]:
-    """Return the forces (nv,) on joints as a function of q and v, from the numbers of `joint_numbers`."""
+    """Return the forces on joints as a function of their coordinates and velocities, from the numbers of `joint_numbers`."""
     if not (damping.any() or stiffness.any() or friction.any()):
         return lambda q, v: effort
     rubbing = bool(friction.any())
@@ -133,6 +147,43 @@ def forces_of(
         return total - friction * np.sign(v) if rubbing else total
 
     return forces
+
+
+def rules_of(built_mechanism: Built) -> tuple[Array, Array, Indices, Indices]:
+    """Return the ratios and offsets (k,) of joints that follow others, and the indices in q and v of those that they follow."""
+    followers, first = built_mechanism.followers, built_mechanism.first
+    ratio, offset = (np.array([getattr(each, name) for each in followers]) for name in ("ratio", "offset"))
+    in_q, in_v = np.array([first[follower.of_mechanism] for follower in followers]).T
+    return ratio, offset, in_q, in_v
+
+
+def with_followers(
+    forces: Callable[[Array, Array], Array], ratio: Array, offset: Array, in_q: Indices, in_v: Indices
+) -> Callable[[Array, Array], Array]:
+    """Return the forces (nv,) as a function of q and v, from those on all joints, of which the last k follow others.
+
+    The force on a joint that follows another acts on the other with the ratio of their velocities.
+    """
+
+    def total(q: Array, v: Array) -> Array:
+        of_all = forces(np.concatenate([q, ratio * q[in_q] + offset]), np.concatenate([v, ratio * v[in_v]]))
+        on_model = of_all[: len(v)].copy()
+        np.add.at(on_model, in_v, ratio * of_all[len(v) :])
+        return on_model
+
+    return total
+
+
+def coupled(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:
+    """Return the accelerations of a mechanism with mimic joints: the solution of its equations of motion."""
+    still, units = np.zeros(model.nv), np.eye(model.nv)
+
+    def acceleration(q: Array, v: Array) -> Array:
+        at_rest = pin.rnea(model, data, q, still, still).copy()
+        inertia = np.array([pin.rnea(model, data, q, still, unit) - at_rest for unit in units])
+        return np.linalg.solve(inertia, forces(q, v) - pin.rnea(model, data, q, v, still))
+
+    return acceleration
 
 
 def unconstrained(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:

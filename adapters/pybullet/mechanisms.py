@@ -4,7 +4,8 @@ Each tree is a body of PyBullet, read from a URDF file: the tree on the world ha
 of another tree. Joints are Bullet's revolute, prismatic, spherical and fixed joints. Damping is given in the URDF file.
 PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
 applied together with the constant effort, as users do. Dry friction is PyBullet's velocity motor with the target zero and a
-limited force. Loops are constraints between points.
+limited force. Loops are constraints between points. A joint that follows another one has Bullet's gear constraint, which holds
+its velocity: the offset of the rule is in the initial coordinates.
 """
 
 import math
@@ -14,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import pybullet
 
-from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mechanisms import link_of, starts, trees
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.mechanisms import has_mass, link_of, starts, trees
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.urdf import angles, file_of, link_element, spaced
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
@@ -38,8 +39,14 @@ MODELS = frozenset(
         "joint efforts",
         "loops",
         "point masses",
+        "massless bodies",
+        "mimic joints",
     }
 )
+
+
+#: A force (N or N m) that no gear constraint needs.
+UNLIMITED = 1e20
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,13 @@ class Part:
 
 
 def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
-    """Add a mechanism in its initial state to a physics server, and return its bodies in their order."""
+    """Add a mechanism in its initial state to a physics server, and return its bodies in their order.
+
+    Raises `SceneUnsupported` for a free body without mass.
+    """
+    for root in mechanism.bodies:
+        if root.start is not None and not has_mass(root):
+            raise SceneUnsupported(f"the free body {root.name} without mass, which PyBullet would hold in place")
     by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
         body = loaded(client, document(mechanism, tree), tree[0] == WORLD)
@@ -77,7 +90,18 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
     start(client, mechanism, parts)
     for loop in mechanism.loops:
         close(client, mechanism, parts, loop)
+    for joint in mechanism.joints:
+        if joint.mimic is not None:
+            couple(client, parts[joint.child], parts[mechanism.joints[joint.mimic.joint].child], joint.mimic.multiplier)
     return parts
+
+
+def couple(client: int, follower: Part, leader: Part, multiplier: float) -> None:
+    """Add a constraint by which a joint follows another one: the sum of its velocity and gear ratio * the other's is zero."""
+    ends = follower.tree, follower.link, leader.tree, leader.link
+    unused = (0, 1, 0), (0, 0, 0), (0, 0, 0)  # the axis and the points that only other constraints have
+    gear = pybullet.createConstraint(*ends, pybullet.JOINT_GEAR, *unused, physicsClientId=client)
+    pybullet.changeConstraint(gear, gearRatio=-multiplier, maxForce=UNLIMITED, physicsClientId=client)
 
 
 def loaded(client: int, text: str, fixed: bool) -> int:

@@ -2,8 +2,9 @@
 
 OpenSim's pin turns about the z axis of the joint's frame, and its slider slides along the x axis, so that the frames are
 rotated to have the joint's axis there. Springs and damping are OpenSim's `SpringGeneralizedForce`, and an effort is an
-`ExpressionBasedCoordinateForce` with a constant. Loops are OpenSim's `PointConstraint`. OpenSim has neither armature nor dry
-friction of joints, and its bushings damp the rates of angles instead of the angular velocity of a ball joint.
+`ExpressionBasedCoordinateForce` with a constant. Loops are OpenSim's `PointConstraint`, and a joint that follows another one
+has OpenSim's `CoordinateCouplerConstraint`. OpenSim has neither armature nor dry friction of joints, and its bushings damp the
+rates of angles instead of the angular velocity of a ball joint. It refuses a chain of two bodies without mass.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +21,7 @@ from bodycheck.adapters.simbody.models import added
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.joint_types import JointType
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
 from bodycheck.reference.trajectory import Array
 
 #: The features of mechanisms that OpenSim models; see `Engine.models`.
@@ -39,6 +40,8 @@ MODELS = frozenset(
         "joint efforts",
         "loops",
         "point masses",
+        "massless bodies",
+        "mimic joints",
     }
 )
 
@@ -91,6 +94,10 @@ def built(mechanism: Mechanism) -> Built:
         joints.append(engine_joint)
         if joint is not None:
             add_forces(model, joint, engine_joint)
+    for index, joint in enumerate(mechanism.joints):
+        if joint.mimic is not None:
+            coupled = joints[joint.child], joints[mechanism.joints[joint.mimic.joint].child]
+            model.addConstraint(coupler(index, joint.mimic, *(each.get_coordinates(0).getName() for each in coupled)))
     for index, loop in enumerate(mechanism.loops):
         one, other = (model.getGround() if body == WORLD else bodies[body] for body in loop.bodies)
         here, there = (opensim.Vec3(*point) for point in loop.points)
@@ -143,9 +150,29 @@ def add_forces(model: Any, joint: Joint, engine_joint: Any) -> None:
         model.addForce(effort)
 
 
+def coupler(number: int, rule: Mimic, follower: str, leader: str) -> Any:
+    """Return OpenSim's constraint by which a coordinate follows another one, from the names of the two."""
+    constraint, leaders = opensim.CoordinateCouplerConstraint(), opensim.ArrayStr()
+    leaders.append(leader)
+    constraint.setName(f"mimic_{number}")
+    constraint.setIndependentCoordinateNames(leaders)
+    constraint.setDependentCoordinateName(follower)
+    constraint.setFunction(opensim.LinearFunction(rule.multiplier, rule.offset))
+    return constraint
+
+
 def started(mechanism: Mechanism, built_mechanism: Built, quaternions: bool) -> Any:
-    """Return the initial state of a model of a mechanism, with quaternions or with angles."""
-    state = built_mechanism.model.initSystem()
+    """Return the initial state of a model of a mechanism, with quaternions or with angles.
+
+    Raises `SceneUnsupported` if OpenSim refuses the model, as it does where two bodies without mass follow each other.
+    """
+    try:
+        state = built_mechanism.model.initSystem()
+    except RuntimeError as error:
+        reason = " ".join(str(error).split()).rpartition("initSystem()")[2].lstrip("': ")
+        for index, body in reversed(list(enumerate(mechanism.bodies))):
+            reason = reason.replace(f"/bodyset/body_{index}", body.name)
+        raise SceneUnsupported(f"OpenSim refuses the mechanism: {reason}") from error
     starting = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
     first = frames(mechanism)
     places = [coordinates_of(state, joint) for joint in built_mechanism.joints]

@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,6 +13,7 @@ from pydantic_core import core_schema
 
 from bodycheck.casefile import formats, values
 from bodycheck.casefile.finding import SUFFIX
+from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
 
@@ -57,11 +59,40 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
     BadInput
         As for `new`, and if the body cannot be read from the file.
     """
-    from bodycheck.casefile.robots import template as robots
+    from bodycheck.casefile import body_template as robots
 
     link = robots.read(model, body)
     text = robots.text(template(), link, model)
     return _written(robots.case_name(link) if name is None else name, folder, text), link.left_out
+
+
+def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence[Path], ignore: Sequence[Ignored]) -> Path:
+    """Write a case file of a whole robot into a folder, and return its path.
+
+    Parameters
+    ----------
+    name
+        The name of the case; if it is None, that of the file.
+    folder
+        The folder.
+    model
+        A URDF or MJCF file in the folder: a case names a file beside itself.
+    packages, ignore
+        Folders in which the file may name files, and what is left out of it on purpose.
+
+    Raises
+    ------
+    BadInput
+        As for `new`, and if the file is in another folder, or is no case.
+    """
+    from bodycheck.casefile.mechanisms.stored import file_text
+    from bodycheck.casefile.robots import loading
+
+    if model.resolve().parent != folder.resolve():
+        raise BadInput(f"--model {model}: must be in the folder of the case file, {folder.resolve()}")
+    case = loading.load(model, packages=packages, ignore=ignore)
+    named = case.name if name is None else name
+    return _written(named, folder, file_text(case).replace(f'name = "{case.name}"', f'name = "{named}"', 1))
 
 
 def _written(name: str, folder: Path, text: str) -> Path:

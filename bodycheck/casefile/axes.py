@@ -308,6 +308,26 @@ AXES: dict[str, Axis] = {
 }
 
 
+#: The axes of a case without a table [extremes], as far as it can be varied along them, with their values.
+DEFAULT_AXES: dict[str, tuple[float, ...]] = {
+    "timestep": (0.0005, 0.002, 0.01, 0.05),
+    "steps": (100, 1000),
+    "gravity": (0.0, 9.81, 98.1),
+    "spin": (1.0, 10.0, 100.0),
+    "speed": (1.0, 10.0, 100.0),
+}
+
+
+def default_axes(case: Case) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Return the axes of a case without a table [extremes], with their values, in the form of `Case.extremes`."""
+    axes = (
+        (name, tuple(value for value in values if AXES[name].refused(value, case.duration) is None))
+        for name, values in DEFAULT_AXES.items()
+        if AXES[name].lacking(case.scene) is None
+    )
+    return tuple((name, values) for name, values in axes if values)
+
+
 def _with_state(case: Case, initial: State) -> Case:
     return replace(case, scene=replace(alone(case.scene), initial=initial))
 

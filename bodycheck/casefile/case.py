@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cache
@@ -26,7 +26,8 @@ from bodycheck.casefile.formats import AnyCaseTable, explain, is_misleading, key
 from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
-from bodycheck.casefile.mechanisms.model import Expanded, expanded, split, with_model
+from bodycheck.casefile.mechanisms.model import Expanded, expanded, with_model, with_scene
+from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
@@ -94,8 +95,10 @@ def is_shipped(case: str | FilePath) -> bool:
     return str(case) in shipped() or (shipped_file is not None and path.resolve() == FilePath(str(shipped_file)).resolve())
 
 
-def load(case: str | FilePath) -> Case:
+def load(case: str | FilePath, packages: Sequence[FilePath] = ()) -> Case:
     """Load a case, given the name of a shipped case or the path of a case file.
+
+    packages: folders in which a robot model of the case may name files, beside the folder of the case and those below it.
 
     Raises `CaseFaults` with every fault of the file; a file that cannot be read has one fault. Raises `TypeError` for anything
     that is neither a text nor a path.
@@ -104,14 +107,26 @@ def load(case: str | FilePath) -> Case:
         raise TypeError(f"read {quote(case)} as the case; allowed: the name of a shipped case, or a path")
     if isinstance(case, str) and case in shipped():
         file = _shipped_files()[case]
-        return _loaded(file.read_text("utf-8"), str(file))
-    return _loaded(_read(FilePath(case)), str(case))
+        return loaded(file.read_text("utf-8"), str(file), FilePath(str(file)).parent)
+    return loaded(_read(FilePath(case)), str(case), FilePath(case).parent, packages)
 
 
-def _loaded(text: str, file: str) -> Case:
-    """Return the case in the text of a case file that was read from a path; its model may be a file in the same folder."""
+def loaded(text: str, file: str, folder: FilePath, packages: Sequence[FilePath] = (), follow: bool = False) -> Case:
+    """Return the case in the text of a case file, whose model may be a file in a folder. Raises `CaseFaults`.
+
+    Parameters
+    ----------
+    text
+        The text.
+    file
+        The name of the case file in the faults.
+    folder, packages
+        The folder of the case file, and further folders in which the model may name files.
+    follow
+        Whether the model may be a symbolic link, because the user named it.
+    """
     document = _document(text, file)
-    whole, refused = with_model(text, document, FilePath(file).parent)
+    whole, refused = with_model(text, document, folder, packages, follow)
     if whole != text:
         document = _document(whole, file)
     return _parsed(document, whole, file, contradictions.uncheckable(document), refused)
@@ -140,7 +155,11 @@ def parse_stored(text: str, file: str) -> Case:
 
 
 def _parsed(
-    document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = (), refused: str | None = None
+    document: dict[str, Any],
+    text: str,
+    file: str,
+    further: Iterable[tuple[Path, str]] = (),
+    refused: Sequence[tuple[Path, str]] = (),
 ) -> Case:
     """Return the case of a document. Raises `CaseFaults` with the faults of the format and the faults in `further`.
 
@@ -163,8 +182,8 @@ def _parsed(
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
-    errors = [expansion.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]]
-    places = positions(split(text)[0], [path for path, _ in errors])
+    errors = list(dict.fromkeys(expansion.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]))
+    places = positions(text_of_file(text), [path for path, _ in errors])
     located = [_locate(file, places, document, path, message) for path, message in errors]
     located.sort(key=lambda fault: fault.position or Position(0, 0))
     raise CaseFaults((*located, *([Fault(file, f"{unreported} more faults")] if unreported else [])))
@@ -181,19 +200,17 @@ SLOW_PATTERNS = {
 
 
 def _document(text: str, file: str) -> dict[str, Any]:
-    """Return the raw document of a text, with the model that is appended to it. Raises `CaseFaults` if it is not TOML."""
-    text, model = split(text)
+    """Return the raw document of a text, with what was read of its model. Raises `CaseFaults` if it is not TOML."""
+    whole, (text, _) = text, parted(text)
     for pattern, message in SLOW_PATTERNS.items():
         if (match := re.search(pattern, text)) is not None:
             raise CaseFaults((Fault(file, message, _position(text, match.start())),))
     try:
-        document = tomllib.loads(text)
+        document = loads(whole)
     except RecursionError as error:
         raise CaseFaults((Fault(file, "nested too deeply", _position(text, _deepest_offset(text))),)) from error
     except tomllib.TOMLDecodeError as error:
         raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
-    if model is not None and isinstance(document.get("model"), dict):
-        document["model"]["stored"] = model
     return document
 
 
@@ -290,6 +307,7 @@ def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) 
         text=text,
         ensemble=build_ensemble(table.ensemble, expansion.document) if table.ensemble else None,
         timestep=expansion.timestep,
+        robot=None if expansion.notes is None else with_scene(expansion.notes, scene),
     )
 
 

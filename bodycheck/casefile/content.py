@@ -11,6 +11,7 @@ import numpy as np
 
 from bodycheck.casefile.distributions import Ensemble
 from bodycheck.casefile.expectation import Expectation
+from bodycheck.casefile.robot_notes import RobotNotes
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 
@@ -42,6 +43,8 @@ class Case:
         The number of members that are drawn from the case, and their distributions; None if the file has no ensemble.
     timestep
         The time step (s) in the file of the robot model that the case names; None if there is none.
+    robot
+        Notes on the robot model that the case names; None if it names none.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Case:
     text: str
     ensemble: Ensemble | None = None
     timestep: float | None = None
+    robot: RobotNotes | None = None
 
     @property
     def instants(self) -> Array:

@@ -24,6 +24,7 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED, most_possible
 from bodycheck.reference.exact.start import defined_inertia
 from bodycheck.reference.inertia import satisfies_triangle_inequality
+from bodycheck.reference.robots.physical import MARGIN
 from bodycheck.reference.scene import Tensor
 from bodycheck.suggestion import did_you_mean
 
@@ -135,8 +136,8 @@ PART_SIZES = {
     "sphere": ("radius",),
 }
 
-#: How far below zero rounding may move a moment of zero, relative to the largest moment.
-ROUNDING = 1e-12
+#: How far below zero rounding may move a moment of zero, relative to the largest moment; see `reference.robots.physical`.
+ROUNDING = MARGIN
 
 
 def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator[tuple[Path, str]]:
@@ -180,6 +181,8 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
 
     mass: the mass of the body (kg).
     """
+    if zero_allowed and mass == 0:
+        return _of_a_frame(inertia)
     if (moments := numbers(inertia, 3)) is not None:
         return _impossible(moments, zero_allowed) if min(moments) > 0 or (zero_allowed and min(moments) == 0) else None
     rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
@@ -195,6 +198,17 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
     return fault
 
 
+def _of_a_frame(inertia: Any) -> str | None:
+    """Return why the inertia of a body without mass is not zero; None if it is, or the grammar reports the fault."""
+    rows = inertia if isinstance(inertia, list) else []
+    parts = [part for row in rows for part in (row if isinstance(row, list) else [row])]
+    return (
+        "a body without mass is a frame; allowed: zeros"
+        if any(isinstance(part, int | float) and part for part in parts)
+        else None
+    )
+
+
 def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
     """Return why no body has three principal moments (kg m^2); None if a body may have them."""
     if zero_allowed:
@@ -203,7 +217,8 @@ def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
     elif min(moments) <= 0:
         return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        return "no body has these moments: no moment may exceed the sum of the other two"
+        by = 2 * max(moments) - sum(moments)
+        return f"no body has these moments: no moment may exceed the sum of the other two; the largest does by {by:.3g} kg m^2"
     return None
 
 

@@ -3,6 +3,8 @@
 The parameters of a distribution are tuples with a number for each component: one for a key that is a single number.
 """
 
+import json
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -42,8 +44,10 @@ class Key:
 
     @property
     def text(self) -> str:
-        """The path as a case file has it, with a dot between the parts."""
-        return ".".join(map(str, (*(self.named or self.whole), *self.place)))
+        """The path as a case file has it, with a dot between the parts; names of special characters are quoted."""
+        if not self.named:
+            return ".".join(map(str, (*self.whole, *self.place)))
+        return ".".join(map(str, (self.named[0], name_in_path(str(self.named[1])), *self.named[2:], *self.place)))
 
     @property
     def text_of_whole(self) -> str:
@@ -66,6 +70,15 @@ class Key:
             return other.whole in rivals(self.whole)
         shared = min(len(self.place), len(other.place))
         return self.place[:shared] == other.place[:shared]
+
+
+#: A name of a body or joint that key paths contain as it is, unless it is a number, which would count bodies or joints.
+PLAIN_NAME = re.compile(r"(?![0-9]+$)[A-Za-z0-9_.:/-]+")
+
+
+def name_in_path(name: str) -> str:
+    """Return the name of a body or joint as key paths have it: quoted as in TOML, unless it is a `PLAIN_NAME`."""
+    return name if PLAIN_NAME.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def rivals(whole: "Path") -> "tuple[Path, ...]":

@@ -1,15 +1,18 @@
-"""Find the case files that a user names: by the name of a shipped case, a path, a folder or a pattern.
+"""Find the cases that a user names: by the name of a shipped case, a path of a case file or of a robot's file, a folder or a
+pattern.
 
-A folder stands for every case file in it and in the folders below it. A repository may come from a stranger: links to folders
-are not followed, links to files only within the named folder, and the number of entries is bounded.
+A folder stands for every case file in it and in the folders below it, or for every robot's file if there is no case file there:
+robots beside case files are commonly their models. A repository may come from a stranger: links to folders are not followed,
+links to files only within the named folder, and the number of entries is bounded.
 """
 
 import fnmatch
 import os
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
+from bodycheck.casefile.robots.named import SUFFIXES, is_named_as_robot, may_be_robot
 from bodycheck.errors import BadInput
 
 #: The end of the names of case files.
@@ -18,6 +21,9 @@ SUFFIX = ".case.toml"
 #: The largest number of files and folders that are searched for one argument, and of case files that it may stand for.
 MAX_ENTRIES = 200_000
 MAX_CASES = 10_000
+
+#: The names of the files that may be cases, as messages state them.
+OF_CASES = f"case file (*{SUFFIX}) or robot's file ({', '.join(f'*{suffix}' for suffix in SUFFIXES)})"
 
 #: Folders that hold files of others, like hidden folders and virtual environments: installed packages contain case files.
 OTHERS_FOLDERS = frozenset({"build", "dist", "node_modules", "__pycache__"})
@@ -36,7 +42,7 @@ def is_case_file(path: str | Path) -> bool:
 
 
 def named(arguments: Sequence[str], shipped: Collection[str]) -> tuple[str, ...]:
-    """Return the names of shipped cases and the paths of files that arguments stand for, each file once.
+    """Return the names of shipped cases and the paths of case files and robots' files that arguments stand for, each once.
 
     Parameters
     ----------
@@ -50,8 +56,8 @@ def named(arguments: Sequence[str], shipped: Collection[str]) -> tuple[str, ...]
     Raises
     ------
     BadInput
-        A folder or a pattern stands for no case file, or for more than `MAX_CASES`; more than `MAX_ENTRIES` files and folders
-        must be searched; a folder cannot be read; a link in a folder has the name of a case file and leads out of the folder.
+        A folder or a pattern stands for no file, or for more than `MAX_CASES`; more than `MAX_ENTRIES` files and folders
+        must be searched; a folder cannot be read; a link in a folder has the name of such a file and leads out of the folder.
     """
     paths: dict[str, str] = {}
     for argument in arguments:
@@ -66,21 +72,35 @@ def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
         return [argument]
     path, tally = Path(argument), Tally(argument)
     if _is_folder(path):
-        files = sorted(_below(path, tally))
+        files = _cases_or_robots(_below(path, tally))
         if not files:
-            raise BadInput(f"{argument}: there is no case file (*{SUFFIX}) in this folder or below it")
+            raise BadInput(f"{argument}: there is no {OF_CASES} in this folder or below it")
     elif is_pattern(argument):
-        files = sorted({file for match in matches(path, tally) for file in _cases_at(match, tally)})
+        files = _cases_or_robots(file for match in matches(path, tally) for file in _cases_at(match, tally))
         if not files:
             names = fnmatch.filter(sorted(shipped), argument)
             if not names:
-                raise BadInput(f"{argument}: no case file (*{SUFFIX}) and no shipped case matches this pattern")
+                raise BadInput(f"{argument}: no {OF_CASES} and no shipped case matches this pattern")
             return names
     else:
         return [argument]
     if len(files) > MAX_CASES:
-        raise BadInput(f"{argument}: stands for more than {MAX_CASES} case files; name fewer")
+        raise BadInput(f"{argument}: stands for more than {MAX_CASES} case files or robots' files; name fewer")
     return [str(file) for file in files]
+
+
+def _cases_or_robots(files: Iterable[tuple[Path, str]]) -> list[Path]:
+    """Return the sorted case files among files, or the robots' files if there is no case file.
+
+    files: with the reasons not to read them. Raises `BadInput` for a file that is meant and must not be read.
+    """
+    sorted_files = sorted(set(files))
+    cases = [(path, refused) for path, refused in sorted_files if is_case_file(path)]
+    meant = cases or [(path, refused) for path, refused in sorted_files[: MAX_CASES + 1] if refused or may_be_robot(path)]
+    for path, refused in meant:
+        if refused:
+            raise BadInput(f"{path}: {refused}")
+    return [path for path, _ in meant]
 
 
 def is_pattern(argument: str) -> bool:
@@ -124,12 +144,13 @@ def below(folder: Path, wanted: Callable[[str], bool], tally: Tally) -> Iterator
                 )
 
 
-def _below(folder: Path, tally: Tally) -> Iterator[Path]:
-    """Yield the case files in a folder and in the folders below it."""
-    for path, refused in below(folder, is_case_file, tally):
-        if refused:
-            raise BadInput(f"{path}: {refused}")
-        yield path
+def _below(folder: Path, tally: Tally) -> Iterator[tuple[Path, str]]:
+    """Yield the case files and robots' files in a folder and in the folders below it, with the reasons not to read them."""
+    return below(folder, _may_be_case, tally)
+
+
+def _may_be_case(name: str) -> bool:
+    return is_case_file(name) or is_named_as_robot(name)
 
 
 def _folders(folder: Path, tally: Tally) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
@@ -166,12 +187,12 @@ def _matches(folder: Path, parts: Sequence[str], tally: Tally) -> Iterator[Path]
                 yield from _matches(path, parts[1:], tally)
 
 
-def _cases_at(path: Path, tally: Tally) -> Iterator[Path]:
-    """Yield the case files at a path that a pattern matches: those in a folder, or the file itself if it is a case file."""
+def _cases_at(path: Path, tally: Tally) -> Iterator[tuple[Path, str]]:
+    """Yield the files at a path that a pattern matches: those in a folder, or the file itself if it may be a case."""
     if _is_folder(path):
         yield from _below(path, tally)
-    elif is_case_file(path):
-        yield path
+    elif _may_be_case(path.name):
+        yield path, ""
 
 
 def _is_folder(path: Path) -> bool:

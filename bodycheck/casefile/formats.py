@@ -64,6 +64,8 @@ def untagged(path: Path) -> Path:
             return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
         case ("joints", index, _, *rest):
             return ("joints", index, *rest)
+        case ("model", "keyframe", *_):
+            return ("model", "keyframe")
         case ("scene", *rest):
             return ("scene", *(key for key in rest if key not in ("coefficient", "word")))
         case ("expect", *rest):

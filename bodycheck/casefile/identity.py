@@ -1,25 +1,22 @@
 """Compare the physics of case files: body, initial state, surroundings and run, but not titles or expectations."""
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from typing import Any
 
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.mechanisms.model import file_text
-from bodycheck.casefile.raw_values import mapping
+from bodycheck.casefile.mechanisms.model import standalone
+from bodycheck.casefile.mechanisms.stored import loads
 
 #: Tables and keys of a case file that do not affect the motion.
 NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensemble", "expect"}
 
 
 def physics(case: Case) -> dict[str, Any]:
-    """Return the tables of a case file that affect the motion, with a SHA-256 digest in place of a model's text."""
-    tables = {name: value for name, value in tomllib.loads(file_text(case)).items() if name not in NOT_PHYSICS}
-    if stored := case.text.removeprefix(file_text(case)):
-        tables["model"] = {**mapping(tables.get("model")), "sha256": sha256(stored.encode()).hexdigest()}
-    return tables
+    """Return the tables of a case that affect the motion, with the bodies and joints of a robot model instead of its file."""
+    document = standalone(loads(case.text))
+    return {name: value for name, value in document.items() if name not in NOT_PHYSICS}
 
 
 def identity(case: Case) -> str:

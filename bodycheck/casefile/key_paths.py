@@ -1,13 +1,14 @@
 """Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
 
 Bodies and joints of a mechanism are given by their names, as in `joints.pin.damping`, or counted from 0, as in
-`joints.1.damping`.
+`joints.1.damping`. Names that are numbers or have special characters are quoted, as in `joints."8".damping`.
 
 The key paths follow from the content of the file and from the grammar of the tables that determine the motion: a new key of
 such a table can be drawn at once.
 """
 
 import re
+import tomllib
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.distributions import Key, Sign, rivals
+from bodycheck.casefile.distributions import Key, Sign, name_in_path, rivals
 from bodycheck.casefile.formats import is_mechanism, table_at
 from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
@@ -50,6 +51,9 @@ OPTIONAL = frozenset({*DEFAULTS, "inertia"})
 
 #: A number that counts the items of an array, from 0.
 INDEX = re.compile(r"0|[1-9][0-9]{0,5}")
+
+#: The beginning of the path of a key of a body or joint that is given by its index, or by its name in quotes.
+PART = re.compile(r"""(?P<array>bodies|joints)\.(?P<part>0|[1-9][0-9]{0,5}|"(?:[^"\\]|\\.)*"|'[^']*')(?=\.)""")
 
 #: The most keys that a message lists.
 MAX_LISTED = 30
@@ -136,13 +140,18 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
 
 
 def _with_name(text: str, document: Mapping[str, Any]) -> str:
-    """Return a path with the name of a body or joint instead of its index."""
-    array, _, rest = text.partition(".")
-    number, _, key = rest.partition(".")
-    if array not in ("bodies", "joints") or not INDEX.fullmatch(number):
+    """Return a path with the name of a body or joint, as `Key.text` has it, instead of its index or its name in any quotes."""
+    if (match := PART.match(text)) is None:
         return text
-    name = mapping(value_at(document, (array, int(number)))).get("name")
-    return f"{array}.{name}.{key}" if isinstance(name, str) else text
+    array, part, key = match["array"], match["part"], text[match.end() :]
+    if INDEX.fullmatch(part):
+        name = mapping(value_at(document, (array, int(part)))).get("name")
+    else:
+        try:
+            (name,) = tomllib.loads(f"{part} = 0")
+        except (ValueError, RecursionError):
+            return text
+    return f"{array}.{name_in_path(name)}{key}" if isinstance(name, str) else text
 
 
 def _component(whole: Key, indices: tuple[int, ...], document: Mapping[str, Any]) -> Key:

@@ -12,7 +12,7 @@ from typing import Any
 from bodycheck.casefile import grammar
 from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import BODY_PATTERN, MAX_CONTACTS, MAX_NAME_LENGTH, MAX_PUSHES
+from bodycheck.casefile.values import MAX_CONTACTS, MAX_NAME_LENGTH, MAX_PUSHES
 from bodycheck.reference.exact.touching import touching_above_origin
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import AlongPlane, Attitude, Plane, Push, Shape, Vector, vector_of
@@ -49,9 +49,9 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
     if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         return
     for index, pattern in enumerate(pair):
-        if len(pattern) > MAX_NAME_LENGTH or re.fullmatch(BODY_PATTERN, pattern) is None:
+        if not 0 < len(pattern) <= MAX_NAME_LENGTH or not pattern.isprintable():
             continue  # reported as another fault
-        if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
+        if pattern != PLANE and not _places(pattern, names):
             shown = ", ".join([PLANE, *first_names(names)])
             yield ("bodies", index), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
     if pair[0] == pair[1] and (pair[0] == PLANE or "*" not in pair[0]):
@@ -116,6 +116,8 @@ def _coefficient(friction: float | str) -> float:
 
 
 def _places(pattern: str, names: Sequence[str]) -> list[int]:
+    """Return the indices of the bodies with names that a pattern matches, in which * stands for any characters."""
     if pattern == PLANE:
         return [WORLD]
-    return [index for index, name in enumerate(names) if fnmatchcase(name, pattern)]
+    escaped = re.sub(r"[\[?]", r"[\g<0>]", pattern)
+    return [index for index, name in enumerate(names) if fnmatchcase(name, escaped)]

@@ -1,6 +1,7 @@
 """Write the document of a case file as TOML, so that reading it gives the same document."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -41,7 +42,7 @@ def short(document: Mapping[str, Any], comments: Sequence[str] = (), lines: int 
 
 
 def _lines(table: Mapping[str, Any]) -> list[str]:
-    return [f"{name} = {in_line(value)}" for name, value in table.items()]
+    return [f"{key_in_text(name)} = {in_line(value)}" for name, value in table.items()]
 
 
 def _table(path: tuple[str, ...], table: Mapping[str, Any]) -> Iterator[str]:
@@ -49,12 +50,17 @@ def _table(path: tuple[str, ...], table: Mapping[str, Any]) -> Iterator[str]:
     inner = {name: value for name, value in table.items() if isinstance(value, dict) or _is_array_of_tables(value)}
     yield from _lines({name: value for name, value in table.items() if name not in inner})
     for name, value in inner.items():
-        header = ".".join((*path, name))
+        header = ".".join(map(key_in_text, (*path, name)))
         if isinstance(value, dict):
             yield from ("", f"[{header}]", *_table((*path, name), value))
         else:
             for item in value:
                 yield from ("", f"[[{header}]]", *_lines(item))
+
+
+def key_in_text(name: str) -> str:
+    """Return a key as TOML has it: quoted if it has other characters than letters, digits, hyphens and underscores."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else in_line(name)
 
 
 def _is_array_of_tables(value: Any) -> bool:
@@ -67,7 +73,7 @@ def in_line(value: Any) -> str:
     Strings, integers and booleans are written as JSON writes them, which TOML reads in the same way.
     """
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{name} = {in_line(part)}" for name, part in value.items()) + "}"
+        return "{" + ", ".join(f"{key_in_text(name)} = {in_line(part)}" for name, part in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(map(in_line, value)) + "]"
     if not isinstance(value, str | int | float):

@@ -14,6 +14,7 @@ MAX_SAMPLES = 100_001
 MAX_PARTS = 1000
 MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000
+MAX_NOTICE_LENGTH = 2000
 MAX_TAGS = 50
 MAX_PUSHES = 50
 MAX_CONTACTS = 1000
@@ -79,18 +80,16 @@ NonNegative = Annotated[Finite, Field(ge=0, le=MAX_NUMBER), AfterValidator(_not_
 Ratio = Annotated[Finite, Field(ge=1e-20, le=1)]
 Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValidator(_printable)]
-#: The patterns of names of cases, of bodies and joints, and of bodies with * for any characters.
-NAME, PART_NAME, BODY_PATTERN = r"^[a-z0-9-]+$", r"^[A-Za-z0-9_.:/-]+$", r"^[A-Za-z0-9_.:/*-]+$"
-#: The names that each of these patterns allows, in words.
-CHARACTERS = {
-    NAME: "small letters, digits and hyphens",
-    PART_NAME: "letters a to z, digits and _ . : / -",
-    BODY_PATTERN: "letters a to z, digits and _ . : / - *",
-}
+#: A sentence on a robot model.
+Notice = Annotated[str, Field(strict=True, max_length=MAX_NOTICE_LENGTH), AfterValidator(_printable)]
+#: The patterns of names of cases, and of digests.
+NAME, DIGEST = r"^[a-z0-9-]+$", r"^[0-9a-f]{64}$"
+#: What each of these patterns allows, in words.
+CHARACTERS = {NAME: "small letters, digits and hyphens", DIGEST: "64 digits from 0 to 9 and a to f"}
 Name = Annotated[str, Field(strict=True, pattern=NAME, max_length=MAX_NAME_LENGTH)]
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MAX_NAME_LENGTH), AfterValidator(_printable)]
 #: The name of a body, in which * stands for any characters.
-BodyPattern = Annotated[str, Field(strict=True, pattern=BODY_PATTERN, max_length=MAX_NAME_LENGTH)]
+BodyPattern = Label
 Spelling = Annotated[Label, AfterValidator(_spelling)]
 EngineName = Annotated[Label, AfterValidator(_engine)]
 Vector = tuple[Number, Number, Number]

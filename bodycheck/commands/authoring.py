@@ -3,6 +3,7 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,7 +11,18 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Json, Quiet, Timesteps, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    Engines,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK, BadInput
 
 
@@ -44,21 +56,26 @@ def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL
     return OK
 
 
-def validate(*files: str) -> int:
-    """Check case files, and print every fault with its file, line and key, the value that was read, and the allowed values.
+def validate(*files: str, robots: OfRobots = AS_THEY_ARE) -> int:
+    """Check case files and files of robots, and print every fault with its file and line, what was read and what is allowed.
 
     Exit codes: 0 all files are valid; 1 some are valid; 2 none is valid.
 
     Parameters
     ----------
     files
-        Case files, folders of them, patterns, or names of shipped cases.
+        Case files, files of robots (URDF or MJCF), folders of them, patterns, or names of shipped cases.
     """
+    from bodycheck.running import robot_notices
+
     if not files:
         raise BadInput("validate: give at least one case file")
-    loaded = arguments.read_cases(files)
+    loaded = arguments.read_cases(files, robots)
     for case in loaded.cases:
         print(f"{case.name}: valid")
+        if case.robot is not None:
+            said = [*robot_notices.left_out(case.robot), *case.robot.notices]
+            print(f"  {case.robot.file}: {robot_notices.described(case)}", *said, sep="\n  ")
     for fault in loaded.faults:
         print(fault, file=sys.stderr)
     return FAILED if loaded.faults else OK
@@ -68,9 +85,11 @@ def new(
     name: str | None = None,
     /,
     *,
-    model: Annotated[Path | None, Parameter(name="--from")] = None,
+    source: Annotated[Path | None, Parameter(name="--from")] = None,
     body: str | None = None,
     mechanism: bool = False,
+    model: Path | None = None,
+    robots: OfRobots = AS_THEY_ARE,
 ) -> int:
     """Write a new case file, NAME.case.toml, into the working directory.
 
@@ -80,20 +99,28 @@ def new(
     ----------
     name
         The name of the case. It may contain small letters, digits and hyphens. With --from, the default is that of the body.
-    model
+    source
         A robot model, URDF or MJCF, of which one body is taken: mass, inertia, and a shape about the centre of mass. Comments
         say where each number is from. Files that it names, such as meshes, are not opened.
     body
         The name of the body in the robot model. Default: the only one.
     mechanism
         Write a case of bodies on joints, and not of one body.
+    model
+        The file of a robot, URDF or MJCF, in this folder: write a case that names it, with the initial states of all joints.
+        The default name is that of the file.
     """
     from bodycheck.casefile import authoring
 
+    if sum((source is not None, mechanism, model is not None)) > 1:
+        raise BadInput("new: --from, --mechanism and --model exclude each other; a case of a whole robot is written by --model")
     if model is not None:
-        if mechanism:
-            raise BadInput("new: --mechanism and --from exclude each other; a case file names a whole robot model by [model]")
-        path, left_out = authoring.new_of_robot(name, Path(), model, body)
+        if body is not None:
+            raise BadInput(f"new --body {body}: needs --from; --model takes the whole robot")
+        print(authoring.new_of_model(name, Path(), model, robots.package_path, robots.ignore))
+        return OK
+    if source is not None:
+        path, left_out = authoring.new_of_robot(name, Path(), source, body)
         if left_out:
             print(f"bodycheck: a case has one body; left out: {left_out}", file=sys.stderr)
         print(path)
@@ -148,6 +175,7 @@ def expect(
         A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
         those that the existing ones limit.
     """
+    from bodycheck.casefile.robots import loading
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
@@ -157,6 +185,11 @@ def expect(
     tables.check(view, terminal.WRITTEN)
     expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
+    if robots := [name for name in names if loading.is_robot(name)]:
+        raise BadInput(
+            f"{robots[0]}: is the file of a robot, which has no place for expectations; write a case of it: "
+            f"bodycheck new NAME --model {shlex.quote(robots[0])}"
+        )
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as runs:
         changes = expectation_writer.write(runs.results, judgement.judge(runs.results), places, margin, figure)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_USUAL, Figures, Json, JUnit, Out, Quiet, Viewed
+from bodycheck.console.options import AS_THEY_ARE, AS_USUAL, Figures, Json, JUnit, OfRobots, Out, Quiet, Viewed
 
 
 def compare(
@@ -18,6 +18,7 @@ def compare(
     *,
     name: str,
     version: str = "unknown",
+    robots: OfRobots = AS_THEY_ARE,
     out: Out = None,
     figures: Figures = (),
     save: Path | None = None,
@@ -45,7 +46,7 @@ def compare(
     log
         The CSV file.
     case
-        The name of a shipped case, or the path of a case file.
+        The name of a shipped case, the path of a case file, or the file of a robot (URDF or MJCF).
     name
         The name of what recorded the motion, such as isaac.
     version
@@ -59,6 +60,7 @@ def compare(
     from bodycheck.commands.report import write
     from bodycheck.commands.run import print_summary_of
     from bodycheck.console import output, results, tables, terminal
+    from bodycheck.console.robots import noticed
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
     from bodycheck.running import logs
@@ -69,7 +71,8 @@ def compare(
     arguments.check_has_folder(figures, out)
     tables.check(view, results.RUNS)
     names = arguments.case_names((case,))
-    loaded = arguments.load_case(case)
+    loaded = arguments.load_case(case, robots)
+    noticed([loaded], 1, quiet)
     recording = logs.read(log, loaded, checked_name(name, "engine"), checked_name(version, "engine's version"))
     for note in recording.notes:
         print(note, file=sys.stderr)

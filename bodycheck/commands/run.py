@@ -13,6 +13,7 @@ from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import (
+    AS_THEY_ARE,
     AS_USUAL,
     AllowMissing,
     CaseName,
@@ -22,6 +23,7 @@ from bodycheck.console.options import (
     Jobs,
     Json,
     JUnit,
+    OfRobots,
     Out,
     Quiet,
     Timesteps,
@@ -38,6 +40,7 @@ def run(
     engine: Engines = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
+    robots: OfRobots = AS_THEY_ARE,
     out: Out = None,
     figures: Figures = (),
     save: Path | None = None,
@@ -85,7 +88,7 @@ def run(
     arguments.check_has_folder(figures, out)
     tables.check(view, results.RUNS)
     compared = judgement.Compared()
-    selection = Selection(cases, engine, integrator, timestep, jobs, allow_missing)
+    selection = Selection(cases, engine, integrator, timestep, jobs, allow_missing, robots)
     with ran(selection, plan_with_roles, out, quiet, compared.meet) as runs:
         result = result_set.judged(runs.results, compared=compared)
         verdicts = result.verdicts
@@ -126,6 +129,7 @@ def export(
     engine: str,
     integrator: str | None = None,
     timestep: Annotated[float | None, Parameter(help="The time step in s. Default: 0.002, or that of the alias.")] = None,
+    robots: OfRobots = AS_THEY_ARE,
     out: Path | None = None,
 ) -> int:
     """Write what a run does as a Python script for the engine alone.
@@ -137,7 +141,7 @@ def export(
     Parameters
     ----------
     case
-        The name of a shipped case, or the path of a case file.
+        The name of a shipped case, the path of a case file, or the file of a robot (URDF or MJCF).
     engine
         The engine.
     integrator
@@ -146,12 +150,15 @@ def export(
         The file for the script. Default: standard output.
     """
     from bodycheck.adapters.registry import EngineMissing
+    from bodycheck.console.robots import tell
     from bodycheck.files import writing
     from bodycheck.running import exporting
+    from bodycheck.running.robot_notices import as_loaded
 
     arguments.check_engine(engine)
     arguments.check_writable("--out", out)
-    loaded = arguments.load_case(case)
+    loaded = arguments.load_case(case, robots)
+    tell(as_loaded([loaded]))
     try:
         script = exporting.script(loaded, engine, integrator, timestep)
     except EngineMissing as error:

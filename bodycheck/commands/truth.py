@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_USUAL, Json, Viewed
+from bodycheck.console.options import AS_THEY_ARE, AS_USUAL, Json, OfRobots, Viewed
 from bodycheck.errors import FAILED, OK, BadInput, Failed
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ def truth(
     at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
     certify: bool = False,
     limit: float = TIME_LIMIT_S,
+    robots: OfRobots = AS_THEY_ARE,
     json: Json = False,
     view: Viewed = AS_USUAL,
 ) -> int:
@@ -36,7 +37,7 @@ def truth(
     Parameters
     ----------
     case
-        The name of a shipped case, or the path of a case file.
+        The name of a shipped case, the path of a case file, or the file of a robot (URDF or MJCF).
     at
         Instants in s, in any order. By default, the sampling times of the case.
     certify
@@ -48,15 +49,17 @@ def truth(
     """
     from bodycheck.console import tables, terminal, truth_states
     from bodycheck.console import truths as printing
+    from bodycheck.console.robots import noticed
     from bodycheck.reference.certified import Certificate
     from bodycheck.running.tasks import Question
 
-    loaded = arguments.load_case(case)
+    loaded = arguments.load_case(case, robots)
     tables.check(view, truth_states.columns(loaded.scene))
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
     if not limit > 0:
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
+    noticed([loaded], 1, quiet=False)
     answered = _answered(Question(loaded, tuple(sorted(at)) or None, certify), limit)
     certificate = answered if isinstance(answered, Certificate) else None
     computed = answered.truth if isinstance(answered, Certificate) else answered

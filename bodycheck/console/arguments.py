@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bodycheck.console.options import AS_THEY_ARE, Robots
 from bodycheck.errors import BadInput, Failed
 from bodycheck.files import writing
 from bodycheck.suggestion import did_you_mean
@@ -33,23 +34,23 @@ def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
     return named(cases, shipped()) if cases else shipped()
 
 
-def load_case(argument: str) -> "Case":
+def load_case(argument: str, robots: Robots = AS_THEY_ARE) -> "Case":
     """Load the one case that an argument stands for. Raises `CaseFaults`, and `BadInput` if it stands for several cases."""
     names = case_names((argument,))
     if len(names) > 1:
         raise BadInput(f"{argument}: stands for {len(names)} cases, of which one is needed: {names[0]}, {names[1]}, …")
-    (case,) = load_cases(names)
+    (case,) = load_cases(names, robots)
     return case
 
 
-def load_cases(cases: tuple[str, ...]) -> "list[Case]":
+def load_cases(cases: tuple[str, ...], robots: Robots = AS_THEY_ARE) -> "list[Case]":
     """Load the cases that CASE arguments stand for; by default, all shipped cases.
 
     Raises `CaseFaults` with the faults of all files, and `BadInput` if a folder or a pattern stands for no case file.
     """
     from bodycheck.casefile.case import CaseFaults
 
-    loaded = read_cases(cases)
+    loaded = read_cases(cases, robots)
     if loaded.faults:
         raise CaseFaults(loaded.faults)
     return loaded.cases
@@ -72,26 +73,36 @@ class Loaded:
     faults: "tuple[Fault, ...]"
 
 
-def read_cases(cases: tuple[str, ...]) -> Loaded:
+def read_cases(cases: tuple[str, ...], robots: Robots = AS_THEY_ARE) -> Loaded:
     """Load the cases that CASE arguments stand for, by default all shipped cases; files with faults are left out.
 
-    Raises `CaseFaults` with the faults of all files if no case is left, and `BadInput` if a folder or a pattern stands for no
-    case file.
-    """
-    from bodycheck.casefile.case import CaseFaults, Fault, load
+    robots: the way in which robots' files are read.
 
+    Raises `CaseFaults` with the faults of all files if no case is left, and `BadInput` if a folder or a pattern stands for no
+    case, or there is no robot's file for `--ignore`.
+    """
+    from bodycheck.casefile.case import CaseFaults, Fault
+    from bodycheck.casefile.robots import loading
+
+    meant = case_names(cases)
+    robot_names = loading.names(meant)
+    if robots.ignore and not robot_names:
+        raise BadInput(
+            f"--ignore {robots.ignore[0]}: is for files of robots in the place of cases; a case file says so by the key ignore "
+            "of its table [model]"
+        )
     loaded: dict[str, tuple[Case, str]] = {}
     faults: list[Fault] = []
-    for name in case_names(cases):
+    for argument in meant:
         try:
-            case = load(name)
+            case = loading.load(argument, packages=robots.package_path, ignore=robots.ignore, name=robot_names.get(argument))
         except CaseFaults as error:
             faults += error.faults
             continue
         if case.name in loaded:
-            faults.append(Fault(name, f"another of these cases also has the name {case.name!r}"))
+            faults.append(Fault(argument, f"another of these cases also has the name {case.name!r}"))
         else:
-            loaded[case.name] = case, name
+            loaded[case.name] = case, argument
     if faults and not loaded:
         raise CaseFaults(tuple(faults))
     return Loaded([case for case, _ in loaded.values()], tuple(name for _, name in loaded.values()), tuple(faults))

@@ -11,7 +11,9 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
 from bodycheck.console.arguments import Engines, files_of, load_engines, processes, read_cases, tell_left_out
+from bodycheck.console.options import AS_THEY_ARE, Robots
 from bodycheck.console.progress import progress as shown
+from bodycheck.console.robots import noticed
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.results.store import Results
 from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
@@ -40,6 +42,8 @@ class Selection:
         The number of processes; None for the number of processors.
     allow_missing
         Whether missing engines are tolerated: expectations of engines that are not installed then do not count as failed.
+    robots
+        The way in which robots' files are read.
     """
 
     cases: tuple[str, ...]
@@ -48,6 +52,7 @@ class Selection:
     timesteps: tuple[float, ...] = ()
     jobs: int | None = None
     allow_missing: bool = False
+    robots: Robots = AS_THEY_ARE
 
 
 @dataclass(frozen=True)
@@ -130,7 +135,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False,
     Failed
         If all engines that the user named fail when they are loaded.
     """
-    loaded = read_cases(selection.cases)
+    loaded = read_cases(selection.cases, selection.robots)
     tell_left_out(loaded)
     with ran_of(Given.of(loaded.cases, loaded.names), selection, plan, out, sys.argv, quiet, meet) as results:
         yield replace(results, left_out=bool(loaded.faults))
@@ -164,12 +169,13 @@ def ran_of(
     engines.check_planned(cases, ((task.engine, task.method) for task in tasks))
     if selection.cases and not quiet:
         _tell_not_run(cases, tasks)
-    header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))
+    jobs, without = processes(selection.jobs), without_method(cases, engines.records, tasks)
+    header = campaign.header(command, engines.records, engines.missing, without, noticed(cases, jobs, quiet))
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", len(tasks), quiet) as progress:
-            jobs, files = processes(selection.jobs), given.files
+            files = given.files
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
         yield Ran(results, cases, files, engines)

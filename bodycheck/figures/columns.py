@@ -125,6 +125,32 @@ METHOD_COLUMNS = (
     ),
 )
 
+#: The column with the departure of a robot from its file, and the columns of errors up to there by the names of the errors.
+DEPARTURE = "departure"
+BEFORE_DEPARTURE = {name: f"{name}_before_departure" for name in ("position_error", "attitude_error")}
+
+#: Columns at the end of a table in which any case has a robot whose limits or contacts act from an instant on.
+DEPARTURE_COLUMNS = (
+    Column(
+        DEPARTURE,
+        "number",
+        "Departure",
+        "last instant at which neither limits nor contacts of the robot's file have acted, which the case leaves out; empty if "
+        "they do not act",
+        "s",
+    ),
+    *(
+        Column(
+            column,
+            "number",
+            f"{FIGURES[name].title} before the departure",
+            f"{name} up to the departure; empty if they act from the start",
+            FIGURES[name].unit,
+        )
+        for name, column in BEFORE_DEPARTURE.items()
+    ),
+)
+
 #: All columns by name, in the order of tables.
 COLUMNS: dict[str, Column] = {
     column.name: column
@@ -136,6 +162,7 @@ COLUMNS: dict[str, Column] = {
         *CASE_COLUMNS,
         *LIMIT_COLUMNS,
         *METHOD_COLUMNS,
+        *DEPARTURE_COLUMNS,
     )
 }
 

@@ -16,7 +16,7 @@ from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
 from bodycheck.interface.plots import Plot, chosen
 from bodycheck.interface.results import Results, Table
-from bodycheck.judging import judgement, result_set
+from bodycheck.judging import frames, judgement, result_set
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.results.tables import RESULTS
@@ -94,7 +94,7 @@ class RunResults(Results):
         """
         if table not in ("", "results"):
             raise BadInput(f"there is no table {table!r}; there are: results")
-        frame = judgement.table(self.verdicts)
+        frame = frames.table(self.verdicts)
         frame.attrs["units"] = dict(self.tables["results"].units)
         return frame
 

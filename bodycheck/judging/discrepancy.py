@@ -1,11 +1,11 @@
 """Compute the errors of a run: all figures of `bodycheck.figures` that apply to the scene and were measured."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from bodycheck.figures.columns import FIGURES
+from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE, FIGURES
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
@@ -22,10 +22,13 @@ class Summary:
         The largest value of every series, and the figures that are single numbers, by their names.
     instants
         The instant (s) at which each series first reaches its largest value, by the name of its column.
+    before
+        The columns about the time before the departure of a robot from its file; empty if there is none.
     """
 
     largest: Mapping[str, float]
     instants: Mapping[str, float]
+    before: Mapping[str, float] = field(default_factory=dict)
 
     def maxima(self) -> dict[str, float]:
         """Return the largest value of every series, and the figures that are single numbers, by their names."""
@@ -55,9 +58,23 @@ class Discrepancy:
         """Return the largest value of every series, and the figures that are single numbers, by their names."""
         return {name: float(np.nanmax(values)) for name, values in self.series.items()} | dict(self.figures)
 
-    def summary(self) -> Summary:
-        """Return the summary of the figures, whose size does not depend on the number of instants."""
-        return Summary(self.maxima(), {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()})
+    def summary(self, departure: float | None = None) -> Summary:
+        """Return the summary of the figures, whose size does not depend on the number of instants.
+
+        departure: the last instant (s) at which neither limits nor contacts of a robot's file have acted; None if they do not.
+        """
+        instants = {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()}
+        return Summary(self.maxima(), instants, {} if departure is None else self._before(departure))
+
+    def _before(self, departure: float) -> dict[str, float]:
+        """Return the columns about the time up to a departure (s). Without an instant after the start, there are no errors."""
+        rows = self.t <= departure
+        errors = {
+            column: float(np.nanmax(self.series[name][rows]))
+            for name, column in BEFORE_DEPARTURE.items()
+            if name in self.series and rows[1:].any() and not np.isnan(self.series[name][rows]).all()
+        }
+        return {DEPARTURE: departure, **errors}
 
 
 def compare(truth: Truth, run: Run, names: Collection[str] = FIGURES) -> Discrepancy:

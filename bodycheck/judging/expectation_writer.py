@@ -24,7 +24,7 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
-from bodycheck.casefile.mechanisms.model import file_text
+from bodycheck.casefile.mechanisms.stored import file_text
 from bodycheck.casefile.toml_positions import Position, entries, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, most_possible, truth_bounds

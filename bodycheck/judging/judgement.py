@@ -5,17 +5,20 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from typing import TYPE_CHECKING, Any
-
-import pyarrow as pa
+from typing import Any
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
-from bodycheck.errors import BadInput
-from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, largest_bounds
-from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
-from bodycheck.files import columns
+from bodycheck.figures.columns import (
+    ALWAYS_TABLED,
+    CASE_COLUMNS,
+    DEPARTURE_COLUMNS,
+    FURTHER,
+    LIMIT_COLUMNS,
+    METHOD_COLUMNS,
+    largest_bounds,
+)
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
 from bodycheck.judging.schemes.convergence import attitude_order
@@ -25,9 +28,6 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.results.store import Results
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The columns of every table of results. They are followed by the columns of `FURTHER` that any run has, the columns of the
 #: case, the columns of the limits and margins that any run has, and the columns of the method.
@@ -155,7 +155,7 @@ class Verdict:
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time
-            row |= self.discrepancy.maxima() | {"steps": steps}
+            row |= self.discrepancy.maxima() | dict(self.discrepancy.before) | {"steps": steps}
             row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
@@ -191,17 +191,25 @@ def judge(results: Results, today: date | None = None, compared: Compared | None
     verdicts: dict[int, Verdict] = {}
     for (name, sampling), runs in groups.items():
         case, truth = results.cases[name], None
+        departure = results.header["departures"].get(name)
         for index, run in runs:
             ordered = any(e.needs_order for e in _concerning(case, run))
-            if not ordered and (summary := known.get(run.key)) is not None:
+            if not ordered and departure is None and (summary := known.get(run.key)) is not None:
                 verdicts[index] = _verdict(case, run, run.outcome, summary, None, today)
                 continue
             truth = truth or results.truth(name, sampling)
-            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
+            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today, departure)
     return [verdicts[index] for index in range(len(verdicts))]
 
 
-def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
+def verdict(
+    case: Case,
+    truth: Truth | NoTruth,
+    run: Run,
+    finer: Sequence[Run] = (),
+    today: date | None = None,
+    departure: float | None = None,
+) -> Verdict:
     """Return the verdict on one run; a completed run without a truth ends as the computation of the truth did.
 
     Parameters
@@ -216,6 +224,8 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
         The runs of the same method with a half and a quarter of its time step, for expectations of an order.
     today
         The day from which on a known discrepancy may no longer be tolerated; by default the present day (UTC).
+    departure
+        The last instant (s) at which neither limits nor contacts of a robot's file have acted; None if they do not act.
 
     Raises
     ------
@@ -229,7 +239,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     if isinstance(outcome, Completed) and isinstance(truth, NoTruth):
         outcome = _without_truth(truth)
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
-        discrepancy = compare(truth, run).summary()
+        discrepancy = compare(truth, run).summary(departure)
     ordered = any(expectation.needs_order for expectation in _concerning(case, run))
     return _verdict(case, run, outcome, discrepancy, _order(truth, (run, *finer)) if ordered else None, today)
 
@@ -284,37 +294,9 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
     more += [column.name for column in METHOD_COLUMNS]
+    more += [column.name for column in DEPARTURE_COLUMNS if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
-
-
-def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
-    """Return a table with one row per run, in the columns and order of `records`.
-
-    Raises `BadInput` if pandas is not installed.
-    """
-    try:
-        import pandas as pd  # it is large, and nothing else needs it
-    except ModuleNotFoundError as error:
-        raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
-    # Numbers with decimals have no nullable type, with which pandas prints small ones as 0.0.
-    nullable = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
-    frame: pd.DataFrame = arrow(verdicts).to_pandas(types_mapper=nullable.get)
-    return frame
-
-
-def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
-    """Return the rows of `records` as a table of PyArrow. The types of its columns do not depend on the values."""
-    rows = records(verdicts)
-    names = list(rows[0]) if rows else list(COLUMNS)
-    types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}
-    kinds = {name: types.get(ALL_COLUMNS[name].kind, pa.string()) for name in names}
-    return pa.table({name: columns.of_values([_value(row.get(name)) for row in rows], kind) for name, kind in kinds.items()})
-
-
-def _value(value: Any) -> Any:
-    """Return a value for a table, in which NaN is a missing value."""
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def broken(

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from bodycheck.adapters.contract import Kind
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
-from bodycheck.judging import attribution, judgement
+from bodycheck.judging import attribution, frames, judgement
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.judgement import Compared, Verdict
 from bodycheck.judging.schemes.classes import MethodClass
@@ -105,7 +105,7 @@ def write(sets: Sequence[ResultSet], folder: Path) -> None:
     """
     origins = [origin.stored(one.results.header, one.label) for one in sets]
     verdicts = [verdict for one in sets for verdict in one.verdicts]
-    table = judgement.arrow(verdicts)
+    table = frames.arrow(verdicts)
     csv_tables.write(folder, RESULTS, judgement.records(verdicts), origins, table.column_names)
     writing.write(folder / "results.parquet", _parquet(table, origins))
     attribution.write({one.label: one.parts for one in sets}, folder, origins)

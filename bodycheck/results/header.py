@@ -26,15 +26,29 @@ class Header(TypedDict):
         dict[str, dict[str, str]],
         "For each engine, what it chooses where a user does not: integrator, timestep and tolerance, as far as it has them.",
     ]
+    soft: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the requirements of mechanisms that it models by springs and dampers, with the options of these.",
+    ]
     without_method: Annotated[
         dict[str, dict[str, str]],
         "For each engine, the cases for which it has none of the methods that were asked for, with why.",
+    ]
+    robots: Annotated[
+        dict[str, list[str]],
+        "For each case with a robot's file, sentences on what was left out of it, and on what does not act or acts later.",
+    ]
+    departures: Annotated[
+        dict[str, float],
+        "For each case with a robot's file, the last instant (s) at which neither limits nor contacts of the file have acted. "
+        "Cases in which they do not act at all are missing.",
     ]
 
 
 #: The entries that results of earlier versions lack.
 LATER: dict[str, dict[str, dict[str, str]]] = {
-    name: {} for name in ("environments", "demonstrations", "precisions", "defaults", "without_method")
+    name: {}
+    for name in ("environments", "demonstrations", "precisions", "defaults", "soft", "without_method", "robots", "departures")
 }
 
 

@@ -61,7 +61,10 @@ class HeaderRecord:
     demonstrations: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     precisions: dict[Printable, Literal["float64", "float32"]] = field(default_factory=dict)
     defaults: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
+    soft: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     without_method: dict[Printable, dict[Name, Printable]] = field(default_factory=dict)
+    robots: dict[Name, list[Printable]] = field(default_factory=dict)
+    departures: dict[Name, Duration] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

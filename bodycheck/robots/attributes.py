@@ -28,13 +28,13 @@ SPACE = " \t\r\n"
 ZERO = (0.0, 0.0, 0.0)
 
 
-def read_numbers(text: str) -> tuple[float, ...] | None:
+def read_numbers(text: str, longest: int = MAX_CHARACTERS) -> tuple[float, ...] | None:
     """Return the numbers in the text of an attribute; they may be NaN or infinite.
 
-    Return None if the text is empty or too long, or contains anything but numbers.
+    Return None if the text is empty or longer than `longest` characters, or contains anything but numbers.
     """
     words = text.strip(SPACE)
-    if not 0 < len(words) <= MAX_CHARACTERS:
+    if not 0 < len(words) <= longest:
         return None
     values = [_value(word) for word in re.split(f"[{SPACE}]+", words)]
     return None if None in values else tuple(value for value in values if value is not None)

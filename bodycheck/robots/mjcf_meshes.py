@@ -4,7 +4,8 @@ A mesh carries inertia if a geom uses it in a body without an <inertial>, or if 
 Meshes are files of strangers too: only files up to a size, and only from the allowed folders, are copied.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from bodycheck.errors import BadInput
@@ -23,8 +24,18 @@ OBJ_WORDS = (b"v", b"vn", b"vt", b"f", b"o", b"g", b"s", b"l", b"p")
 SMALL = {"vertex": "0 0 0 1 0 0 0 1 0 0 0 1", "scale": "1 1 1"}
 
 
-def prepare(root: Element, folders: Folders, origins: dict[Element, Path], into: Path, removed: Removed) -> frozenset[Element]:
-    """Copy the meshes that carry inertia, and return the elements that name the copies.
+@dataclass(frozen=True)
+class Needed:
+    """The meshes that a copy of a model needs: a function from the root of the model to their names, and what they do."""
+
+    names: Callable[[Element], set[str]]
+    what: str
+
+
+def prepare(
+    root: Element, folders: Folders, origins: dict[Element, Path], into: Path, removed: Removed, needed: Needed
+) -> frozenset[Element]:
+    """Copy the meshes that are needed, and return the elements that name the copies.
 
     Parameters
     ----------
@@ -38,29 +49,31 @@ def prepare(root: Element, folders: Folders, origins: dict[Element, Path], into:
         The folder of the copy.
     removed
         The counts of removed attributes, to which this function adds the files that are not copied.
+    needed
+        The meshes that are copied.
 
     Raises
     ------
     BadInput
-        A mesh that carries inertia is not inside the folders, is too large, or is not one of the kinds in `SUFFIXES`.
+        A mesh that is needed is not inside the folders, is too large, or is not one of the kinds in `SUFFIXES`.
     """
-    carriers = _carriers(root)
+    copied = needed.names(root)
     below, stripped = _folder(root), _stripped(root)
     kept: set[Element] = set()
     room = MAX_BYTES
     for mesh in _meshes(root):
         file = mesh.attributes["file"]
         name = mesh.attributes.setdefault("name", _stem(file))
-        if name not in carriers:
+        if name not in copied:
             mesh.attributes = {"name": name, **SMALL}
             removed.add(mesh, "file")
             continue
         wanted = file.replace("\\", "/").rpartition("/")[2] if stripped else file
         bases = (folders.home / below, origins[mesh] / below, folders.home)
-        content, suffix = _content(mesh, wanted, bases, folders, room)
-        room -= len(content)
+        data, suffix = content(mesh, wanted, bases, folders, room, needed.what)
+        room -= len(data)
         copy = f"mesh-{len(kept)}{suffix}"
-        writing.write(into / copy, content)
+        writing.write(into / copy, data)
         mesh.attributes["file"] = copy
         kept.add(mesh)
     return frozenset(kept)
@@ -98,7 +111,7 @@ def _stripped(root: Element) -> bool:
     return _compilers(root, "strippath")[-1:] == ["true"]
 
 
-def _carriers(root: Element) -> set[str]:
+def carriers(root: Element) -> set[str]:
     """Return the names of the meshes that may carry inertia."""
     everywhere = "true" in _compilers(root, "inertiafromgeom")
     names = set()
@@ -114,22 +127,35 @@ def _carriers(root: Element) -> set[str]:
     return names
 
 
-def _content(mesh: Element, name: str, bases: tuple[Path, ...], folders: Folders, room: int) -> tuple[bytes, str]:
-    """Return the content of the file of a mesh, and the ending of its name."""
+def content(mesh: Element, name: str, bases: Sequence[Path], folders: Folders, room: int, what: str) -> tuple[bytes, str]:
+    """Return the content of the file of a mesh, and the ending of its name.
+
+    what: what the shape does, for messages. Raises `BadInput` if the file cannot be copied.
+    """
+    attribute = "file" if "file" in mesh.attributes else "filename"
     try:
         path = folders.find(name, bases)
     except NotFound as error:
-        refuse(mesh, "file", f"{quoted(name)} {error}, and its shape carries inertia")
+        refuse(mesh, attribute, f"{quoted(name)} {error}, and its shape {what}")
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        refuse(mesh, "file", f"read {quoted(name)}; allowed where a shape carries inertia: {', '.join(SUFFIXES)}")
+        refuse(mesh, attribute, f"read {quoted(name)}; allowed where a shape {what}: {', '.join(SUFFIXES)}")
     try:
-        content = reading.content(path, room)
+        data = reading.content(path, room)
     except reading.Refused as error:
-        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)}: {error.reason}") from error
+        raise BadInput(f"{place(mesh, attribute)}: {quoted(name)}: {error.reason}") from error
     except OSError as error:
-        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)} cannot be read: {error.strerror}") from error
-    return (_plain_obj(content) if suffix == ".obj" else content), suffix
+        raise BadInput(f"{place(mesh, attribute)}: {quoted(name)} cannot be read: {error.strerror}") from error
+    return (_plain_obj(data) if suffix == ".obj" else data), suffix
+
+
+def of_shapes(root: Element) -> set[str]:
+    """Return the names of the meshes of all shapes."""
+    return {element.attributes.get("mesh", "") for element in root.everything() if local(element.tag) == "geom"}
+
+
+#: The meshes that carry inertia, and those of all shapes, which may touch.
+INERTIAL, TOUCHING = Needed(carriers, "carries inertia"), Needed(of_shapes, "may touch others")
 
 
 def _plain_obj(content: bytes) -> bytes:

@@ -70,3 +70,15 @@ def turned_inertia(components: Sequence[Real], attitude: Quaternion4) -> Compone
         return sum(rows[i][k] * tensor[k][n] * rows[j][n] for k in range(3) for n in range(3))
 
     return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)
+
+
+def principal_axes(components: Components) -> tuple[Vector3, Quaternion4]:
+    """Return the principal moments (kg m^2) of an inertia tensor, the largest first, and the attitude of their axes.
+
+    The components are XX, YY, ZZ, XY, XZ, YZ (kg m^2). Axes of equal moments are some of the possible ones.
+    """
+    xx, yy, zz, xy, xz, yz = components
+    moments, axes = MP.eigsy(MP.matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    largest, middle, least = sorted(range(3), key=lambda index: moments[index], reverse=True)
+    x, y = ((axes[0, index], axes[1, index], axes[2, index]) for index in (largest, middle))
+    return (moments[largest], moments[middle], moments[least]), from_axes(x, y)

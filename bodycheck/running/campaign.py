@@ -29,6 +29,7 @@ from bodycheck.results.versions import fingerprint
 from bodycheck.running import engines, truths
 from bodycheck.running.engines import locks
 from bodycheck.running.pairing import Arrivals, Meet, unmet
+from bodycheck.running.robot_notices import NO_ROBOTS, Robots
 from bodycheck.running.roles import roles_of
 from bodycheck.running.tasks import StopTask, Task, Truths, TruthTask, group, perform, perform_stop
 
@@ -54,12 +55,13 @@ def header(
     records: Mapping[str, Engine],
     missing: Mapping[str, str],
     without_method: Mapping[str, dict[str, str]] = NOTHING,
+    robots: Robots = NO_ROBOTS,
 ) -> Header:
     """Return the header of a results folder: versions, machine, command, and the engines that could not be used.
 
     records: the records of the engines that are used, by their requested names. missing: the reasons why other engines cannot
     be used, by name. without_method: the cases for which an engine has no method, with reasons, by the names of engines; see
-    `bodycheck.running.plan.without_method`.
+    `bodycheck.running.plan.without_method`. robots: what is said of the cases with robots' files.
     """
     return {
         "bodycheck": version("bodycheck"),
@@ -73,7 +75,10 @@ def header(
         "demonstrations": {name: offered for name, record in records.items() if (offered := demonstrations(record))},
         "precisions": {name: record.precision for name, record in records.items()},
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
+        "soft": {name: dict(record.soft) for name, record in records.items() if record.soft},
         "without_method": dict(without_method),
+        "robots": {name: list(sentences) for name, sentences in robots.sentences.items()},
+        "departures": dict(robots.departures),
     }
 
 

@@ -40,6 +40,7 @@ from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.running.instants import sampling_times
 from bodycheck.running.roles import method_of, roles_of
 from bodycheck.running.state_checks import check_start, divergence, standstill
+from bodycheck.running.stiff_joints import explained
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
@@ -139,6 +140,9 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
         outcome = _advance(simulation, scene, method, times)
     else:
         outcome = _reach(simulation, offers.prepare(adapter, [given], method), scene, method, times)
+    if isinstance(outcome, Diverged):
+        integrator = offers.integrator_of(adapter.engine, method)
+        return explained(outcome, scene, method, None if integrator is None else integrator.order)
     if not isinstance(outcome, Completed):
         return outcome
     if touches(scene) and isinstance(adapter, InterfaceLoads):

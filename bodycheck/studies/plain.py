@@ -24,6 +24,7 @@ from bodycheck.console import tables as terminal
 from bodycheck.console.arguments import Engines, load_engines
 from bodycheck.console.options import View
 from bodycheck.console.output import say
+from bodycheck.console.robots import noticed
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names
 from bodycheck.interface.results import StudyResults
@@ -97,7 +98,8 @@ def carry_out(
     study, described = registry.required(name, "study"), registry.required(name, "rows").TABLES
     planned = study.prepare(cases, engines.records, integrators)
     engines.check_planned(cases, planned.methods)
-    header = campaign.header(command, engines.records, engines.missing)
+    robots = noticed(cases, jobs, output.quiet)
+    header = campaign.header(command, engines.records, engines.missing, robots=robots)
     with (
         output.work(name, planned.size) as (folder, progress),
         study.results(planned, folder, header, jobs, progress) as rows,

@@ -6,7 +6,20 @@ The imports are inside the function, so that `--help` answers at once.
 import sys
 from collections.abc import Callable, Iterator
 
-from bodycheck.console.options import AS_USUAL, CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    CaseName,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Out,
+    Quiet,
+    Viewed,
+)
 from bodycheck.studies import registry
 
 
@@ -17,6 +30,7 @@ def command(name: str) -> Callable[..., int]:
         *cases: CaseName,
         engine: Engines = (),
         integrator: Integrators = (),
+        robots: OfRobots = AS_THEY_ARE,
         out: Out = None,
         figures: Figures = (),
         jobs: Jobs = None,
@@ -32,7 +46,7 @@ def command(name: str) -> Callable[..., int]:
 
         check_has_folder(figures, out)
         plain.check_view(name, view)
-        read = read_cases(cases)
+        read = read_cases(cases, robots)
         tell_left_out(read)
         loaded = plain.suited(name, read.cases, named=bool(cases))
         engines = load_engines(engine, integrators=integrator)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bodycheck.errors import BadFolder
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry
@@ -31,7 +31,7 @@ def present(name: str, header: Header, rows: Sequence[Sequence[Any]]) -> StudyRe
         title=tables[0].title.capitalize(),
         headline=f"{count(len(rows[0]), 'row')} of {tables[0].title}",
         header=header,
-        notices=tuple(missing_engines(header)),
+        notices=tuple(of_header(header)),
         findings=(),
         parts=tuple(_page_part(table, table_rows) for table, table_rows in zip(tables, rows, strict=True)),
     )

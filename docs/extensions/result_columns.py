@@ -6,6 +6,7 @@ from bodycheck.figures.column import Column
 from bodycheck.figures.columns import (
     CASE_COLUMNS,
     COST_COLUMNS,
+    DEPARTURE_COLUMNS,
     FIGURES,
     LIMIT,
     LIMIT_COLUMNS,
@@ -55,6 +56,8 @@ def page() -> str:
             "limit divided by the figure.",
             "### Work",
             _plain(WORK_COLUMNS),
+            "### Robots whose limits or contacts act from an instant on",
+            _plain(DEPARTURE_COLUMNS),
             "## The tables of studies",
             *_studies(),
         ]

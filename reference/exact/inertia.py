@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
-from bodycheck.reference.exact.rotations import IDENTITY, attitude, matrix
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, attitude, matrix
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Given, Particle, Shape, Solid, Sphere, Tensor
 
 #: The components XX, YY, ZZ, XY, XZ, YZ of a symmetric tensor.
@@ -66,8 +66,13 @@ def particle(part: Particle) -> MassProperties:
 
 
 def joined(parts: Sequence[MassProperties]) -> MassProperties:
-    """Mass properties of bodies joined into one, all given in the same frame, by the parallel-axis theorem [G 2.9, 2.29]."""
+    """Mass properties of bodies joined into one, all given in the same frame, by the parallel-axis theorem [G 2.9, 2.29].
+
+    The centre of bodies without mass is the origin.
+    """
     mass = sum(part.mass for part in parts)
+    if not mass:
+        return MassProperties(mass, ORIGIN, (*ORIGIN, *ORIGIN))
     x0, y0, z0 = (sum(part.mass * part.centre[axis] for part in parts) / mass for axis in range(3))
     total = [MP.mpf(0)] * 6
     for part in parts:

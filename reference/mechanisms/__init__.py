@@ -5,9 +5,10 @@ the coordinates of joints in arrays, and `exact` computes the numbers of a mecha
 
 `recursion` computes the truth of mechanisms without loops. `tree` splits a mechanism into trees of links on elementary joints,
 with `frames` in exact arithmetic. `articulated` contains the articulated-body recursion in any arithmetic, and `link_states`
-the system of first order that follows from it. `tree_equations` and, with dry friction, `stick_slip` solve these equations by
-heyoka in any floating-point type; where heyoka is not installed, `recursion` solves them by DOP853. `sticking` decides which
-joints with dry friction stick. `poses` computes the motion of joints and bodies from the motion of links.
+the system of first order that follows from it. `mimicry` has the rules of joints that follow others, and `coupling` the
+equations of the coordinates that they share. `tree_equations` and, with dry friction, `friction` solve these equations by
+heyoka in any floating-point type; where heyoka is not installed, `recursion` solves them by DOP853. `poses` computes the motion
+of joints and bodies from the motion of links. `ranges` has the instants at which joints pass limits.
 
 `forms` contains the motions in closed form, `lagrangian` the witness, and `loops` the motions and witnesses of mechanisms with
 closed chains.

@@ -37,6 +37,15 @@ def inertia(body: JointedBody) -> Inertia:
     return Inertia(properties.mass, centre, properties.tensor)
 
 
+def has_zero_moment(body: JointedBody) -> bool:
+    """Return whether a principal moment of a body, and so the determinant of its inertia tensor, is zero."""
+    from bodycheck.reference.exact.numbers import NEGLIGIBLE
+
+    xx, yy, zz, xy, xz, yz = inertia(body).tensor
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)
+
+
 @dataclass(frozen=True)
 class NearestInertia:
     """The doubles that are nearest to the numbers of an `Inertia`; the tensor is XX, YY, ZZ, XY, XZ, YZ."""

@@ -14,22 +14,23 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
+from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.growth import Growth, growth
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
-from bodycheck.reference.mechanisms.link_states import SIZES, Decision
+from bodycheck.reference.mechanisms.link_states import Decision, floating
+from bodycheck.reference.mechanisms.link_states import sizes as sizes_in_state
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
-from bodycheck.reference.mechanisms.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
@@ -96,10 +97,20 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
 
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
+    _require_independent(mechanism)
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
+
+
+def _require_independent(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` for joints that follow others where this is not modelled: in loops, and with dry friction on them."""
+    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
+    if coupled and mechanism.loops:
+        raise NotModelled("joints that follow others in a mechanism with loops")
+    if dry := [mechanism.joints[index].name for index in sorted(coupled) if mechanism.joints[index].friction]:
+        raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
 
 
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
@@ -147,10 +158,15 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
     """
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
-    measured = measured or _measured(mechanism, times)
-    grown = measured.growth
-    instants = np.union1d(times, grown.t)
-    states = recursion.follow(mechanism, instants, dtype)
+    try:
+        measured = measured or _measured(mechanism, times)
+        grown = measured.growth
+        instants = np.union1d(times, grown.t)
+        states = recursion.follow(mechanism, instants, dtype)
+    except Stopped as stopped:
+        recursion.require_regular(mechanism, stopped.time, recursion.SMALL)
+        raise
+    recursion.require_regular(mechanism, float(grown.t[-1]))
     wide = _motion_in_joints(states)
     count = DOP853_ROUNDINGS
     if dtype is not np.float64:
@@ -183,11 +199,11 @@ def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
     """The errors of the components of a state of links, from the errors of a motion by the names of `bounds.STATES`."""
     of_components: list[float] = []
     for link in decision.tree.links:
-        held, moving = SIZES[link.kind]
+        held, moving = sizes_in_state(link)
         slides = link.kind == "prismatic"
         of_components += [errors["position_error" if slides else "error"]] * held
         of_components += [errors["velocity_error" if slides else "angular_velocity_error"]] * moving
-    if decision.tree.floats:
+    for _ in floating(decision.tree.links):
         of_components += [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
     return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
 

@@ -116,11 +116,13 @@ def _nudges(mechanism: Mechanism, base: Motion, t: Array, units: dict[str, float
 def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
     """The sizes of the states of a motion, by the names of `bounds.STATES`.
 
-    They are one radian, the length of the mechanism (m), and the largest speed (m/s) and rate (rad/s) of the motion.
+    They are one radian, the length of the mechanism (m), and the largest speed (m/s) and rate (rad/s) of the motion. Rates that
+    are smaller than a nudge beside the speeds, as in a free fall, may be zero but for rounding, and are no unit.
     """
     largest = {name: float(values.max(initial=0.0)) for name, values in sizes(mechanism, motion).items()}
-    length = reach(mechanism)
-    rate = largest["angular_velocity_error"] or 1 / (duration or 1.0)
+    length, rate = reach(mechanism), largest["angular_velocity_error"]
+    if rate <= NUDGE * largest["velocity_error"] / length:
+        rate = 1 / (duration or 1.0)
     return {
         "error": 1.0,
         "position_error": length,
@@ -143,16 +145,14 @@ def _deviations(
     Each piece has the slice of its instants and the deviations there, by the names of `bounds.STATES`. start: the mechanism
     that starts from the nudged state at that instant.
     """
-    grown = 1.0
+    grown, ahead = 1.0, len(t)
     for _ in range(MOST_PIECES):
         if first + 1 >= len(t) or grown >= LARGEST:
             return
         try:
-            nudged = follow(start, t[first:] - t[first])
+            nudged, differences, relative = _followed(mechanism, follow, base, t, first, units, start, ahead)
         except OutOfReach:  # such as a nudge that leaves undecided whether a joint sticks
             return
-        differences = apart(mechanism, nudged, base.part(slice(first, None)))
-        relative = np.max([differences[name] / units[name] for name in STATES], axis=0)
         # The loops of a nudged mechanism are closed before it is followed, which changes the size of the nudge.
         nudge = float(relative[0]) if mechanism.loops else NUDGE
         if not nudge:
@@ -164,7 +164,31 @@ def _deviations(
             return
         grown *= float(relative[at]) / nudge
         start = _between(mechanism, base.part([first + at]), nudged.part([at]), NUDGE / float(relative[at]))
-        first += at
+        first, ahead = first + at, 2 * at
+
+
+def _followed(
+    mechanism: Mechanism,
+    follow: Follow,
+    base: Motion,
+    t: Array,
+    first: int,
+    units: dict[str, float],
+    start: Mechanism,
+    ahead: int,
+) -> tuple[Motion, dict[str, Array], Array]:
+    """A nudged motion until its deviation is large, or to the end, its deviations, and the largest relative to their units.
+
+    ahead: the number of instants to which it is followed first; if its deviation is small there, it is followed twice as far.
+    """
+    while True:
+        last = min(first + ahead + 1, len(t))
+        nudged = follow(start, t[first:last] - t[first])
+        differences = apart(mechanism, nudged, base.part(slice(first, last)))
+        relative = np.max([differences[name] / units[name] for name in STATES], axis=0)
+        if last == len(t) or (relative[1:] > SMALL).any():
+            return nudged, differences, relative
+        ahead *= 2
 
 
 def _nudged(

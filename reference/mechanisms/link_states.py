@@ -1,29 +1,48 @@
 """The equations of motion of a tree as a system of first order, and the layout of its state, in any arithmetic.
 
-The state has the coordinates and the rates of one link after another (see `articulated.Link`). For a free link that carries
-other links, the last components of the state are the displacement (3,) and its derivative (3,), world, from the position that
-the link would have if it moved with the velocity of the centre of mass of its tree, so that a long flight does not cost digits.
-For a free body that carries nothing the displacement is zero, and the state does not have it.
+The state has the coordinates and the rates of one link after another (see `articulated.Link`), but not those of links that
+follow others. For each free link that carries other links, the last components of the state are the displacement (3,) and its
+derivative (3,), world, from the position that the link would have if it moved with the velocity of the centre of mass of these
+links, so that a long flight does not cost digits. For a free body that carries nothing the displacement is zero, and the state
+does not have it.
 
 The equations of quaternions conserve their norm, which changes by rounding only. So the matrices are formed without dividing
 by the norm.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
-
-import numpy as np
 
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, Vector3, WideArray
 from bodycheck.reference.exact.rotations import ORIGIN, plus, scaled
-from bodycheck.reference.mechanisms import articulated
-from bodycheck.reference.mechanisms.articulated import Constants, Kind, Number, quaternion_rows
+from bodycheck.reference.mechanisms.articulation import articulated
+from bodycheck.reference.mechanisms.articulation.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.articulation.spatial import Number, quaternion_rows
 from bodycheck.reference.mechanisms.frames import Place
-from bodycheck.reference.mechanisms.tree import Tree
+from bodycheck.reference.mechanisms.tree import Link, Tree
 
 #: The numbers of coordinates and of rates of each kind of link.
 SIZES: dict[Kind, tuple[int, int]] = {"revolute": (1, 1), "prismatic": (1, 1), "ball": (4, 3), "free": (4, 3)}
+
+
+@dataclass(frozen=True)
+class LinkForm:
+    """The kind of a link, the index of its parent (-1: the fixed base), and that of the link that it follows, or None."""
+
+    kind: Kind
+    parent: int
+    follows: int | None = None
+
+
+def sizes(link: Link | LinkForm) -> tuple[int, int]:
+    """Return the numbers of coordinates and of rates of a link in a state."""
+    return SIZES[link.kind] if link.follows is None else (0, 0)
+
+
+def floating(links: Sequence[Link | LinkForm]) -> list[int]:
+    """The indices of the free links that carry other links."""
+    return [index for index, link in enumerate(links) if link.kind == "free" and any(each.parent == index for each in links)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,16 +114,11 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A tree in any arithmetic: the kind and the parent of each link, its constants, and gravity (3,) (see `Tree`)."""
+    """A tree in any arithmetic: the form of each link, its constants, and gravity (3,) (see `Tree`)."""
 
-    links: Sequence[tuple[Kind, int]]
+    links: Sequence[LinkForm]
     constants: Sequence[Constants]
     gravity: Sequence[Number]
-
-    @property
-    def floats(self) -> bool:
-        """True if the first link is free and carries other links."""
-        return self.links[0][0] == "free" and len(self.links) > 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,19 +131,37 @@ class Rates:
 
 def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
     """The derivative of a state. functions: a module or object with the functions `sin` and `cos` of the arithmetic."""
-    links, first = [], 0
-    for (kind, parent), constants in zip(form.links, form.constants, strict=True):
-        middle, last = first + SIZES[kind][0], first + sum(SIZES[kind])
-        links.append(articulated.Link(kind, parent, constants, state[first:middle], state[middle:last]))
-        first = last
+    links = links_of(form, state)
     rates: list[Number] = []
     solution = articulated.accelerations(links, form.gravity, functions)
-    for link, accelerations in zip(links, solution.rates, strict=True):
-        rates += [*_coordinate_rates(link), *accelerations[: len(link.rates)]]
-    if form.floats:
-        linear, rows = solution.rates[0][3:], quaternion_rows(links[0].coordinates)
-        rates += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
+    for kin, link, accelerations in zip(form.links, links, solution.rates, strict=True):
+        if kin.follows is None:
+            rates += [*_coordinate_rates(link), *accelerations[: len(link.rates)]]
+    first = len(rates)
+    for index in floating(form.links):
+        linear, rows = solution.rates[index][3:], quaternion_rows(links[index].coordinates)
+        rates += [*state[first + 3 : first + 6], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
+        first += 6
     return Rates(rates, solution.strains)
+
+
+def links_of(form: Form, state: Sequence[Number]) -> list[articulated.Link]:
+    """The links of a tree in a state."""
+    leaders = {each.follows for each in form.links}
+    links: list[articulated.Link] = []
+    first = 0
+    for index, (each, constants) in enumerate(zip(form.links, form.constants, strict=True)):
+        held, moving = sizes(each)
+        q, v = state[first : first + held], state[first + held : first + held + moving]
+        leader = index if index in leaders else each.follows
+        links.append(articulated.Link(each.kind, each.parent, constants, q, v, leader))
+        first += held + moving
+    for index, each in enumerate(form.links):
+        if each.follows is not None:
+            led, constants = links[each.follows], form.constants[index]
+            q, v = [constants.ratio * led.coordinates[0] + constants.shift], [constants.ratio * led.rates[0]]
+            links[index] = replace(links[index], coordinates=q, rates=v, share=constants.ratio)
+    return links
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
@@ -150,9 +182,14 @@ def in_arithmetic(tree: Tree, number: Callable[[Real], Number]) -> Form:
 
     number: the function that converts a number of a hundred digits to the arithmetic.
     """
-    links = [(link.kind, link.parent) for link in tree.links]
+    links = forms_of(tree)
     constants = [_converted(link.constants, number) for link in tree.links]
     return Form(links, constants, [number(part) if part else 0 for part in tree.gravity])
+
+
+def forms_of(tree: Tree) -> list[LinkForm]:
+    """The forms of the links of a tree."""
+    return [LinkForm(link.kind, link.parent, link.follows) for link in tree.links]
 
 
 def _converted(constants: Constants, number: Callable[[Real], Number]) -> Constants:
@@ -165,29 +202,32 @@ def _converted(constants: Constants, number: Callable[[Real], Number]) -> Consta
     return Constants(**{**values, "moves": 1})
 
 
-def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:
-    """The index of each link's first rate in a state. links: the kind and the parent of each link."""
+def places_of_rates(links: Sequence[Link | LinkForm]) -> list[int]:
+    """The index of each link's first rate in a state."""
     indices, first = [], 0
-    for kind, _ in links:
-        indices.append(first + SIZES[kind][0])
-        first += sum(SIZES[kind])
+    for link in links:
+        held, moving = sizes(link)
+        indices.append(first + held)
+        first += held + moving
     return indices
 
 
 def start(tree: Tree) -> list[Real]:
     """The exact state of a tree at t = 0."""
-    state = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
-    if tree.floats:
-        state += [*ORIGIN, *plus(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
+    state = [value for link in tree.links if link.follows is None for value in (*link.coordinates, *link.rates)]
+    for index in floating(tree.links):
+        state += [*ORIGIN, *plus(tree.links[index].start.velocity, scaled(MP.mpf(-1), _common_velocity(tree, index)))]
     return state
 
 
-def common_velocity(tree: Tree) -> Vector3:
-    """The velocity of the centre of mass of a tree at t = 0."""
-    mass, momentum = MP.mpf(0), ORIGIN
-    for link in tree.links:
+def _common_velocity(tree: Tree, root: int) -> Vector3:
+    """The velocity at t = 0 of the centre of mass of a free link with all links that it carries."""
+    mass, momentum, carried = MP.mpf(0), ORIGIN, {root}
+    for index, link in enumerate(tree.links):
         constants = link.constants
-        if constants.mass:
+        if link.parent in carried:
+            carried.add(index)
+        if index in carried and constants.mass:
             x, y, z = (part / constants.mass for part in constants.moment)
             centre = link.start.carried(Place(origin=(x, y, z)))
             mass, momentum = mass + constants.mass, plus(momentum, scaled(constants.mass, centre.velocity))
@@ -198,20 +238,28 @@ def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> lis
     """The states of the links of a tree, from states (n, k), `rows`, at times (n,), s."""
     states, first = list[LinkStates](), 0
     for link in tree.links:
-        middle, last = first + SIZES[link.kind][0], first + sum(SIZES[link.kind])
-        states.append(LinkStates(rows[:, first:middle], rows[:, middle:last]))
-        first = last
-    if tree.links[0].kind == "free":
-        floating = rows[:, first:] if tree.floats else np.full((len(times), 6), kind.number(MP.mpf(0)))
-        states[0] = LinkStates(states[0].coordinates, states[0].rates, *_flown(tree, floating, times, kind))
+        held, moving = sizes(link)
+        states.append(LinkStates(rows[:, first : first + held], rows[:, first + held : first + held + moving]))
+        first += held + moving
+    for index, link in enumerate(tree.links):
+        if link.follows is not None:
+            leader, ratio, shift = states[link.follows], kind.number(link.constants.ratio), kind.number(link.constants.shift)
+            # Zero is added since the product of a negative ratio and zero is minus zero.
+            states[index] = LinkStates(ratio * leader.coordinates + shift, ratio * leader.rates + kind.number(MP.mpf(0)))
+        elif link.kind == "free":
+            moved = rows[:, :6] * 0
+            if index in floating(tree.links):
+                moved, first = rows[:, first : first + 6], first + 6
+            flown = _flown(tree, index, moved, times, kind)
+            states[index] = LinkStates(states[index].coordinates, states[index].rates, *flown)
     return states
 
 
-def _flown(tree: Tree, floating: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
-    """Position (m) and velocity (m/s), each (n, 3), world, of the first link, which is free.
+def _flown(tree: Tree, root: int, moved: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
+    """Position (m) and velocity (m/s), each (n, 3), world, of a free link.
 
-    floating: (n, 6) its displacement and velocity relative to a parabola with the velocity of the centre of mass.
+    moved: (n, 6) its displacement and velocity relative to a parabola with the velocity of the centre of mass.
     """
-    begin, t = tree.links[0].start, kind.array(times)[:, None]
-    origin, velocity, fall = (kind.array(part) for part in (begin.pose.origin, common_velocity(tree), tree.fall))
-    return origin + (velocity + fall * t / 2) * t + floating[:, :3], velocity + fall * t + floating[:, 3:]
+    begin, t = tree.links[root].start, kind.array(times)[:, None]
+    origin, velocity, fall = (kind.array(part) for part in (begin.pose.origin, _common_velocity(tree, root), tree.fall))
+    return origin + (velocity + fall * t / 2) * t + moved[:, :3], velocity + fall * t + moved[:, 3:]

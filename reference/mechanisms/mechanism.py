@@ -37,7 +37,7 @@ class BodyStart:
 
 @dataclass(frozen=True)
 class JointedBody:
-    """A body of a mechanism.
+    """A body of a mechanism. A body without mass is a frame, such as one between two joints that move the same solid.
 
     Attributes
     ----------
@@ -45,7 +45,8 @@ class JointedBody:
         Its name, unique in the mechanism.
     inertia
         Its mass distribution, in its frame: a solid at its centre of mass, an inertia tensor about the centre of mass, or
-        several particles or solids at given positions. Moments of inertia may be zero.
+        several particles or solids at given positions. Moments of inertia may be zero, and so may the mass of a tensor of
+        zeros, if the mass matrix of the mechanism is positive definite.
     center_of_mass
         The centre of mass in the body's frame (m), for an inertia tensor alone; solids and particles determine their own.
     start
@@ -59,6 +60,24 @@ class JointedBody:
     center_of_mass: Vector = (0.0, 0.0, 0.0)
     start: BodyStart | None = None
     shape: Shape | None = None
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """The rule by which a joint follows another joint: coordinate = multiplier * (coordinate of the other joint) + offset.
+
+    Attributes
+    ----------
+    joint
+        The index of the other joint in `Mechanism.joints`. Both are revolute or prismatic, and the other joint may follow a
+        third one.
+    multiplier, offset
+        The numbers of the rule (in the units of the two coordinates).
+    """
+
+    joint: int
+    multiplier: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -88,6 +107,9 @@ class Joint:
     start, start_velocity
         Initial coordinates and velocities as the file gives them, in the layout of `coordinates`; a quaternion may have any
         length.
+    mimic
+        The rule by which the joint follows another one without play; None if it moves by itself. Its initial coordinate and
+        velocity follow from the rule, and `start` and `start_velocity` are the doubles nearest to them.
     """
 
     name: str
@@ -105,6 +127,7 @@ class Joint:
     effort: float = 0.0
     start: tuple[float, ...] = ()
     start_velocity: tuple[float, ...] = ()
+    mimic: Mimic | None = None
 
     @property
     def form(self) -> JointForm:
@@ -183,6 +206,17 @@ class Mechanism:
         """The joint whose child each body is; None for a free body."""
         by_child = {joint.child: joint for joint in self.joints}
         return tuple(by_child.get(index) for index in range(len(self.bodies)))
+
+
+def breadth_first(mechanism: Mechanism) -> list[int]:
+    """The indices of all bodies, each after its parent: those on the world first, then those that hang on them, and so on."""
+    children: dict[int, list[int]] = {}
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
+    order = list(children.get(WORLD, []))
+    for body in order:
+        order += children.get(body, [])
+    return order
 
 
 def depth_first(mechanism: Mechanism) -> Iterator[int]:

@@ -48,7 +48,7 @@ def observe(mechanism: Mechanism, trajectory: Trajectory) -> MechanismObservable
     turning, stored = _of_joints(mechanism, trajectory)
     heights = trajectory.position[..., 2] - kinematics.initial(mechanism).position[..., 2]
     momenta = mass[..., None] * trajectory.velocity
-    momentum, whole = momenta.sum(axis=0), mass.sum()
+    momentum, whole = momenta.sum(axis=0), mass.sum() or 1.0  # bodies without mass have no momentum
     centre = (mass[..., None] * trajectory.position).sum(axis=0) / whole
     orbital = np.cross(trajectory.position - centre, momenta - mass[..., None] * (momentum / whole))
     return MechanismObservables(

@@ -7,7 +7,7 @@ double precision.
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,28 @@ import numpy as np
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
-from bodycheck.reference.mechanisms import poses
-from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, derivatives, in_arithmetic, split, start
+from bodycheck.reference.mechanisms import exact, poses
+from bodycheck.reference.mechanisms.articulation import articulated
+from bodycheck.reference.mechanisms.link_states import (
+    Change,
+    Course,
+    Decision,
+    derivatives,
+    in_arithmetic,
+    links_of,
+    split,
+    start,
+)
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
+
+#: The numbers of evenly spaced instants at which pivots of the mass matrix are computed, and of those around the smallest one.
+INSTANTS, AROUND = 257, 17
+
+#: The number of rounds in which a pivot is sought that is zero, and the pivots, relative to their largest values in the motion,
+#: below which more are computed around them, below which they are zero, and below which they may have stopped an integration.
+ROUNDS, NEAR, ZERO, SMALL = 10, 1e-2, 1e-12, 1e-6
 
 #: A function that follows the links of a tree at times in any order.
 Solver = Callable[[Tree, WideArray, FloatType], Course]
@@ -83,11 +100,59 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes), decisions)
 
 
+def require_regular(mechanism: Mechanism, duration: float, zero: float = ZERO) -> None:
+    """Raise `OutOfReach` if the mass matrix of a mechanism without loops becomes singular within a duration (s).
+
+    It can become singular only if a body has no mass, or no moment of inertia about some axis. Its pivots are computed in
+    double precision, at evenly spaced instants, and at more and more of them around the smallest one.
+
+    zero: the pivots, relative to their largest values in the motion, that count as zero.
+    """
+    if not any(exact.has_zero_moment(body) for body in mechanism.bodies):
+        return
+    for tree in forest(mechanism).trees:
+        times, largest = np.linspace(0.0, duration, INSTANTS), np.zeros((1, 1))
+        for _ in range(ROUNDS):
+            pivots = _pivots(tree, times)
+            largest = np.maximum(largest, pivots.max(axis=1, keepdims=True))
+            relative = pivots / largest
+            row, column = divmod(int(np.argmin(relative)), len(times))
+            if not relative[row, column] > zero:
+                raise OutOfReach(_undetermined(mechanism, tree, row, float(times[column])))
+            if relative[row, column] > NEAR or not duration:
+                break
+            times = np.linspace(times[max(column - 1, 0)], times[min(column + 1, len(times) - 1)], AROUND)
+
+
+def _pivots(tree: Tree, times: Array) -> Array:
+    """The pivots (k, n) of the mass matrix of a tree at times (n,), s, in double precision."""
+    form, links = in_arithmetic(tree, float), solver()(tree, times, FloatType(np.float64)).links
+    moving = [
+        replace(link, coordinates=list(state.coordinates.T), rates=list(state.rates.T))
+        for link, state in zip(links_of(form, start(tree)), links, strict=True)
+    ]
+    with np.errstate(all="ignore"):
+        pivots = articulated.accelerations(moving, form.gravity, np).pivots
+    return np.stack([np.broadcast_to(np.asarray(each, float), times.shape) for row in pivots for each in row])
+
+
+def _undetermined(mechanism: Mechanism, tree: Tree, row: int, time: float) -> str:
+    """The sentence on a pivot that is zero. row: its index among the pivots of a tree."""
+    links = [link for link in tree.links if link.follows is None for _ in articulated.FREEDOMS[link.kind]]
+    joint = links[row].joint
+    name = f"the joint {mechanism.joints[joint].name}" if joint >= 0 else "a free body"
+    return (
+        f"the mass matrix becomes singular at t = {time:.6g} s: what {name} moves has no inertia against it there while the "
+        "joints behind it are loose"
+    )
+
+
 @functools.cache
 def solver() -> Solver:
     """Return the solver of trees: Taylor's method where heyoka is installed, otherwise DOP853."""
     try:
-        from bodycheck.reference.mechanisms import stick_slip, tree_equations
+        from bodycheck.reference.mechanisms import tree_equations
+        from bodycheck.reference.mechanisms.friction import stick_slip
     except ImportError:
         return followed_by_dop853
 

@@ -4,16 +4,16 @@ These numbers decide whether a mechanism has a motion at all. The truth of the m
 """
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.exact.numbers import Wide, wide
+from bodycheck.reference.exact.numbers import Wide, real, wide
 from bodycheck.reference.exact.rotations import matrix
-from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms import exact, mimicry
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism, breadth_first
 from bodycheck.reference.scene import Attitude
 
 #: An array of the widest type.
@@ -85,25 +85,31 @@ def frames(mechanism: Mechanism) -> dict[int, Frame]:
     """
     by_body = {WORLD: WORLD_FRAME}
     joint_of = mechanism.joint_of
-    for index in _from_the_world(mechanism):
+    for index in breadth_first(mechanism):
         joint, body = joint_of[index], mechanism.bodies[index]
-        by_body[index] = _of_free(body, body.start or BodyStart()) if joint is None else _of_child(joint, by_body[joint.parent])
+        if joint is None:
+            by_body[index] = _of_free(body, body.start or BodyStart())
+        else:
+            by_body[index] = _of_child(joint, _begin(mechanism, joint), by_body[joint.parent])
     return by_body
 
 
 def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
-    """The inertia of all coordinates of joints and free bodies at the start.
+    """The inertia of all coordinates of joints and free bodies at the start, without those of joints that follow others.
 
     The pivots follow from the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
-    world. They have rounding errors of the widest type.
+    world, or, if joints follow others, from the elimination of the mass matrix in the same order. They have rounding errors of
+    the widest type.
     """
     at, collected, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
+    if any(joint.mimic for joint in mechanism.joints):
+        return _coordinates_with_followers(mechanism, at)
     places = {joint.child: index for index, joint in enumerate(mechanism.joints)}
     loose = {index: _inertia(body, at[index]) for index, body in enumerate(mechanism.bodies)}
     locked = {index: inertia.copy() for index, inertia in loose.items()}
-    for index in reversed(_from_the_world(mechanism)):
+    for index in reversed(breadth_first(mechanism)):
         joint = joint_of[index]
-        columns, armature = (np.eye(6, dtype=Wide), 0.0) if joint is None else (_columns(joint, at), joint.armature)
+        columns, armature = _columns(mechanism, joint, at), 0.0 if joint is None else joint.armature
         for column in columns[::-1]:
             force = loose[index] @ column
             pivot, whole = column @ force + Wide(armature), column @ locked[index] @ column + Wide(armature)
@@ -115,6 +121,57 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
             for inertia in (loose, locked):
                 inertia[joint.parent] = inertia[joint.parent] + moved.T @ inertia[index] @ moved
     return tuple(collected[::-1])
+
+
+def _coordinates_with_followers(mechanism: Mechanism, at: dict[int, Frame]) -> tuple[Coordinate, ...]:
+    """The inertia of all coordinates of a mechanism of which joints follow others. at: the frames of all bodies."""
+    indices = {joint.child: index for index, joint in enumerate(mechanism.joints)}
+    slots: list[tuple[int | None, int, WideArray]] = [
+        (indices.get(body), body, column)
+        for body in breadth_first(mechanism)
+        for column in _columns(mechanism, mechanism.joint_of[body], at)
+    ]
+    alone = [row for row, (joint, _, _) in enumerate(slots) if joint is None or mechanism.joints[joint].mimic is None]
+    shares = np.zeros((len(slots), len(alone)), Wide)
+    for number, row in enumerate(alone):
+        shares[row, number] = 1
+        for other, (index, _, _) in enumerate(slots):
+            if other not in alone and index is not None:
+                rule = mimicry.rule(mechanism.joints, index)
+                if rule.leader == slots[row][0]:
+                    shares[other, number] = wide(real(rule.multiplier))
+    matrix = shares.T @ _mass_matrix(mechanism, at, slots) @ shares
+    locked, loose = np.diagonal(matrix).copy(), matrix.copy()
+    for k in reversed(range(len(alone))):
+        if loose[k, k] > 0:
+            loose[:k, :k] -= np.outer(loose[:k, k], loose[k, :k]) / loose[k, k]
+    return tuple(Coordinate(*slots[row][:2], locked[k], loose[k, k]) for k, row in enumerate(alone))
+
+
+def _mass_matrix(mechanism: Mechanism, at: dict[int, Frame], slots: Sequence[tuple[int | None, int, WideArray]]) -> WideArray:
+    """The mass matrix of coordinates, each with its joint, the body that it moves, and its twist (6,)."""
+    carried = {index: _inertia(body, at[index]) for index, body in enumerate(mechanism.bodies)}
+    for index in reversed(breadth_first(mechanism)):
+        if (joint := mechanism.joint_of[index]) is not None and joint.parent != WORLD:
+            moved = _moved(at[index].origin - at[joint.parent].origin)
+            carried[joint.parent] = carried[joint.parent] + moved.T @ carried[index] @ moved
+    rows_of: dict[int, list[int]] = {}
+    for row, (_, body, _) in enumerate(slots):
+        rows_of.setdefault(body, []).append(row)
+    matrix = np.zeros((len(slots), len(slots)), Wide)
+    for row, (joint_index, start, column) in enumerate(slots):
+        matrix[row, row] = Wide(0.0 if joint_index is None else mechanism.joints[joint_index].armature)
+        body, force = start, carried[start] @ column
+        while True:
+            for other in rows_of.get(body, ()):
+                if other <= row:
+                    matrix[row, other] += force @ slots[other][2]
+            joint = mechanism.joint_of[body]
+            if joint is None or joint.parent == WORLD:
+                break
+            force = _moved(at[body].origin - at[joint.parent].origin).T @ force
+            body = joint.parent
+    return matrix + np.tril(matrix, -1).T
 
 
 def mass(body: JointedBody) -> Wide:
@@ -133,39 +190,36 @@ def tensor(body: JointedBody) -> WideArray:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _from_the_world(mechanism: Mechanism) -> list[int]:
-    """The indices of all bodies, each after the parent of its joint."""
-    children: dict[int, list[int]] = {}
-    for joint in mechanism.joints:
-        children.setdefault(joint.parent, []).append(joint.child)
-    ordered = [index for index, joint in enumerate(mechanism.joint_of) if joint is None or joint.parent == WORLD]
-    for index in ordered:
-        ordered += children.get(index, ())
-    return ordered
-
-
 def _of_free(body: JointedBody, start: BodyStart) -> Frame:
     turn = _matrix(start.attitude)
     spin, arm = turn @ _wide(exact.rates(start.attitude, start.rotation)), turn @ centre(body)
     return Frame(turn, _wide(start.position) - arm, _wide(start.velocity) - np.cross(spin, arm), spin)
 
 
-def _of_child(joint: Joint, parent: Frame) -> Frame:
+def _begin(mechanism: Mechanism, joint: Joint) -> tuple[WideArray, WideArray]:
+    """The coordinates and velocities of a joint at the start, which may follow from those of another joint."""
+    if joint.mimic is None:
+        return _wide(joint.start), _wide(joint.start_velocity)
+    position, velocity = mimicry.start(mechanism.joints, mechanism.joints.index(joint))
+    return _wide((real(position),)), _wide((real(velocity),))
+
+
+def _of_child(joint: Joint, begin: tuple[WideArray, WideArray], parent: Frame) -> Frame:
     axes = parent.turn @ _matrix(joint.attitude)
-    turn, shift, columns = _pose_and_columns(joint)
-    twist = _wide(joint.start_velocity) @ columns if joint.start_velocity else np.zeros(6, Wide)
+    turn, shift, columns = _pose_and_columns(joint, begin[0])
+    twist = begin[1] @ columns if len(begin[1]) else np.zeros(6, Wide)
     arm = parent.turn @ _wide(joint.position) + axes @ shift
     velocity = parent.velocity + np.cross(parent.spin, arm) + axes @ twist[:3]
     return Frame(axes @ turn, parent.origin + arm, velocity, parent.spin + axes @ twist[3:])
 
 
-def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
-    """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at the start, and its twists (k, 6).
+def _pose_and_columns(joint: Joint, q: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+    """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at coordinates q, and its twists (k, 6).
 
     A twist is the velocity of the child's origin and the child's angular velocity for a unit value of one of the joint's
     velocities, both along the axes of the joint's frame. Slides come before turns, which do not move the origin.
     """
-    turn, shift, columns, q = np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros((0, 6), Wide), _wide(joint.start)
+    turn, shift, columns = np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros((0, 6), Wide)
     for motion in joint.form.motions:
         if motion.kind == "ball":
             turn = turn @ _matrix(_quaternion(joint.start[-4:]))
@@ -181,9 +235,11 @@ def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
     return turn, shift, columns
 
 
-def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
-    """The twists (k, 6) of a joint's child (see `_pose_and_columns`) along the world's axes. at: the frames of all bodies."""
-    axes, twists = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint)[2]
+def _columns(mechanism: Mechanism, joint: Joint | None, at: dict[int, Frame]) -> WideArray:
+    """The twists (k, 6) that a joint, or none, allows its child, along the world's axes. at: the frames of all bodies."""
+    if joint is None:
+        return np.eye(6, dtype=Wide)
+    axes, twists = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint, _begin(mechanism, joint)[0])[2]
     return np.concatenate([twists[:, :3] @ axes.T, twists[:, 3:] @ axes.T], axis=1)
 
 

@@ -1,9 +1,9 @@
 """A mechanism as trees of links on elementary joints, in exact arithmetic.
 
 A tree consists of the links that are connected by joints with at least one coordinate, other than through the world, which does
-not move, and other than by free joints, which transmit no force. So trees do not influence one another. A body on a fixed joint
-is part of the link that it is fixed to; a universal joint is two elementary joints and a planar joint is three, with massless
-links between them.
+not move, and other than by free joints, which transmit no force. Two trees are one if a joint of one follows a joint of the
+other. So trees do not influence one another. A body on a fixed joint is part of the link that it is fixed to; a universal joint
+is two elementary joints and a planar joint is three, with massless links between them.
 
 Each link has a frame. For a revolute or prismatic joint, z of this frame is the joint's axis and its origin lies on the axis;
 if the axis of the parent is parallel, the origin has the same z as the parent's origin. For a ball the origin is its centre,
@@ -14,14 +14,14 @@ are zero, so that the equations omit these terms.
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import MassProperties, joined
-from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, multiply, scaled, unit
-from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms import exact, mimicry
+from bodycheck.reference.mechanisms.articulation.articulated import Constants, Kind
 from bodycheck.reference.mechanisms.frames import (
     Moving,
     Place,
@@ -32,7 +32,7 @@ from bodycheck.reference.mechanisms.frames import (
     rotated,
 )
 from bodycheck.reference.mechanisms.joint_types import MotionKind
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, breadth_first
 
 _AXES = {"x": vector((1, 0, 0)), "y": vector((0, 1, 0)), "z": vector((0, 0, 1))}
 
@@ -51,6 +51,8 @@ class Link:
     ----------
     kind, parent
         The kind of its joint, and the index of its parent in the tree or `STILL`.
+    follows
+        The index of the link whose coordinate determines that of this link; None for a link that moves by itself.
     constants, friction
         Its exact constants, and the dry friction of its joint (N m or N).
     joint, coordinate
@@ -77,6 +79,7 @@ class Link:
     coordinates: tuple[Real, ...]
     rates: tuple[Real, ...]
     start: Moving
+    follows: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,19 +87,14 @@ class Tree:
     """Links, each after its parent, and the base on which they stand, which does not move.
 
     base: the place of the base frame in the world. gravity: (3,) gravitational acceleration along the axes of the base (m/s^2);
-    zero for a tree whose first link is free, since this link is followed relative to its free fall. fall: (3,) gravitational
-    acceleration along the axes of the world (m/s^2).
+    zero for a tree that stands on free links alone, since these are followed relative to their free fall. fall: (3,)
+    gravitational acceleration along the axes of the world (m/s^2).
     """
 
     links: tuple[Link, ...]
     base: Place
     gravity: Vector3
     fall: Vector3
-
-    @property
-    def floats(self) -> bool:
-        """True if the first link is free and carries other links."""
-        return self.links[0].kind == "free" and len(self.links) > 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,12 +116,26 @@ class Forest:
 
 @dataclass(frozen=True, eq=False)
 class _Draft:
-    """A forest under construction: the links and the base of each tree, and the anchors of the bodies added so far."""
+    """A forest under construction.
+
+    trees, bases: the links and the base of each tree. anchors: of the bodies added so far. roots: the root of each body, and
+    indices: the index of the tree of each root (see `mimicry.roots`).
+    """
 
     mechanism: Mechanism
     trees: list[list[Link]]
     bases: list[Place]
     anchors: dict[int, Anchor]
+    roots: dict[int, int]
+    indices: dict[int, int]
+
+    def tree_of(self, body: int, base: Place) -> int:
+        """The index of the tree to which a body belongs whose joint is on the world. base: of the tree, if it is a new one."""
+        index = self.indices.setdefault(self.roots[body], len(self.trees))
+        if index == len(self.trees):
+            self.trees.append([])
+            self.bases.append(base)
+        return index
 
     def moving(self, anchor: Anchor) -> Moving:
         """The motion of a body's frame at t = 0."""
@@ -135,9 +147,9 @@ class _Draft:
 @functools.lru_cache(maxsize=64)
 def forest(mechanism: Mechanism) -> Forest:
     """The trees of a mechanism."""
-    draft = _Draft(mechanism, [], [], {WORLD: Anchor(-1, -1, Place())})
+    draft = _Draft(mechanism, [], [], {WORLD: Anchor(-1, -1, Place())}, mimicry.roots(mechanism), {})
     joints = {joint.child: (index, joint) for index, joint in enumerate(mechanism.joints)}
-    for body in _ordered(mechanism):
+    for body in breadth_first(mechanism):
         index, joint = joints.get(body, (-1, None))
         if joint is not None and joint.type == "fixed":
             parent = draft.anchors[joint.parent]
@@ -148,27 +160,26 @@ def forest(mechanism: Mechanism) -> Forest:
             _add_jointed(draft, body, index, joint)
     down = vector((0, 0, -mechanism.gravity))
     trees = tuple(
-        Tree(tuple(links), base, _gravity(links[0], base, down), down)
+        Tree(_leading(mechanism, links), base, _gravity(links, base, down), down)
         for links, base in zip(draft.trees, draft.bases, strict=True)
     )
     return Forest(trees, tuple(draft.anchors[body] for body in range(len(mechanism.bodies))))
 
 
-def _gravity(root: Link, base: Place, down: Vector3) -> Vector3:
-    if root.kind == "free":
+def _leading(mechanism: Mechanism, links: Sequence[Link]) -> tuple[Link, ...]:
+    """The links of a tree, in which those of joints that follow others have the indices of the links that they follow."""
+    indices = {link.joint: index for index, link in enumerate(links)}
+
+    def follows(joint: int) -> int | None:
+        return indices[mimicry.rule(mechanism.joints, joint).leader] if joint >= 0 and mechanism.joints[joint].mimic else None
+
+    return tuple(replace(link, follows=follows(link.joint)) for link in links)
+
+
+def _gravity(links: Sequence[Link], base: Place, down: Vector3) -> Vector3:
+    if all(link.kind == "free" for link in links if link.parent == STILL):
         return ORIGIN
-    return _vector(cleaned(rotated(conjugate(base.turn), down), abs(down[2])))
-
-
-def _ordered(mechanism: Mechanism) -> list[int]:
-    """The indices of the bodies, each after its parent."""
-    children: dict[int, list[int]] = {}
-    for body, joint in enumerate(mechanism.joint_of):
-        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
-    order = list(children.get(WORLD, []))
-    for body in order:
-        order += children.get(body, [])
-    return order
+    return vector(cleaned(rotated(conjugate(base.turn), down), abs(down[2])))
 
 
 def _frame_of(joint: Joint) -> Place:
@@ -221,15 +232,15 @@ def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -
         rates=centred.spin,
         start=centred,
     )
-    draft.anchors[body] = Anchor(len(draft.trees), 0, centred_frame.inverse())
-    draft.trees.append([link])
-    draft.bases.append(Place())
+    tree = draft.tree_of(body, Place())
+    draft.anchors[body] = Anchor(tree, len(draft.trees[tree]), centred_frame.inverse())
+    draft.trees[tree].append(link)
 
 
 def _body_start(body: JointedBody) -> Moving:
     """The motion at t = 0 of the frame of a body without a joint."""
-    assert body.start is not None, "a body without a joint has an initial state"
     begin = body.start
+    assert begin is not None, "a body without a joint has an initial state"
     turn, spin = exact.turn(begin.attitude), exact.rates(begin.attitude, begin.rotation)
     at_centre = Moving(Place(turn, vector(begin.position)), vector(begin.velocity), spin)
     return at_centre.carried(Place(origin=scaled(MP.mpf(-1), exact.inertia(body).centre)))
@@ -240,9 +251,7 @@ def _add_jointed(draft: _Draft, body: int, joint_index: int, joint: Joint) -> No
     anchor = draft.anchors[joint.parent]
     tree, parent, socket = anchor.tree, anchor.link, anchor.pose.then(_frame_of(joint))
     if tree < 0:
-        tree, parent = len(draft.trees), STILL
-        draft.trees.append([])
-        draft.bases.append(_base(joint, socket))
+        tree, parent = draft.tree_of(body, _base(joint, socket)), STILL
         socket = draft.bases[tree].inverse().then(socket)
     links, properties = draft.trees[tree], _fused(draft.mechanism, body)
     below = Moving(draft.bases[tree]) if parent == STILL else links[parent].start
@@ -250,25 +259,35 @@ def _add_jointed(draft: _Draft, body: int, joint_index: int, joint: Joint) -> No
         links.append(_ball(joint, joint_index, parent, socket, properties, below))
         draft.anchors[body] = Anchor(tree, len(links) - 1, Place(conjugate(_principal(properties))))
         return
-    axes = _axes(joint)
+    axes, begin = _axes(joint), _start(draft.mechanism, joint_index)
+    rule = None if joint.mimic is None else mimicry.rule(draft.mechanism.joints, joint_index)
     for coordinate, (kind, axis) in enumerate(axes):
         parallel = parent == STILL or (links[parent].kind != "ball" and links[parent].kind != "free")
         before = _before(kind, socket, rotated(socket.turn, axis), parallel)
         after = before.inverse().then(socket)
         last = coordinate == len(axes) - 1
         link_properties = placed(properties, after) if last else None
-        link = _single(joint, joint_index, coordinate, kind, parent, before, socket, link_properties, below)
+        constants = _constants(before, link_properties, joint, rule)
+        link = _single(joint, joint_index, coordinate, kind, parent, before, socket, constants, below, begin[coordinate])
         links.append(link)
         parent, socket, below = len(links) - 1, after, link.start
     draft.anchors[body] = Anchor(tree, parent, socket)
 
 
+def _start(mechanism: Mechanism, index: int) -> list[tuple[Real, Real]]:
+    """The coordinates of a joint that is made up of slides and turns, and their velocities, at t = 0."""
+    joint = mechanism.joints[index]
+    if joint.mimic is None:
+        zeros = (0.0,) * len(joint.form.motions)
+        return [(MP.mpf(q), MP.mpf(v)) for q, v in zip(joint.start or zeros, joint.start_velocity or zeros, strict=True)]
+    q, v = mimicry.start(mechanism.joints, index)
+    return [(real(q), real(v))]
+
+
 def _axes(joint: Joint) -> list[tuple[Kind, Vector3]]:
     """The kinds of the slides and turns that make up a joint, each with its axis in the frame of the joint."""
-    return [
-        (_KINDS[motion.kind], exact.unit_axis(joint) if motion.axis == "given" else _AXES[motion.axis])
-        for motion in joint.form.motions
-    ]
+    motions = joint.form.motions
+    return [(_KINDS[each.kind], exact.unit_axis(joint) if each.axis == "given" else _AXES[each.axis]) for each in motions]
 
 
 def _base(joint: Joint, socket: Place) -> Place:
@@ -296,11 +315,12 @@ def _single(
     parent: int,
     before: Place,
     socket: Place,
-    properties: MassProperties | None,
+    constants: Constants,
     below: Moving,
+    begin: tuple[Real, Real],
 ) -> Link:
-    """The link of a revolute or prismatic joint. properties: its mass properties in its frame, None if it has no mass."""
-    q, v = (MP.mpf(values[coordinate]) if values else MP.mpf(0) for values in (joint.start, joint.start_velocity))
+    """The link of a revolute or prismatic joint. begin: its coordinate and velocity at t = 0."""
+    q, v = begin
     cosine, sine = MP.cos_sin(q / 2)
     turning = kind == "revolute"
     inner = Place((cosine, MP.mpf(0), MP.mpf(0), sine)) if turning else Place(origin=scaled(q, _AXES["z"]))
@@ -308,7 +328,7 @@ def _single(
     return Link(
         kind=kind,
         parent=parent,
-        constants=_constants(before, properties, joint),
+        constants=constants,
         friction=MP.mpf(joint.friction),
         joint=joint_index,
         coordinate=coordinate,
@@ -346,8 +366,13 @@ def _principal(properties: MassProperties) -> tuple[Real, Real, Real, Real]:
     return principal_axes(about_origin(properties))[1]
 
 
-def _constants(before: Place, properties: MassProperties | None, joint: Joint | None = None) -> Constants:
-    """The constants of a link from its place in its parent, its mass properties in its frame, and its joint."""
+def _constants(
+    before: Place, properties: MassProperties | None, joint: Joint | None = None, rule: mimicry.Rule | None = None
+) -> Constants:
+    """The constants of a link from its place in its parent, its mass properties in its frame, and its joint.
+
+    properties: None for a link without mass. rule: by which the joint follows another one.
+    """
     properties = properties or MassProperties(MP.mpf(0), ORIGIN, (*ORIGIN, *ORIGIN))
     rows = [entry for row in matrix(before.turn) for entry in row]
     tensor = cleaned(about_origin(properties), sum(abs(part) for part in about_origin(properties)))
@@ -369,10 +394,7 @@ def _constants(before: Place, properties: MassProperties | None, joint: Joint | 
         damping=damping,
         stiffness=stiffness,
         force=effort + stiffness * rest,
+        ratio=MP.mpf(0) if rule is None else real(rule.multiplier),
+        shift=MP.mpf(0) if rule is None else real(rule.offset),
         moves=MP.mpf(1),
     )
-
-
-def _vector(values: Sequence[Real]) -> Vector3:
-    x, y, z = values
-    return x, y, z

@@ -15,8 +15,19 @@ import heyoka as hy
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
-from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
-from bodycheck.reference.mechanisms.link_states import SIZES, Course, Form, derivatives, places_of_rates, split, start
+from bodycheck.reference.mechanisms.articulation.articulated import Constants
+from bodycheck.reference.mechanisms.link_states import (
+    Course,
+    Form,
+    LinkForm,
+    derivatives,
+    floating,
+    forms_of,
+    places_of_rates,
+    sizes,
+    split,
+    start,
+)
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
 #: The value of a number that is known when the equations are written: 0, 1 or -1, and None for a parameter.
@@ -27,7 +38,7 @@ _SIZES = {"turn": 9, "offset": 3, "moment": 3, "tensor": 6, "differences": 3}
 
 #: The fields in which the numbers 1 and -1 are written into the equations, and the fields that change with the mode of a joint
 #: with dry friction.
-_WITH_ONES = ("turn", "moves")
+_WITH_ONES = ("turn", "ratio", "moves")
 _CHANGING = ("force", "moves")
 
 #: The largest number of coordinates for which the code is optimised, which takes up to ten seconds. For forty hinges in space
@@ -47,11 +58,11 @@ _BEGINNING = 1e-60
 class Shape:
     """The properties of a tree that its compiled equations depend on.
 
-    links: the kind and the parent of each link. marks: the marks of each link's numbers. gravity: the marks of gravity. dry:
-    the indices of the links with dry friction.
+    links: the form of each link. marks: the marks of each link's numbers. gravity: the marks of gravity. dry: the indices of
+    the links with dry friction.
     """
 
-    links: tuple[tuple[Kind, int], ...]
+    links: tuple[LinkForm, ...]
     marks: tuple[tuple[Mark, ...], ...]
     gravity: tuple[Mark, ...]
     dry: tuple[int, ...]
@@ -59,7 +70,8 @@ class Shape:
     @property
     def large(self) -> bool:
         """True if there are too many equations for optimised code."""
-        return sum(len(FREEDOMS[kind]) for kind, _ in self.links) > MOST_OPTIMISED
+        rates = sum(sizes(link)[1] for link in self.links) + 3 * sum(link.kind == "free" for link in self.links)
+        return rates > MOST_OPTIMISED
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +116,7 @@ def _system(shape: Shape) -> Equations:
 def shape_of(tree: Tree) -> Shape:
     """Return the properties of a tree that its compiled equations depend on."""
     return Shape(
-        tuple((link.kind, link.parent) for link in tree.links),
+        tuple(forms_of(tree)),
         tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),
         tuple(_mark(part, ones=False) for part in tree.gravity),
         tuple(index for index, link in enumerate(tree.links) if link.friction),
@@ -160,7 +172,7 @@ def written(shape: Shape) -> Written:
 
     constants = [_named(symbols(marks)) for marks in shape.marks]
     form = Form(shape.links, constants, symbols(shape.gravity))
-    count = sum(sum(SIZES[kind]) for kind, _ in shape.links) + 6 * form.floats
+    count = sum(sum(sizes(link)) for link in shape.links) + 6 * len(floating(shape.links))
     state = [hy.make_vars(f"x{index}") for index in range(count)]
     rates, velocities = derivatives(form, state, hy), places_of_rates(shape.links)
     margins = []

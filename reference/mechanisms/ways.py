@@ -153,8 +153,9 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
     shift, slip, spun = errors["position_error"], errors["velocity_error"], errors["angular_velocity_error"]
     turned = np.minimum(errors["error"], 2.0)  # a unit vector that is turned by any angle moves by at most 2
     energy = masses * (slip * (speeds + slip) + mechanism.gravity * shift) + moments * spun * (spins + spun)
-    centre = (masses[..., None] * motion.position).sum(axis=0) / masses.sum()
-    common = (masses[..., None] * motion.velocity).sum(axis=0) / masses.sum()
+    whole = masses.sum() or 1.0  # bodies without mass have no momentum
+    centre = (masses[..., None] * motion.position).sum(axis=0) / whole
+    common = (masses[..., None] * motion.velocity).sum(axis=0) / whole
     arms, drifts = (
         np.linalg.norm(each - mean, axis=-1) for each, mean in ((motion.position, centre), (motion.velocity, common))
     )

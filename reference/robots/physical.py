@@ -7,9 +7,9 @@ import numpy as np
 
 from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide, from_the_root
 
-#: How far moments may be beyond the physical limits, relative to the largest moment: some thousand roundings of doubles, for
-#: decimals in a file and the principal moments from them.
-MARGIN = 1e-12
+#: How far moments may be beyond the physical limits, relative to the largest moment. Programs write moments with nine digits or
+#: more, so that a smaller violation is a rounding of them.
+MARGIN = 1e-9
 
 #: The same relative to mass times the square of the size of a link: some fifty roundings of doubles. Programs that compute
 #: moments about the centre of mass from moments about another point leave such roundings, also where the moments are zero. The

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.exact.numbers import FloatType
-from bodycheck.reference.mechanisms import articulated, poses
-from bodycheck.reference.mechanisms.articulated import Constants
+from bodycheck.reference.mechanisms import poses
+from bodycheck.reference.mechanisms.articulation import articulated
+from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_arithmetic, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.tree import Tree, forest
@@ -43,10 +44,10 @@ class Equations:
         """The derivatives with respect to time of the rates of a state."""
         links, (coordinates, rates) = list[articulated.Link](), state
         q = v = 0
-        for (kind, parent), constants in zip(self.form.links, self.form.constants, strict=True):
-            held, moving = SIZES[kind]
+        for link, constants in zip(self.form.links, self.form.constants, strict=True):
+            held, moving = SIZES[link.kind]
             states = coordinates[q : q + held], rates[v : v + moving]
-            links.append(articulated.Link(kind, parent, constants, *states))
+            links.append(articulated.Link(link.kind, link.parent, constants, *states))
             q, v = q + held, v + moving
         solution = articulated.accelerations(links, self.form.gravity, np)
         return [value for states in solution.rates for value in states]
@@ -54,7 +55,7 @@ class Equations:
     def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
         """The coordinates after an increment, which is a rotation vector along the axes of the link for a ball joint."""
         moved, q, v = list[float](), 0, 0
-        for kind, _ in self.form.links:
+        for kind in (link.kind for link in self.form.links):
             if kind == "ball":
                 w, i, j, k = coordinates[q : q + 4]
                 x, y, z = increment[v : v + 3]
@@ -67,7 +68,7 @@ class Equations:
     def slopes(self, increment: Sequence[float], rates: Sequence[float]) -> list[float]:
         """The rates of change of an increment, at the rates of the displaced coordinates."""
         changes, v = list[float](), 0
-        for kind, _ in self.form.links:
+        for kind in (link.kind for link in self.form.links):
             if kind == "ball":
                 (x, y, z), (a, b, c) = increment[v : v + 3], rates[v : v + 3]
                 changes += inverse_dexp_so3_r3(((0.0, 0.0, 0.0), (x, y, z)), ((0.0, 0.0, 0.0), (a, b, c)))[1]
@@ -167,8 +168,11 @@ JOINTED: Mapping[str, Entry] = {
 
 
 def has_schemes(mechanism: Mechanism) -> bool:
-    """Return whether this module defines schemes for a mechanism: it has no loops, no dry friction and no free bodies."""
-    trees = () if mechanism.loops else forest(mechanism).trees
+    """Return whether this module defines schemes for a mechanism.
+
+    It has no loops, no joints that follow others, no dry friction and no free bodies.
+    """
+    trees = () if mechanism.loops or any(joint.mimic for joint in mechanism.joints) else forest(mechanism).trees
     links = [link for tree in trees for link in tree.links]
     return bool(links) and not any(link.kind == "free" or link.friction for link in links)
 

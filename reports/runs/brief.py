@@ -27,7 +27,7 @@ class Brief:
     headline, tally, notices
         The verdict in one line, the number of runs with each outcome, and sentences about the limits of the report.
     limits
-        The notices without the notices about unsupported runs.
+        The notices without those about robots and about unsupported runs.
     unsupported
         The number of unsupported runs and the reasons, in one line; empty if there are none. The notices give the reasons too.
     broken

@@ -96,7 +96,10 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
         "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
         "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
+        "soft": _merged_by_engine([header["soft"] for header in headers.values()]),
         "without_method": _merged_by_engine([own["without_method"] for own in headers.values()]),
+        "robots": {name: sentences for one in headers.values() for name, sentences in one["robots"].items()},
+        "departures": {name: instant for one in headers.values() for name, instant in one["departures"].items()},
     }
 
 

@@ -29,7 +29,7 @@ from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.run_table import run_table
-from bodycheck.reports.runs.scenes import Fact, Told, describe
+from bodycheck.reports.runs.scenes import Fact, Told, describe, softness
 from bodycheck.reports.runs.summary import failure_status
 from bodycheck.reports.runs.unsupported import with_place
 from bodycheck.reports.same_algorithm import NO_CLASSES
@@ -253,6 +253,10 @@ def _section(
     samplings = dict.fromkeys(verdict.run.method.sampling for verdict in verdicts)
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
     facts = describe(case, [_told(one, shown, sampling) for one in shown.sets for sampling in samplings])
+    soft = {name: options for each in shown.sets for name, options in each.results.header["soft"].items()}
+    facts += softness(
+        case.scene, {name: soft[name] for name in {verdict.run.engine: None for verdict in verdicts} if name in soft}
+    )
     drawn, played = curves.draw({}, {}, MOST_POINTS), None
     if room is not None:
         truths = {(one.label, each): one.results.truth(case.name, each) for one in shown.sets for each in samplings}

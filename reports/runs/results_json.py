@@ -10,7 +10,16 @@ from dataclasses import asdict
 from typing import Any, get_args
 
 from bodycheck.figures.column import Column
-from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS, METHOD_COLUMNS, WORK_COLUMNS
+from bodycheck.figures.columns import (
+    CASE_COLUMNS,
+    COLUMNS,
+    DEPARTURE_COLUMNS,
+    FIGURES,
+    FURTHER,
+    LIMIT_COLUMNS,
+    METHOD_COLUMNS,
+    WORK_COLUMNS,
+)
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
@@ -76,8 +85,10 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    by_engine = ("environments", "demonstrations", "defaults", "without_method")
+    by_engine = ("environments", "demonstrations", "defaults", "soft", "without_method")
     kinds |= {name: {"type": "object", "additionalProperties": versions} for name in by_engine}
+    kinds |= {"robots": {"type": "object", "additionalProperties": _list(text)}}
+    kinds |= {"departures": {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}}}
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},
@@ -127,7 +138,8 @@ def schema() -> str:
 def _run() -> Schema:
     """Return the schema of a row of results. Completed runs have numbers; all other runs have none."""
     limits, work = (column.name for column in LIMIT_COLUMNS), [column.name for column in WORK_COLUMNS]
-    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits, *work)
+    departure = (column.name for column in DEPARTURE_COLUMNS)
+    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits, *work, *departure)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
     required = [*judgement.COLUMNS, *(column.name for column in (*CASE_COLUMNS, *METHOD_COLUMNS))]
     run = _object(properties, "One engine with one method on one case.") | {"required": required}

@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
+from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.margins import Margin
 from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, milliseconds, number, within
@@ -58,7 +59,8 @@ def run_table(
         "Margin": any(verdict.margins for verdict in verdicts),
         "Reason": any(row["reason"] for row in rows),
     }
-    every = (*keys, "Status", "Expectation", "Margin", *labels, COST, "Reason")
+    before = _before_departure(rows)
+    every = (*keys, "Status", "Expectation", "Margin", *labels, *before.values(), COST, "Reason")
     columns = tuple(name for name in every if told.get(name, True))
     bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
     notes = (
@@ -69,12 +71,13 @@ def run_table(
     cells = [
         _entries(verdict, row, quantities, anchors[verdict.key], drawn)
         | {"Integrator": _integrator(verdict, anchors[verdict.key], demonstrations)}
+        | {label: _number(row.get(name)) for name, label in before.items()}
         for verdict, row in zip(verdicts, rows, strict=True)
     ]
     own = _own_errors(rows, quantities)
     return Table(
         columns=columns,
-        numeric=tuple(name in {"Margin", COST, *labels} for name in columns),
+        numeric=tuple(name in {"Margin", COST, *labels, *before.values()} for name in columns),
         rows=tuple(tuple(row[name] for name in columns) for row in cells),
         failed=tuple(verdict.passed is False for verdict in verdicts),
         notes=notes,
@@ -82,6 +85,18 @@ def run_table(
         keys=len(keys),
         runs=tuple(anchors[verdict.key] for verdict in verdicts),
     )
+
+
+def _before_departure(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Return the titles of the columns of errors up to the departure of a robot, by the names of their columns in `rows`."""
+    departures = [row[DEPARTURE] for row in rows if DEPARTURE in row]
+    known = {column for row in rows for column in row}
+    quantities = [QUANTITIES[name] for name, column in BEFORE_DEPARTURE.items() if column in known]
+    return {BEFORE_DEPARTURE[one.name]: f"{one.title} up to {departures[0]:.3g} s, {one.unit}" for one in quantities}
+
+
+def _number(value: float | None) -> Entry:
+    return Entry("–") if value is None else Entry(number(value), value)
 
 
 def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity]) -> dict[str, Entry]:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind, Interface
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism, PairContact
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.requirements import slides
+from bodycheck.reference.requirements import of_mechanism, slides
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
@@ -82,6 +82,23 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
         *_stop(truths),
         *_happens(scene, truths),
     )
+
+
+def softness(scene: AnyScene, soft: Mapping[str, Mapping[str, str]]) -> tuple[Fact, ...]:
+    """Return what engines that ran a scene model by springs and dampers.
+
+    soft: requirements of mechanisms, with the options of their softness, by the names of the engines.
+    """
+    if not isinstance(scene, Mechanism):
+        return ()
+    required, engines = of_mechanism(scene).names(), dict[str, list[str]]()
+    for engine, options in soft.items():
+        if held := [f"{name} ({options[name]})" for name in required if name in options]:
+            engines.setdefault(listing(held), []).append(engine)
+    texts = [f"{held} in {listing(names)}" for held, names in engines.items()]
+    if not texts:
+        return ()
+    return (Fact("Springs and dampers", f"{'; '.join(texts)}. A part of the error does not vanish with the time step."),)
 
 
 def _facts(scene: AnyScene) -> tuple[Fact, ...]:
@@ -154,7 +171,7 @@ def _touching(friction: float, restitution: float) -> str:
 
 
 def _bodies(mechanism: Mechanism) -> str:
-    masses = {body.name: body.mass for body in bodies(mechanism)}
+    masses = {body.name: body.mass for body in bodies(mechanism) if body.mass}  # frames are no bodies for readers
     if len(masses) > MOST_TOLD:
         least, most = number(min(masses.values())), number(max(masses.values()))
         return f"{len(masses)} of {least if least == most else f'{least} to {most}'} kg"
@@ -173,6 +190,8 @@ def _joints(mechanism: Mechanism) -> str:
         types = Counter(joint.type for joint in mechanism.joints).items()
         told = listing([f"{amount} {kind}" for kind, amount in types])
         acting = [text for name, text in ACTING.items() if any(getattr(joint, name) for joint in mechanism.joints)]
+        followers = sum(joint.mimic is not None for joint in mechanism.joints)
+        acting += [count(followers, "joint that follows another", "joints that follow others")] if followers else []
         told += f", with {listing(acting)}" if acting else ""
     return "; ".join(filter(None, (told, rest)))
 
@@ -181,7 +200,8 @@ def _joint(mechanism: Mechanism, joint: Joint) -> str:
     parent = "the world" if joint.parent == WORLD else mechanism.bodies[joint.parent].name
     acting = [text for name, text in ACTING.items() if getattr(joint, name)]
     with_these = f", with {listing(acting)}" if acting else ""
-    return f"{joint.name}: {joint.type}, {mechanism.bodies[joint.child].name} on {parent}{with_these}"
+    follows = f", follows {mechanism.joints[joint.mimic.joint].name}" if joint.mimic is not None else ""
+    return f"{joint.name}: {joint.type}, {mechanism.bodies[joint.child].name} on {parent}{with_these}{follows}"
 
 
 def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:

@@ -1,14 +1,15 @@
 """The outcomes of runs: the headline, the number of runs with each outcome, the limits of the report, and failed runs."""
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 
+from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.quantities import count, verb
+from bodycheck.reports.notices import missing_engines, of_robots
+from bodycheck.reports.quantities import count, number, verb
 from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Unsupported
@@ -63,21 +64,39 @@ def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> t
 
 
 def notices(one: ResultSet) -> tuple[str, ...]:
-    """Return sentences about the limits of a set of results: interruption, missing engines, and unsupported runs."""
-    return (*limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
+    """Return sentences about the limits of a set of results: robots, interruption, missing engines, and unsupported runs."""
+    robots = (_labelled(one, text) for text in of_robots(one.results.header))
+    return (*robots, *limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
 
 
 def limits(one: ResultSet) -> tuple[str, ...]:
-    """Return the notices of a set of results, without the notices about unsupported runs."""
+    """Return the notices of a set of results, without those about unsupported runs, and about robots, which come first."""
     texts = []
     if not one.results.complete:
         texts.append(
             f"The command was interrupted after {count(len(one.verdicts), 'run')}. "
             "Runs that had not finished by then are missing from this report."
         )
+    texts += _before_departures(one.verdicts)
     texts += missing_engines(one.results.header)
     texts += sentences(one.results.unchecked)
     return tuple(_labelled(one, text) for text in texts)
+
+
+def _before_departures(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """Yield a sentence on the attitude errors up to the departure of each robot from its file."""
+    column, errors = BEFORE_DEPARTURE["attitude_error"], defaultdict[str, list[tuple[float, float, str]]](list)
+    for verdict in verdicts:
+        before = {} if verdict.discrepancy is None else verdict.discrepancy.before
+        if column in before:
+            method = f"{verdict.run.engine} {verdict.run.method}"
+            errors[verdict.run.case].append((before[column], before[DEPARTURE], method))
+    for case, of_case in errors.items():
+        (least, departure, best), (most, _, worst) = min(of_case), max(of_case)
+        ends = f"{number(least)} rad, with {best}"
+        if least != most:
+            ends = f"from {ends}, to {number(most)} rad, with {worst}"
+        yield f"{case}: up to {departure:.4g} s, the largest attitude error is {ends}."
 
 
 def _labelled(one: ResultSet, text: str) -> str:

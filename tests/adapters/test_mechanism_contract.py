@@ -13,18 +13,22 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import missing
 from bodycheck.reference.trajectory import Array
 from tests.support.asked import adapter_asked_for
+from tests.support.coupled_joints import gripper, hip
 from tests.support.jointed import ball_chain, bare_tree, cart_pole, free_chain, tree
 
 ONLY = adapter_asked_for()
 NAMES = [ONLY] if ONLY else [name for name in registry.names() if registry.installed(name)]
 
-#: Mechanisms of several bodies: on a rail, on hinges in space, on ball joints, and with a joint of every type.
+#: Mechanisms of several bodies: on a rail, on hinges in space, on ball joints, with a joint of every type, with several joints
+#: of one body, and with a joint that follows another.
 MECHANISMS = {
     "cart and pole": cart_pole(),
     "free chain": free_chain(),
     "ball chain": ball_chain(),
     "bare tree": bare_tree(),
     "tree": tree(),
+    "hip": hip(),
+    "gripper": gripper(),
 }
 
 STEP = 1e-4

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,17 +11,30 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.scripts import MECHANISM_COLUMNS
+from tests.support.coupled_joints import gripper, hip
 from tests.support.jointed import ball_and_hinge, cart_pole, four_bar, tree
 
 STEP, DURATION, SAMPLES = 0.003, 0.2, 5  # the instants are no multiples of the step
 
-MECHANISMS = {"tree": tree(), "loop": four_bar(), "ball": ball_and_hinge()}
+MECHANISMS = {
+    "tree": tree(),
+    "loop": four_bar(),
+    "ball": ball_and_hinge(),
+    "hip": hip(),
+    "gripper": gripper(damping=0.1, stiffness=2.0),
+}
 
 RUNS = {
-    "mujoco": [("tree", "RK4"), ("ball", "discrete"), ("loop", "Euler:solref=0.01 1")],
+    "mujoco": [
+        ("tree", "RK4"),
+        ("ball", "discrete"),
+        ("loop", "Euler:solref=0.01 1"),
+        ("hip", "RK4"),
+        ("gripper", "RK4:solref=0.01 1"),
+    ],
     "pinocchio": [
         *(("tree", "rk4"), ("tree", "semi-implicit-euler"), ("ball", "rk4-naive")),
-        *(("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
+        *(("hip", "rk4"), ("gripper", "rk4"), ("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
     ],
 }
 
@@ -52,6 +66,22 @@ def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, eng
         assert [cell[1] for cell in cells] == [body.name for body in mechanism.bodies] * SAMPLES
         printed = np.array([[float(number) for number in cell[2:]] for cell in cells]).reshape(expected.shape)
         np.testing.assert_array_equal(printed, expected, err_msg=f"{which} {spelling}")
+
+
+@pytest.mark.parametrize("engine", [name for name in RUNS if registry.installed(name)])
+def test_names_are_data_in_a_script(tmp_path: Path, engine: str) -> None:
+    """A name of a stranger's file has quotes and backslashes, and would be code if it ended the text around it."""
+    adapter, mark = registry.load(engine), tmp_path / "mark"
+    assert isinstance(adapter, Scripts)
+    names = (f'a""" + str(open({str(mark)!r}, "w")) + """', "b\\\\n\\\\", "'''{0}%s")
+    named = [replace(body, name=name) for body, name in zip(tree().bodies, names, strict=False)]
+    mechanism = replace(tree(), bodies=(*named, *tree().bodies[len(named) :]))
+    (tmp_path / "0.py").write_text(adapter.script(mechanism, Method.parse(RUNS[engine][0][1], STEP), DURATION, SAMPLES))
+    done = subprocess.run([sys.executable, "-I", "-c", RUNNER, tmp_path], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert not mark.exists()
+    printed = (tmp_path / "0.csv").read_text()
+    assert all(name in printed for name in names)
 
 
 def test_what_cannot_be_a_script_is_refused_with_the_reason() -> None:

@@ -4,8 +4,16 @@ import os
 from itertools import pairwise
 
 #: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills;
-#: truths of mechanisms and of bodies that touch, to judge.
-DEFAULTS = {"FILES": 100_000, "RUNS": 2_000, "FOLDERS": 1_000, "KILLS": 100, "MECHANISMS": 500, "CONTACTS": 500}
+#: truths of mechanisms with dry friction, of trees as robots have them and of bodies that touch, to judge.
+DEFAULTS = {
+    "FILES": 100_000,
+    "RUNS": 2_000,
+    "FOLDERS": 1_000,
+    "KILLS": 100,
+    "MECHANISMS": 500,
+    "TREES": 300,
+    "CONTACTS": 500,
+}
 
 #: The seed of the first attack.
 SEED = int(os.environ.get("SEED") or 1)

@@ -213,9 +213,9 @@ def test_what_the_reference_does_not_model_is_unsupported(text: str, missing: st
 @pytest.mark.parametrize(
     ("first", "told"),
     [
-        ("b\\u001b[31mox", "allowed: letters a to z, digits and _ . : / - *"),
-        ("<script>", "allowed: letters a to z, digits and _ . : / - *"),
-        ("größe", "allowed: letters a to z, digits and _ . : / - *"),
+        ("b\\u001b[31mox", "should be printable, on one line"),
+        ("b[oa]x", "there is no such body; allowed: plane, ball-1, ball-2, box; did you mean 'box'?"),
+        ("b?x", "there is no such body; allowed: plane, ball-1, ball-2, box; did you mean 'box'?"),
         ("a" * 10_000, "allowed: at most 100 characters"),
         ("bax", "there is no such body; allowed: plane, ball-1, ball-2, box; did you mean 'box'?"),
     ],

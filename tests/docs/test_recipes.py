@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from bodycheck.casefile.finding import OF_CASES
 from tests.support import ROOT
 
 #: A case whose runs are short.
@@ -82,7 +83,7 @@ def test_without_case_files_nothing_is_run(repository: Path, file: str) -> None:
     variables = dict.fromkeys(("CASES", "ENGINES", "BASELINE"), "")
     done = run(steps(file)["Run the cases"], repository, OUT=str(repository / "results"), BODYCHECK="bodycheck", **variables)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == ".: there is no case file (*.case.toml) in this folder or below it\n"
+    assert done.stderr == f".: there is no {OF_CASES} in this folder or below it\n"
     assert not list(repository.rglob("results.*"))
 
 

@@ -8,7 +8,7 @@ import pytest
 from bodycheck import Truth, load, truth
 from bodycheck.figures import mechanisms, touching
 from bodycheck.figures.bounds import rounded_up, within_truth
-from bodycheck.figures.columns import COLUMNS, FIGURES, bounds_of, truth_bounds
+from bodycheck.figures.columns import BEFORE_DEPARTURE, COLUMNS, DEPARTURE, FIGURES, bounds_of, truth_bounds
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.observables import observe
 
@@ -38,7 +38,18 @@ def test_the_new_columns_follow_those_that_were_there() -> None:
     assert names[first - 1] == "time_in_contact"
     assert names[first : first + len(BOUNDS)] == BOUNDS
     own = (figure.name for module in (mechanisms, touching) for figure in module.FIGURES)
-    later = ("quaternion_norm_error", *own, "kind", "tags", "steps_taken", "steps_rejected", "evaluations", "role")
+    later = (
+        "quaternion_norm_error",
+        *own,
+        "kind",
+        "tags",
+        "steps_taken",
+        "steps_rejected",
+        "evaluations",
+        "role",
+        DEPARTURE,
+        *BEFORE_DEPARTURE.values(),
+    )
     assert all(name.endswith(("_limit", "_margin")) or name in later for name in names[first + len(BOUNDS) :])
     assert list(COLUMNS).index("truth_error") < list(COLUMNS).index("steps")
 

@@ -140,7 +140,7 @@ def test_export_needs_no_truth(file: Path, tmp_path: Path, monkeypatch: pytest.M
 def test_functions_have_the_options_of_their_commands(function: Callable[..., object], left_out: set[str]) -> None:
     from bodycheck.commands.command_line import COMMANDS
 
-    shown = {"json", "table", "view", "quiet", "figures", "save", "junit"}
+    shown = {"json", "table", "view", "quiet", "figures", "save", "junit", "robots"}
     (options,) = (
         inspect.signature(one).parameters for one in COMMANDS if inspect.isfunction(one) and one.__name__ == function.__name__
     )

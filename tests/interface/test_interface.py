@@ -211,7 +211,7 @@ def test_results_are_frozen(all_results: tuple[Results, ...]) -> None:
         (bodycheck.tradeoff, ["free-brick"], {"batch": 0}),
         (bodycheck.tradeoff, ["free-brick"], {"batch": "10,x"}),
         (bodycheck.tradeoff, ["free-brick"], {"batch": 10**9}),
-        (bodycheck.extremes, ["dumbbell"], {}),
+        (bodycheck.extremes, ["dumbell"], {}),
         (bodycheck.recommend, ["free-brick"], {"error": -1}),
         (bodycheck.recommend, ["free-brick"], {"error": "x"}),
         (bodycheck.recommend, ["free-brick"], {"error": 1e-3, "quantity": "atitude"}),
@@ -267,10 +267,10 @@ def test_single_runs_refuse_what_they_cannot_use() -> None:
 
 
 def test_functions_have_the_options_of_their_commands() -> None:
-    """Those that are left out are about the terminal, or are given by what a function returns."""
+    """Those that are left out are about the terminal, are given by what a function returns, or are options of load."""
     from bodycheck.commands.command_line import COMMANDS
 
-    shown = {"json", "table", "view", "quiet", "figures", "save", "junit"}
+    shown = {"json", "table", "view", "quiet", "figures", "save", "junit", "robots"}
     commands = {one.__name__: inspect.signature(one).parameters for one in COMMANDS if inspect.isfunction(one)}
     for function in (bodycheck.run, bodycheck.tradeoff, bodycheck.recommend, bodycheck.extremes):
         own = inspect.signature(function).parameters

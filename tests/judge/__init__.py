@@ -9,10 +9,11 @@ motion by equations of its own. A truth holds where no printed number is farther
 - `turning`: attitudes of bodies whose angular velocity is known.
 - `solids`, `states`, `planes`: inertia, states, and bodies on planes, as files state them.
 - `jointed`: bodies on hinges and sliders with dry friction.
+- `maximal`: trees of bodies on hinges, sliders and welds, free bases included, in the coordinates of every body.
 - `slips`, `balls`, `blocks`, `drops`, `rods`, `coins`: bodies that touch a plane, by families.
-- `mechanism_scenes`, `contact_scenes`, `documents`: scenes drawn from a seed, and their case files.
+- `mechanism_scenes`, `tree_scenes`, `contact_scenes`, `documents`: scenes drawn from a seed, and their case files.
 - `verdicts`: the comparison.
 
-`python -m tests.judge mechanisms 1 500` and `python -m tests.judge contacts 1 500` judge so many scenes from a seed on and
-print a line for each.
+`python -m tests.judge mechanisms 1 500`, with `trees` or `contacts` in place of `mechanisms` too, judges so many scenes from a
+seed on and prints a line for each.
 """

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bodycheck.errors import BadInput
-from bodycheck.robots import elements, mjcf_copy, mjcf_meshes, urdf
+from bodycheck.robots import elements, mjcf_assembly, mjcf_meshes, urdf
 from bodycheck.robots.checked import UNWANTED, Checked, checked
 from bodycheck.robots.elements import Element
 from bodycheck.robots.named_files import PATHS, local
@@ -285,10 +285,10 @@ def test_included_files_have_limits_together(tmp_path: Path, monkeypatch: pytest
     text = mjcf("", '<include file="0.xml"/>')
     with pytest.raises(BadInput, match="nested more than 200 deep"):
         copied(tmp_path, text)
-    monkeypatch.setattr(mjcf_copy, "MAX_ELEMENTS", 150)
+    monkeypatch.setattr(mjcf_assembly, "MAX_ELEMENTS", 150)
     with pytest.raises(BadInput, match="more than 150 elements with those that it includes"):
         copied(tmp_path, text)
-    monkeypatch.setattr(mjcf_copy, "MAX_INCLUDES", 2)
+    monkeypatch.setattr(mjcf_assembly, "MAX_INCLUDES", 2)
     with pytest.raises(BadInput, match="more than 2 files are included"):
         copied(tmp_path, text)
 
@@ -296,10 +296,14 @@ def test_included_files_have_limits_together(tmp_path: Path, monkeypatch: pytest
 def test_bodies_and_joints_of_an_mjcf_get_names(tmp_path: Path) -> None:
     """Not those that stand for others, as in defaults and composites, where a name is not allowed."""
     rest = '<default><joint/></default><asset/><worldbody><body name="joint0"><joint/><frame><freejoint name=""/></frame>'
-    rest += '<body><joint name="b"/><composite><joint kind="main"/></composite></body></body></worldbody>'
+    rest += '<body><joint name="b"/><composite><joint kind="main"/></composite></body></body>'
+    rest += '<body name="arm"><joint/></body><body name="b"><joint/></body></worldbody>'
     root = copy_of(copied(tmp_path, f"<mujoco>{rest}</mujoco>"))
     named = [(element.tag, element.attributes["name"]) for element in root.everything() if "name" in element.attributes]
-    assert named == [("body", "joint0"), ("joint", "joint1"), ("freejoint", "joint2"), ("body", "body0"), ("joint", "b")]
+    assert named == [
+        *(("body", "joint0"), ("joint", "joint1"), ("freejoint", "joint2"), ("body", "body0"), ("joint", "b")),
+        *(("body", "arm"), ("joint", "arm"), ("body", "b"), ("joint", "joint3")),
+    ]
 
 
 NAMES = st.sampled_from(

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bodycheck import load
-from bodycheck.judging import judgement
+from bodycheck.judging import frames, judgement
 from bodycheck.results import journal, store
 from bodycheck.results.store import Results
 from bodycheck.running.plan import plan
@@ -54,7 +54,7 @@ FAILING = {
 
 
 def table_of(results: Results) -> pd.DataFrame:
-    return judgement.table(judgement.judge(results))
+    return frames.table(judgement.judge(results))
 
 
 def study(engines: tuple[str, ...], folder: Path, jobs: int = 0) -> pd.DataFrame:

@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 
 from bodycheck.adapters.method import Method
-from bodycheck.judging import judgement
+from bodycheck.judging import frames, judgement
 from bodycheck.results import journal, store
 from bodycheck.running import campaign
 from bodycheck.running.plan import Task
@@ -50,7 +50,7 @@ class Study:
         self.already = self.counted = 0
         with calls_here(), campaign.results(tasks, self.folder, header(*ENGINES), progress=self._advance, **options) as results:
             assert results.complete
-            table = judgement.table(judgement.judge(results))
+            table = frames.table(judgement.judge(results))
         return table.drop(columns=TIMINGS)
 
     def _advance(self, done: str, count: int = 1, /) -> None:
@@ -232,7 +232,7 @@ with campaign.results(tasks, Path(sys.argv[1]), head, jobs=2):
 
 
 def rows(folder: Path) -> pd.DataFrame:
-    return judgement.table(judgement.judge(store.read(folder))).drop(columns=TIMINGS)
+    return frames.table(judgement.judge(store.read(folder))).drop(columns=TIMINGS)
 
 
 def check_records(folder: Path, undisturbed: Path) -> None:

@@ -86,6 +86,7 @@ HEADERS: tuple[tuple[str, Any], ...] = (
     ("environments", {"mujoco": {f"package{place}": "0" for place in range(1000)}}),
     ("defaults", {"mujoco": {"integrator": "<style>*{}</style>"}}),
     ("precisions", {"mujoco": "float16"}),
+    ("soft", {"mujoco": {"loops": "<script>x</script>"}}),
     ("without_method", {"mujoco": {"../index": "why"}}),
     ("without_method", {"mujoco": {"free-brick": "\u202e"}}),
     ("more", {"entries": "unknown"}),

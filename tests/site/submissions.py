@@ -48,6 +48,7 @@ def header(day: str = "2026-01-01", engines: Mapping[str, str] | None = None, **
         "demonstrations": {},
         "precisions": dict.fromkeys(known, "float64"),
         "defaults": {name: {"integrator": "Euler", "timestep": "0.002 s"} for name in known},
+        "soft": {name: {"loops": "solref, solimp"} for name in known},
         "without_method": {name: {} for name in known},
     }
     return told | others

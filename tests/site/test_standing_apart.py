@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from bodycheck.casefile import case as case_files
-from bodycheck.casefile.mechanisms.model import file_text
+from bodycheck.casefile.mechanisms.stored import file_text
 from bodycheck.site import build, catalogue, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.submissions import archive, contents, gathering, packing

@@ -25,7 +25,10 @@ HEADER = {
     "demonstrations": {},
     "precisions": {},
     "defaults": {},
+    "soft": {},
     "without_method": {},
+    "robots": {},
+    "departures": {},
 }
 
 

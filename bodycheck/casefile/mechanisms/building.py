@@ -3,7 +3,7 @@
 The checks concern the mass matrix, the loops, and numbers that would overflow.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +14,9 @@ from bodycheck.casefile.scenes import MAX_SIZE, Inconsistent, attitude_of, inert
 from bodycheck.casefile.surroundings import attitude_on, build_contacts, build_plane, build_push, position_on
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.exact.numbers import Wide
-from bodycheck.reference.mechanisms import start
+from bodycheck.reference.mechanisms import mimicry, start
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism, Mimic
 from bodycheck.reference.scene import Plane, Shape, Solid, Vector
 
 #: Smallest pivot of the mass matrix relative to its diagonal element; a smaller pivot is rounding of the file's numbers.
@@ -177,7 +177,7 @@ def build_mechanism(table: grammar.MechanismTable) -> Mechanism:
     plane = build_plane(table.scene.plane)
     mechanism = Mechanism(
         tuple(_body(body, plane, free=body.name not in children) for body in table.bodies),
-        tuple(_joint(joint, places) for joint in table.joints),
+        _joints(table.joints, places),
         tuple(Loop((places[loop.bodies[0]], places[loop.bodies[1]]), loop.points) for loop in table.loops),
         table.scene.gravity,
         plane,
@@ -202,14 +202,30 @@ def _start(table: InitialTable, plane: Plane | None, shape: Shape | None) -> Bod
     return BodyStart(position, attitude, table.velocity, rotation_of(table))
 
 
-def _joint(table: grammar.JointTable, places: dict[str, int]) -> Joint:
+def _joints(tables: Sequence[grammar.JointTable], places: dict[str, int]) -> tuple[Joint, ...]:
+    """Return the joints of tables; those that follow others begin where their rules say."""
+    order = {table.name: index for index, table in enumerate(tables)}
+    joints = [_joint(table, places, order) for table in tables]
+    starts = {index: mimicry.start(joints, index) for index, joint in enumerate(joints) if joint.mimic is not None}
+    for index, (position, velocity) in starts.items():
+        joints[index] = replace(joints[index], start=(float(position),), start_velocity=(float(velocity),))
+    return tuple(joints)
+
+
+def _joint(table: grammar.JointTable, places: dict[str, int], order: Mapping[str, int]) -> Joint:
     name: JointType = getattr(table, "type")  # noqa: B009  (a key of the tables, which are generated from the types)
     forces = {key: getattr(table, key) for key in FORCES if key in type(table).model_fields}
     keys = JOINT_TYPES[name].start
     start, velocity = (_numbers(table, keys.position), _numbers(table, keys.velocity)) if keys is not None else ((), ())
     parent, child = places[table.parent], places[table.child]
+    rule = table.mimic if isinstance(table, grammar.AxisTable) else None
+    mimic = None if rule is None else Mimic(order[rule.joint], rule.multiplier, rule.offset)
     return Joint(
-        *(table.name, name, parent, child, table.position, attitude_of(table)), **forces, start=start, start_velocity=velocity
+        *(table.name, name, parent, child, table.position, attitude_of(table)),
+        **forces,
+        start=start,
+        start_velocity=velocity,
+        mimic=mimic,
     )
 
 

@@ -20,6 +20,8 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             yield ("bodies",), "is missing; a mechanism has [[bodies]], or a [model] with a file"
         if "initial" in document:
             yield ("initial",), "is that of a [model]; here, joints and free bodies have an initial of their own"
+    for path, message in start_faults(mapping(mapping(document.get("initial")).get("base"))):
+        yield ("initial", "base", *path), message
     yield from _twice("bodies", bodies)
     yield from _twice("joints", joints)
     names = list(dict.fromkeys(name for body in bodies if isinstance(name := body.get("name"), str) and name != WORLD))
@@ -31,6 +33,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         for path, message in (*_of_joint(joint, names), *_of_child(index, joint, joints, holder)):
             yield ("joints", index, *path), message
     yield from _circles(joints)
+    yield from _of_mimicry(joints)
     for index, loop in enumerate(tables_of(document, "loops", MAX_LOOPS)):
         for path, message in _of_loop(loop, names):
             yield ("loops", index, *path), message
@@ -127,6 +130,31 @@ def _circles(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
                 f"goes round in a circle: {round_}; a chain begins at the world or a free body, and [[loops]] close it",
             )
         done |= set(way)
+
+
+def _of_mimicry(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of rules by which joints follow others: unknown joints, circles, and a start of their own."""
+    leaders = {joint.get("name"): mapping(joint.get("mimic")).get("joint") for joint in joints}
+    single = [joint["name"] for joint in joints if joint.get("type") in ("revolute", "prismatic") and "name" in joint]
+    for index, joint in enumerate(joints):
+        leader = mapping(joint.get("mimic")).get("joint")
+        if not isinstance(leader, str):
+            continue
+        if leader not in single:
+            listed = _listed([name for name in single if name != joint.get("name")])
+            yield ("joints", index, "mimic", "joint"), f"is no revolute or prismatic joint; allowed: {listed}"
+        if "initial" in joint:
+            yield ("joints", index, "initial"), "the joint follows another one, whose initial determines its own; leave it out"
+        way = [joint.get("name")]
+        while isinstance(leader, str) and leader not in way:
+            way.append(leader)
+            leader = leaders.get(leader)
+        if leader == joint.get("name"):
+            circle = " <- ".join(map(_quoted, [*way, leader]))
+            yield (
+                ("joints", index, "mimic"),
+                f"the rules go round in a circle: {circle}; a joint follows one that moves by itself",
+            )
 
 
 def _of_loop(loop: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:

@@ -1,12 +1,25 @@
 """The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, cast, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
+from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile import grammar
+from bodycheck.casefile.grammar import WORD
+from bodycheck.casefile.robots.reading import Ignored
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, NonNegative, Number, Table, Text, Vector
+from bodycheck.casefile.values import (
+    DIGEST,
+    MAX_PUSHES,
+    Label,
+    NonNegative,
+    Notice,
+    Number,
+    Positive,
+    Table,
+    Text,
+    Vector,
+)
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, StartKeys
 
 #: Version of the format of case files of mechanisms.
@@ -19,6 +32,12 @@ WORLD = "world"
 MAX_BODIES = 200
 MAX_LOOPS = 200
 
+#: Limits of a model: the number of files that are read for it and of notices, the number of a keyframe, and of words of ignore.
+MAX_FILES = 1000
+MAX_NOTICES = 200
+MAX_KEYFRAME = 10**6
+MAX_IGNORED = 50
+
 NonNegativeVector = tuple[NonNegative, NonNegative, NonNegative]
 Pair = tuple[Number, Number]
 AnyInertia = Annotated[
@@ -27,14 +46,11 @@ AnyInertia = Annotated[
 ]
 
 
-def _not_a_number(value: str) -> str:
-    if value.isdecimal():
-        raise ValueError("should have more than digits, since a number counts bodies and joints")
-    return value
+#: The name of a body or joint: any printable text. In key paths, names of other characters than `PLAIN_NAME` are quoted.
+PartName = Label
 
-
-#: The name of a body or joint. It may be a part of a dotted key path.
-PartName = Annotated[str, Field(strict=True, pattern=PART_NAME, max_length=MAX_NAME_LENGTH), AfterValidator(_not_a_number)]
+#: The words of the key `ignore`.
+IGNORED: tuple[Ignored, ...] = get_args(Ignored)
 
 
 class JointedTable(Table):
@@ -68,6 +84,8 @@ class SphereBody(JointedTable, grammar.SphereTable):
 
 class ShapelessBody(JointedTable, grammar.ShapelessTable):
     """A body of which only mass and inertia matter: these themselves, or particles, or parts that make them."""
+
+    mass: NonNegative | None = Field(default=None, description="kg, with inertia; 0 for a frame, whose inertia is 0")
 
 
 BODY_TABLES: dict[str, type[Table]] = {
@@ -122,6 +140,14 @@ class JointTable(Table):
     )
 
 
+class MimicTable(Table):
+    """The rule by which a joint follows another joint with one coordinate."""
+
+    joint: PartName = Field(description="name of the other joint")
+    multiplier: Number = Field(default=1.0, description="of its coordinate")
+    offset: Number = Field(default=0.0, description="added to the product, rad or m")
+
+
 class AxisTable(JointTable):
     """The keys of joints with one coordinate."""
 
@@ -132,6 +158,9 @@ class AxisTable(JointTable):
     rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
     friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
     effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
+    mimic: MimicTable | None = Field(
+        default=None, description="coordinate = multiplier * (that of the other joint) + offset, in place of initial"
+    )
 
 
 def _joint_table(form: JointForm) -> type[JointTable]:
@@ -161,22 +190,90 @@ class LoopTable(Table):
     points: tuple[Vector, Vector] = Field(description="the two points, each in the frame of its body, m")
 
 
+class FileTable(Table):
+    """A file that was read for a model."""
+
+    name: Text = Field(description="its path from the folder of the model, or in a package")
+    sha256: Annotated[str, Field(strict=True, pattern=DIGEST)] = Field(description="digest of its content")
+
+
+class RangeTable(Table):
+    """The limits of a joint, which the mechanics of a case does not have."""
+
+    joint: PartName = Field(description="its name")
+    lower: Number | None = Field(default=None, description="smallest coordinate, rad or m")
+    upper: Number | None = Field(default=None, description="largest coordinate, rad or m")
+
+
+#: Tables of bodies, joints or loops in `[model.stored]`, which are checked where they stand in for those of a case file.
+StoredTables = Annotated[tuple[dict[str, Any], ...], Field(max_length=MAX_BODIES)]
+
+
 class StoredTable(Table):
     """What was read of a model, as bodycheck stores it with the case."""
 
-    text: str = Field(description="content of the file")
+    files: Annotated[tuple[FileTable, ...], Field(max_length=MAX_FILES)] = Field(
+        default=(), description="the files that were read, the model first"
+    )
+    bodies: StoredTables = Field(default=(), description="tables as in [[bodies]]")
+    joints: StoredTables = Field(default=(), description="tables as in [[joints]]")
+    loops: StoredTables = Field(default=(), description="tables as in [[loops]]")
+    base: PartName | None = Field(default=None, description="name of the joint of the free base, if there is one")
+    timestep: Positive | None = Field(default=None, description="of the file, s")
+    without: Annotated[tuple[Ignored, ...], Field(max_length=len(IGNORED))] = Field(
+        default=(), description="words of ignore that leave out something that the file has"
+    )
+    notices: Annotated[tuple[Notice, ...], Field(max_length=MAX_NOTICES)] = Field(
+        default=(), description="sentences on parts of the file that are no mechanics of the case"
+    )
+    ranges: Annotated[tuple[RangeTable, ...], Field(max_length=MAX_BODIES)] = Field(default=(), description="limits of joints")
+    touching: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="whether bodies have shapes that may touch"
+    )
+    texts: Annotated[tuple[tuple[str, str], ...], Field(max_length=MAX_FILES)] = Field(
+        default=(), description="names and contents of the files that are texts"
+    )
+    text: str | None = Field(default=None, description="content of the model; earlier versions stored nothing else")
+
+
+def _kind_of_keyframe(value: Any) -> str:
+    return WORD if isinstance(value, str) else "number"
+
+
+Keyframe = Annotated[
+    Annotated[Text, Tag(WORD)] | Annotated[int, Field(strict=True, ge=0, le=MAX_KEYFRAME), Tag("number")],
+    Discriminator(_kind_of_keyframe),
+]
 
 
 class ModelTable(Table):
     """A robot model in the place of bodies and joints."""
 
     file: Text = Field(description="URDF or MJCF, in the folder of the case file")
+    base: Literal["fixed", "free"] = Field(default="fixed", description="as the file says, or free: the root link floats")
+    ignore: Annotated[tuple[Ignored, ...], Field(max_length=MAX_IGNORED)] = Field(
+        default=(), description="what is left out on purpose"
+    )
+    keyframe: Keyframe | None = Field(
+        default=None, description="of MJCF, by its name or its number from 0, at which the joints start"
+    )
     stored: StoredTable | None = Field(default=None, description="what was read of it; bodycheck writes it")
 
 
-class ModelStartTable(Table):
-    """The state at t = 0 of the joints of a model, a table a joint."""
+class BaseStartTable(Table):
+    """The state at t = 0 of a free base: of the origin of the root link, not of its centre of mass."""
 
+    position: Vector | None = Field(default=None, description="of the origin of the root link, world frame, m")
+    velocity: Vector | None = Field(default=None, description="of the origin of the root link, world frame, m/s")
+    euler_zxz: Vector | None = Field(default=None, description="phi, theta, psi, rad")
+    quaternion: grammar.Quaternion | None = Field(default=None, description="w, x, y, z, root link to world")
+    angular_velocity: Vector | None = Field(default=None, description="along the axes of the root link, rad/s")
+
+
+class ModelStartTable(Table):
+    """The state at t = 0 of a model: of its free base, and of its joints, a table a joint. The keyframe has the others."""
+
+    base: BaseStartTable | None = Field(default=None, description="the state of a free base")
     joints: dict[str, dict[str, Any]] = Field(default={}, description="the keys of the table initial of a joint, by its name")
 
 
@@ -233,7 +330,11 @@ TABLES: dict[Path, type[Table]] = {
     ("bodies", "initial"): grammar.InitialTable,
     ("model",): ModelTable,
     ("model", "stored"): StoredTable,
+    ("model", "stored", "files"): FileTable,
+    ("model", "stored", "ranges"): RangeTable,
     ("initial",): ModelStartTable,
+    ("initial", "base"): BaseStartTable,
+    ("joints", "mimic"): MimicTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
     ("scene", "plane"): grammar.PlaneTable,

@@ -1,45 +1,43 @@
 """The table `[model]` of a case file: a robot model, URDF or MJCF, instead of `[[bodies]]` and `[[joints]]`.
 
-The model is a regular file in the folder of the case file. When the case is loaded, the text of the model is appended to the
-text of the case as `[model.stored]`, so that the text of a case always contains its mechanism.
+The model is a regular file in the folder of the case file. When the case is loaded, what was read of the model is appended to
+the text of the case as `[model.stored]`; see `stored`.
 """
 
 import copy
-import functools
-import json
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from bodycheck.casefile.content import Case
+from pydantic import ValidationError
+
 from bodycheck.casefile.formats import is_mechanism
-from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
-from bodycheck.casefile.raw_values import mapping
-from bodycheck.casefile.robots import mjcf_tree, urdf
-from bodycheck.casefile.robots.tables import Tables
+from bodycheck.casefile.mechanisms import stored
+from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
+from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.robot_notes import JointRange, RobotNotes
+from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
-from bodycheck.files import reading
+from bodycheck.reference.exact.rotations import attitude
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.rest import is_at_rest
+from bodycheck.reference.scene import EulerAngles
 from bodycheck.robots import elements
 from bodycheck.suggestion import did_you_mean
-
-#: The mark between the text of a case file and the text of its model.
-MARK = "\n# The text of the model, as it was read beside this file.\n[model.stored]\ntext = "
 
 #: The name of a file, without a folder.
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
 
-#: The functions that read the tables of bodies and joints, by the tag of the root of the file.
-READERS = {"robot": urdf.tree, "mujoco": mjcf_tree.tree}
-
 #: The path of the key with the name of the model.
 FILE: Path = ("model", "file")
 
-#: The character that JSON writes unescaped, but TOML allows only escaped.
-DELETE = "\x7f"
+#: The table of the start of a free base, and its keys by the keys of the start of a free joint.
+BASE: Path = ("initial", "base")
+BASE_KEYS = {"position": "position", "quaternion": "quaternion", "linear": "velocity", "velocity": "angular_velocity"}
 
 
 @dataclass(frozen=True)
@@ -52,128 +50,145 @@ class Expanded:
         The document with the tables of the model; the document of the file if it has no model, or its model cannot be read.
     faults
         The faults of the table and of the model, as pairs of path and message.
-    from_model
-        Whether the bodies and joints come from a model.
+    base
+        The index of the joint of the free base; None if there is none.
     timestep
         The time step (s) that the file of the model states; None if it states none.
+    notes
+        The notes on the model; None if the bodies and joints do not come from a model.
     """
 
     document: dict[str, Any]
     faults: tuple[tuple[Path, str], ...] = ()
-    from_model: bool = False
+    base: int | None = None
     timestep: float | None = None
+    notes: RobotNotes | None = None
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
         """Return the path in the case file, and the message, of a fault in the document."""
+        if self.notes is None:
+            return path, message
         match path:
-            case ("joints", int(index), "initial", *rest) if self.from_model:
-                return ("initial", "joints", self.document["joints"][index]["name"], *rest), message
-            case (("bodies" | "joints") as tables, int(index), *rest) if self.from_model:
-                name = self.document[tables][index]["name"]
+            case ("joints", int(index), "initial", str(key), *rest) if index == self.base and self._is_of_base(key):
+                return (*BASE, BASE_KEYS[key], *rest), message
+            case ("joints", int(index), "initial", *rest):
+                return ("initial", "joints", self._name("joints", index), *rest), message
+            case (("bodies" | "joints" | "loops") as tables, int(index), *rest):
+                name = elements.quoted(self._name(tables, index))
                 key = ".".join(str(part + 1 if isinstance(part, int) else part) for part in rest)
-                return (
-                    FILE,
-                    f"{tables.replace('ies', 'y').removesuffix('s')} {elements.quoted(name)}: {key and key + ': '}{message}",
-                )
-            case (("bodies" | "joints"), *_) if self.from_model:
+                return FILE, f"{SINGLE[tables]} {name}: {key and key + ': '}{message}"
+            case (("bodies" | "joints" | "loops"), *_):
                 return FILE, message
         return path, message
 
+    def _is_of_base(self, key: str) -> bool:
+        return BASE_KEYS.get(key) in mapping(mapping(self.document.get("initial")).get("base"))
 
-def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[str, str | None]:
-    """Return the text of a case file with the text of its model appended, and None; or the text alone, and a reason.
+    def _name(self, tables: str, index: int) -> str:
+        return str(mapping(self.document[tables][index]).get("name", index + 1))
 
-    The reason says why the model was not read; it is None if the file names no model, or has its text.
 
-    document: the document of the text. folder: the folder of the case file.
+#: What one table of an array is called.
+SINGLE = {"bodies": "body", "joints": "joint", "loops": "loop"}
+
+
+def with_model(
+    text: str, document: dict[str, Any], folder: FilePath, packages: Sequence[FilePath] = (), follow: bool = False
+) -> tuple[str, tuple[tuple[Path, str], ...]]:
+    """Return the text of a case file with what was read of its model, and no faults; or the text alone, and faults.
+
+    The text is returned as it is, without faults, if the file names no model, or has what was read of it.
+
+    Parameters
+    ----------
+    text, document
+        The text of the case file, and its document.
+    folder
+        The folder of the case file.
+    packages
+        Folders that the user named, in which the model may name files.
+    follow
+        Whether the model may be a symbolic link, because the user named it.
     """
     table = mapping(document.get("model"))
     name = table.get("file")
     if not is_mechanism(document) or "stored" in table or not isinstance(name, str):
-        return text, None
+        return text, ()
     if not FILE_NAME.fullmatch(name):
-        return text, "must be the name of a file in the folder of this one"
+        return text, ((FILE, "must be the name of a file in the folder of this one"),)
     try:
-        tomllib.loads(f'{text}{MARK}""')
+        tomllib.loads(f"{text}{stored.MARK}")
     except tomllib.TOMLDecodeError:  # after an inline table
-        return text, "is not in a table of its own; write it below a line [model]"
-    try:
-        content = reading.content(folder / name, elements.MAX_BYTES).decode("utf-8")
-    except reading.Refused as error:
-        return text, error.reason
-    except UnicodeDecodeError:
-        return text, "cannot be read: it is not UTF-8"
-    except OSError as error:
-        return text, f"cannot be read: {error.strerror}"
-    return text + MARK + json.dumps(content, ensure_ascii=False).replace(DELETE, "\\u007f") + "\n", None
+        return text, ((FILE, "is not in a table of its own; write it below a line [model]"),)
+    from bodycheck.casefile.mechanisms import model_reading  # what is stored is read without the readers of robots' files
 
-
-def split(text: str) -> tuple[str, dict[str, Any] | None]:
-    """Return the text of a case file as it was read, and the table of the model appended to it (None without model)."""
-    text_of_file, mark, stored = text.partition(MARK)
-    if not mark:
-        return text, None
     try:
-        return text_of_file, {"text": json.loads(stored)}
+        return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(table))), ()
+    except BadInput as error:
+        return text, tuple((FILE, line) for line in str(error).splitlines())
     except ValueError:
-        return text, None
+        return text, ((FILE, "has a number that is too large"),)
 
 
-def file_text(case: Case) -> str:
-    """Return the text of the file of a case alone, without the text of its model."""
-    return split(case.text)[0]
+def choice(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of `Choice` in a table `[model]`, except `files`. Invalid values count as absent."""
+    ignore, keyframe = table.get("ignore"), table.get("keyframe")
+    return {
+        "ignore": frozenset(word for word in IGNORED if word in ignore) if isinstance(ignore, list) else frozenset(),
+        "base": "free" if table.get("base") == "free" else "fixed",
+        "keyframe": keyframe if isinstance(keyframe, str) or (type(keyframe) is int and keyframe >= 0) else None,
+    }
 
 
-def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
-    """Return the document of a case file with the bodies and joints of its model, whose text is stored in it.
+def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ()) -> Expanded:
+    """Return the document of a case file with the bodies and joints of its model, which are stored in it.
 
-    The document may have other faults. refused: why the text of the model is missing, if known.
+    The document may have other faults. refused: why the model was not read.
     """
     table = mapping(document.get("model"))
     if "model" not in document or not is_mechanism(document):
         return Expanded(document)
-    both = tuple(((name,), "[model] is given too; give only one") for name in ("bodies", "joints") if name in document)
-    file, text = table.get("file"), mapping(table.get("stored")).get("text")
-    if both or not isinstance(file, str):
-        return Expanded(document, both)
-    if not isinstance(text, str):
-        return Expanded(document, ((FILE, refused or "is read only where a case file is loaded from its folder"),))
+    both = tuple(((name,), "[model] is given too; give only one") for name in ("bodies", "joints", "loops") if name in document)
+    file = table.get("file")
+    if both or refused or not isinstance(file, str):
+        return Expanded(document, (*both, *refused))
+    if not isinstance(table.get("stored"), dict):
+        return Expanded(document, ((FILE, "is read only where a case file is loaded from its folder"),))
     try:
-        tables, timestep = copy.deepcopy(_read(text, file))
+        read = StoredTable.model_validate(table["stored"])
+        if read.text is not None:
+            from bodycheck.casefile.mechanisms import model_reading
+
+            read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(table)))
+    except ValidationError:  # reported with the faults of the grammar
+        return Expanded(document)
     except BadInput as error:
-        return Expanded(document, ((FILE, str(error)),))
-    return _started(document, tables, timestep)
+        return Expanded(document, tuple((FILE, line) for line in str(error).splitlines()))
+    return _started(document, read, file)
 
 
-@functools.lru_cache(maxsize=2)
-def _read(text: str, file: str) -> tuple[Tables, float | None]:
-    """Return the tables of the bodies and joints of a model, and its time step (s); None if it states none.
-
-    Raises `BadInput` if they cannot be read.
-    """
-    root = elements.parsed(text.encode("utf-8", "replace"), file)
-    if root.tag not in READERS:
-        elements.refuse_root(root)
-    tables = READERS[root.tag](root, WORLD)
-    if not tables["bodies"]:
-        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
-    if len(tables["bodies"]) > MAX_BODIES:
-        raise BadInput(f"{root.file}: has {len(tables['bodies'])} bodies; allowed: at most {MAX_BODIES}")
-    return tables, mjcf_tree.timestep(root)
-
-
-def _started(document: dict[str, Any], tables: Tables, timestep: float | None) -> Expanded:
+def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded:
     """Return a document with the tables of a model, whose joints get the initial states that the document states."""
-    initial = mapping(mapping(document.get("initial")).get("joints"))
-    joints = {joint["name"]: joint for joint in tables["joints"]}
-    for name, start in initial.items():
-        if name in joints:
-            joints[name]["initial"] = mapping(joints[name].get("initial")) | copy.deepcopy(mapping(start))
+    bodies, joints, loops = copy.deepcopy((list(read.bodies), list(read.joints), list(read.loops)))
+    names = [str(joint.get("name")) for joint in joints]
+    initial = mapping(document.get("initial"))
+    starts = mapping(initial.get("joints"))
+    for joint, name in zip(joints, names, strict=True):
+        if name in starts:
+            joint["initial"] = mapping(joint.get("initial")) | copy.deepcopy(mapping(starts[name]))
+    faults = [*_unknown(starts, names)]
+    base = names.index(read.base) if read.base in names else None
+    if "base" in initial:
+        faults += _of_base(starts, None if base is None else names[base])
+        if base is not None:
+            joints[base]["initial"] = mapping(joints[base].get("initial")) | _base_start(mapping(initial["base"]))
+    ranges = tuple(JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
     return Expanded(
-        {**document, "bodies": tables["bodies"], "joints": tables["joints"]},
-        tuple(_unknown(initial, list(joints))),
-        from_model=True,
-        timestep=timestep,
+        {**document, "bodies": bodies, "joints": joints, **({"loops": loops} if loops else {})},
+        tuple(faults),
+        base,
+        read.timestep,
+        RobotNotes(file, read.without, read.notices, ranges, read.touching),
     )
 
 
@@ -186,9 +201,39 @@ def _unknown(initial: Mapping[str, Any], joints: list[str]) -> Iterator[tuple[Pa
             yield ("initial", "joints", name), "should be a table"
 
 
+def _of_base(joints: Mapping[str, Any], base: str | None) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of a table `[initial.base]` beside other tables.
+
+    joints: the tables `[initial.joints]`. base: the name of the joint of the free base; None if there is none.
+    """
+    if base is None:
+        yield BASE, 'the base of the model is fixed; base = "free" in [model] lets it float'
+    elif base in joints:
+        yield BASE, f"[initial.joints.{base}] is given too, which is the joint of the base; give only one"
+
+
+def _base_start(start: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the table `initial` of the joint of a free base."""
+    table = {key: copy.deepcopy(start[name]) for key, name in BASE_KEYS.items() if name in start}
+    if (angles := numbers(start.get("euler_zxz"), 3)) is not None:
+        table["quaternion"] = doubles(attitude(EulerAngles(*angles)))
+    return table
+
+
+#: The notice on a scene without motion.
+NOTHING_MOVES = "Nothing moves in this scene: it starts at rest in an equilibrium."
+
+
+def with_scene(notes: RobotNotes, scene: AnyScene) -> RobotNotes:
+    """Return the notes on a model with a notice if nothing moves in the scene that was made of it."""
+    if isinstance(scene, Mechanism) and is_at_rest(scene):
+        return replace(notes, notices=(NOTHING_MOVES, *notes.notices))
+    return notes
+
+
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document of a case file with tables of bodies and joints instead of a model, if the model can be read."""
     expansion = expanded(dict(document))
-    if not expansion.from_model:
+    if expansion.notes is None:
         return expansion.document
     return {name: value for name, value in expansion.document.items() if name not in ("model", "initial")}

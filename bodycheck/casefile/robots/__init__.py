@@ -1,5 +1,6 @@
-"""One body of a robot model, URDF or MJCF, as the text of a case file.
+"""Robot models, URDF and MJCF, for cases: one body, or all bodies and joints as tables.
 
-A robot model comes from a stranger and is data: it is read by `bodycheck.robots.elements`, and no file that it names is opened.
-`urdf` and `mjcf` read the body; `template` writes it into a case.
+A robot model comes from a stranger and is data: `bodycheck.robots.elements` reads it, and it may name files only in folders
+that the user named. `reading` has the result of reading a whole model, by `urdf.tree` or `mjcf.tree`. `urdf.link` and
+`mjcf.link` read one body. `direct` makes the case that a robot's file is by itself.
 """

@@ -38,6 +38,21 @@ def numbers(
     return values
 
 
+def many(element: Element, attribute: str, default: tuple[float, ...] | None = None) -> tuple[float, ...]:
+    """Return the numbers of an attribute that may have any number of them, as `numbers` does."""
+    text = element.attributes.get(attribute)
+    if text is None:
+        if default is not None:
+            return default
+        refuse(element, attribute, "is missing; allowed: numbers separated by spaces")
+    values = read_numbers(text, len(text))
+    if values is None or not all(abs(value) <= MAX_NUMBER for value in values):
+        refuse(
+            element, attribute, f"read {quoted(text)}; allowed: numbers separated by spaces, of at most {MAX_NUMBER:g} in size"
+        )
+    return values
+
+
 def number(element: Element, attribute: str, default: float | None = None) -> float:
     """Return the number of an attribute, as `numbers` does."""
     (value,) = numbers(element, attribute, (1,), None if default is None else (default,))

@@ -76,7 +76,12 @@ def _renamed(submission: Submission, names: Mapping[str, str]) -> Submission:
     }
     return replace(
         submission,
-        header=replace(submission.header, without_method=without),
+        header=replace(
+            submission.header,
+            without_method=without,
+            robots={names.get(case, case): sentences for case, sentences in submission.header.robots.items()},
+            departures={names.get(case, case): instant for case, instant in submission.header.departures.items()},
+        ),
         tables={name: tuple(_row(row, names) for row in table) for name, table in submission.tables.items()},
         cases={names.get(name, name): text for name, text in submission.cases.items()},
         tracks=submission.tracks.renamed(names),

@@ -47,8 +47,15 @@ def checked(header: Mapping[str, Any]) -> HeaderRecord:
         for name, version in found.engines.items():
             _engine("engines", name)
             _text("engines", version, 100)
-        for name in ("engines", "missing", "environments", "demonstrations", "precisions", "defaults", "without_method"):
+        groups = ("environments", "demonstrations", "precisions", "defaults", "soft", "without_method")
+        for name in ("engines", "missing", *groups):
             _check_by_engine(name, getattr(found, name))
+        _check_size("robots", found.robots)
+        for sentences in found.robots.values():
+            _check_size("robots", dict.fromkeys(sentences))
+            for sentence in sentences:
+                _text("robots", sentence, LONGEST_REASON)
+        _check_size("departures", found.departures)
     except ValueError as error:
         raise BadInput(f"header: {' '.join(str(error).split())[:400]}") from error
     return found

@@ -8,6 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import (
+    AS_THEY_ARE,
     AS_USUAL,
     CaseName,
     Engines,
@@ -15,6 +16,7 @@ from bodycheck.console.options import (
     Integrators,
     Jobs,
     Json,
+    OfRobots,
     Out,
     Quiet,
     Timesteps,
@@ -33,6 +35,7 @@ def ablate(
         ),
     ] = (),
     timestep: Timesteps = (),
+    robots: OfRobots = AS_THEY_ARE,
     out: Out = None,
     figures: Figures = (),
     jobs: Jobs = None,
@@ -57,7 +60,7 @@ def ablate(
 
     check_has_folder(figures, out)
     tables.check(view, printing.MODELS)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as runs:
+    with ran(Selection(cases, engine, integrator, timestep, jobs, robots=robots), study.plan, out, quiet) as runs:
         results = runs.results
         rows = study.evaluate(results, runs.engines, integrator, timestep)
         report = present(results.header, results.cases, rows)

@@ -9,7 +9,7 @@ from bodycheck.reference.requirements import MechanismRequirements, Requirements
 from bodycheck.reports.charts import INK, Spec, framed
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -69,7 +69,7 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
         title="What larger models cost and change",
         headline=f"{count(len(rows), 'model')} in {count(len(compared), 'comparison')}",
         header=header,
-        notices=(*missing_engines(header), *failed),
+        notices=(*of_header(header), *failed),
         findings=tuple(finding for group in compared for finding in findings(group)),
         parts=tuple(part(case, by_case[name]) for name, case in cases.items() if name in by_case),
         reading=READING,

@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
@@ -72,7 +72,7 @@ def present(
         title="What engines really do",
         headline=f"{count(number, 'finding')} in {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
         header=header,
-        notices=(*missing_engines(header), *(f"{fault.text}." for fault in faults)),
+        notices=(*of_header(header), *(f"{fault.text}." for fault in faults)),
         findings=tuple(_by_property(rows)),
         parts=(
             *((_overview(engines),) if len(engines) > 1 else ()),

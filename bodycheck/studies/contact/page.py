@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from bodycheck.casefile.content import Case
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -44,7 +44,7 @@ def present(
         title="Contact: rolling, bouncing, resting, tipping",
         headline=f"{count(len(cases), 'scene')} in {count(len({row.engine for row in rows}), 'engine')}",
         header=header,
-        notices=tuple(missing_engines(header)),
+        notices=tuple(of_header(header)),
         findings=tuple(findings(sheet, reasons)),
         parts=tuple(_part(cases[name], scene_lines, reasons) for name, scene_lines in scenes.items()),
         reading=READING,

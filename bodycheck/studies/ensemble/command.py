@@ -9,7 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Out,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.console.output import end, tell
 from bodycheck.errors import FAILED, OK, BadInput
 
@@ -18,7 +31,12 @@ if TYPE_CHECKING:
     from bodycheck.running.members.executors import Executor
     from bodycheck.studies.ensemble.drawing.members import Source
 
-OneCase = Annotated[str, Parameter(help="The case: the name of a shipped case, or a case file. It has a table [ensemble].")]
+OneCase = Annotated[
+    str,
+    Parameter(
+        help="The case: the name of a shipped case or a case file with a table [ensemble], or with --from also a robot's file."
+    ),
+]
 
 From = Annotated[
     Path | None,
@@ -59,6 +77,7 @@ def ensemble(
     engine: Engines = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
+    robots: OfRobots = AS_THEY_ARE,
     from_: From = None,
     member: Member = None,
     write: Write = None,
@@ -85,6 +104,8 @@ def ensemble(
     """
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
+    from bodycheck.console.robots import tell as tell_robots
+    from bodycheck.running.robot_notices import as_loaded
     from bodycheck.studies.ensemble import printing
     from bodycheck.studies.ensemble.drawing import members as drawing
     from bodycheck.studies.ensemble.interface import carry_out
@@ -93,11 +114,13 @@ def ensemble(
     check_has_folder(figures, out)
     _check(member, write, out, dask, shard)
     tables.check(view, printing.ROWS, printing.DEPENDENCES)
-    loaded = load_case(case)
+    loaded = load_case(case, robots)
     source = drawing.drawn(loaded, members) if from_ is None else drawing.tabled(loaded, from_, members)
     if member is not None and write is not None:
         return _write_member(loaded, source, member, write)
     drawing.check(loaded, source)
+    if not quiet:
+        tell_robots(as_loaded([loaded]))
     engines = load_engines(engine, integrators=integrator)
     output, executor = Output(out, figures, quiet), _executor(dask, shard, processes(jobs))
     results = carry_out(loaded, source, engines, (integrator, timestep), executor, sys.argv, output)

@@ -20,7 +20,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.files import writing
-from bodycheck.running import campaign
+from bodycheck.running import campaign, robot_notices
 from bodycheck.running.campaign import Advance
 from bodycheck.running.members import chunk_files, chunks
 from bodycheck.running.members.chunks import Chunk, Receipt, Share, Source, Work
@@ -103,7 +103,8 @@ def run(
         If a cluster does not carry out all chunks; finished chunks are kept.
     """
     shares = planned(case, records, integrators, timesteps)
-    head = headers.of(campaign.header(command, records, missing or {}), case, source, shares, limit, memory, SAMPLE)
+    plain = campaign.header(command, records, missing or {}, robots=robot_notices.as_loaded([case]))
+    head = headers.of(plain, case, source, shares, limit, memory, SAMPLE)
     if source.size > MOST_BLOCKS * head["block"]:  # all blocks are enumerated before the first is run
         raise BadInput(
             f"{case.name}: {source.size} members, of which {head['block']} are treated at once; allowed: at most "

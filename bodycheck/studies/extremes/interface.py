@@ -37,7 +37,8 @@ def extremes(
     Parameters
     ----------
     cases
-        The same as the parameter of `bodycheck.run`. If none are given, all shipped cases with a table [extremes].
+        The same as the parameter of `bodycheck.run`. If none are given, all shipped cases with a table [extremes]. A case
+        without this table has axes that fit its scene.
     engine, integrator, jobs
         The same as the parameters of `bodycheck.run`.
     out
@@ -46,7 +47,7 @@ def extremes(
     Raises
     ------
     BadInput, Failed
-        In the same cases as by `bodycheck.run`, and `BadInput` for a case without a table [extremes].
+        In the same cases as by `bodycheck.run`.
     """
     results = plain.called("extremes", cases, engine, integrator, out, jobs)
     return ExtremesResults(results.report, results.rows_by_table, results.described)

@@ -6,7 +6,7 @@ from typing import Any
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.notices import Asked, missing_engines, not_supported
+from bodycheck.reports.notices import Asked, not_supported, of_header
 from bodycheck.reports.quantities import count, listing, milliseconds, number, verb
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -67,7 +67,7 @@ def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> Stu
 
 def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
     asked = (Asked(row.case, row.engine, row.version, row.detail if row.status == "unsupported" else "") for row in rows)
-    return (*missing_engines(header), *not_supported(asked))
+    return (*of_header(header), *not_supported(asked))
 
 
 def _unreported(rows: Sequence[Row]) -> list[Finding]:

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
-from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.axes import AXES, default_axes
 from bodycheck.casefile.content import Case
-from bodycheck.errors import BadInput
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -63,13 +62,6 @@ class Point:
     axis: str
     value: float
     timestep: float | None
-
-
-#: Axes that any case may have, to be copied into a case file.
-EXAMPLE = """
-[extremes]
-timestep = [0.0005, 0.002, 0.01, 0.05]   # s
-steps = [100, 1000, 10000]"""
 
 
 @dataclass(frozen=True)
@@ -140,13 +132,18 @@ def points(case: Case) -> Iterator[Point]:
         yield from (Point(case, "timestep", timestep, timestep) for timestep in timesteps)
 
 
+def with_axes(case: Case) -> Case:
+    """Return a case with the axes of a case without a table [extremes], unless it has one."""
+    return case if case.extremes else replace(case, extremes=default_axes(case))
+
+
 def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str]) -> Study:
     """Return the trials at every point of the cases' axes, and the searches for stability limits at every spin of an axis.
 
     Parameters
     ----------
     cases
-        The cases.
+        The cases; those without axes get default ones.
     engines
         The records of the engines by name.
     integrators
@@ -155,12 +152,9 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
     Raises
     ------
     BadInput
-        If a case has no axes, if no engine has an integrator, or if there is nothing to run.
+        If no engine has an integrator, or if there is nothing to run.
     """
-    if axisless := [case.name for case in cases if not case.extremes]:
-        raise BadInput(
-            f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes], for example:\n{EXAMPLE}"
-        )
+    cases = tuple(map(with_axes, cases))
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
         Trial(point, name, method)

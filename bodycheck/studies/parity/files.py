@@ -1,23 +1,13 @@
 """The files of robots that a user names: single files, and those in folders and of patterns, each with a name of its own."""
 
 import os
-import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck.casefile.finding import MAX_CASES, Tally, below, is_case_file, is_pattern, matches
+from bodycheck.casefile.robots.named import SUFFIXES, distinct, is_named_as_robot, may_be_robot
 from bodycheck.errors import BadInput
-from bodycheck.robots import elements
-from bodycheck.robots.named_files import local
-
-#: The ends of the names of robot files in folders. Programs of many kinds write files of the last one.
-SUFFIXES = (".urdf", ".mjcf", ".xml")
-OF_ANY_KIND = ".xml"
-
-#: The names of files that many robots have. A file of such a name has the name of its folder.
-OF_ANY_ROBOT = ("robot", "model")
 
 
 @dataclass(frozen=True)
@@ -28,7 +18,7 @@ class NamedFile:
     ----------
     name
         The name of its robot in tables: the name of the file without its ending, or the name of its folder if many robots have
-        files of that name, or a relative path if several files would have one name.
+        files of that name, or the end of its path if several files would have one name.
     path
         The path.
     refused
@@ -70,11 +60,11 @@ def named(paths: Sequence[Path]) -> NamedFiles:
     for path in paths:
         several = os.path.isdir(path) or is_pattern(str(path))
         for file, refused in _several(path) if several else [(path, "")]:
-            if refused or not several or _may_be_robot(file):
+            if refused or not several or may_be_robot(file):
                 meant.setdefault(os.path.realpath(file), (file, refused))
             else:
                 skipped.append(file)
-    names = _names([file for file, _ in meant.values()])
+    names = distinct([file for file, _ in meant.values()])
     return NamedFiles(tuple(NamedFile(names[file], file, refused) for file, refused in meant.values()), tuple(skipped))
 
 
@@ -84,44 +74,11 @@ def _several(path: Path) -> list[tuple[Path, str]]:
     files: set[tuple[Path, str]] = set()
     for match in [path] if os.path.isdir(path) else matches(path, tally):
         if os.path.isdir(match):
-            files |= set(below(match, _is_named_as_robot, tally))
-        elif _is_named_as_robot(match.name) or is_case_file(match):
+            files |= set(below(match, is_named_as_robot, tally))
+        elif is_named_as_robot(match.name) or is_case_file(match):
             files.add((match, ""))
     if len(files) > MAX_CASES:
         raise BadInput(f"{path}: stands for more than {MAX_CASES} files of robots; name fewer")
     ends = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
     where = "in this folder or below it" if os.path.isdir(path) else "of this pattern"
     return sorted(files) or [(path, f"there is no robot file ({ends}) {where}")]
-
-
-def _is_named_as_robot(name: str) -> bool:
-    return name.lower().endswith(SUFFIXES)
-
-
-def _may_be_robot(path: Path) -> bool:
-    """Return whether a file in a folder may be a robot's; a file that cannot be read may be one."""
-    if path.suffix.lower() != OF_ANY_KIND:
-        return True
-    try:
-        root = elements.read(path)
-    except BadInput:
-        return True
-    tags = {local(element.tag) for element in root.everything()} if root.tag == "mujoco" else set()
-    return root.tag == "robot" or not tags.isdisjoint(("body", "include"))
-
-
-def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Return distinct names of files: short ones, or paths from their common folder where several would have one name."""
-    absolute = [Path(os.path.abspath(path)) for path in paths]
-    shared = os.path.commonpath([path.parent for path in absolute]) if absolute else ""
-    counts = Counter(map(_short, absolute))
-    return {
-        path: short if counts[short := _short(whole)] == 1 else whole.relative_to(shared).as_posix()
-        for path, whole in zip(paths, absolute, strict=True)
-    }
-
-
-def _short(path: Path) -> str:
-    """Return the short name of a file with an absolute path."""
-    stem, folder = re.sub(r"\.case$", "", path.stem), path.parent.name
-    return folder if folder and stem.lower() in OF_ANY_ROBOT else stem

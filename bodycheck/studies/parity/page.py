@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from xml.etree.ElementTree import Element
 
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import count, number
 from bodycheck.reports.runs.junit import clean, document, element
 from bodycheck.reports.study import Part, StudyReport
@@ -69,7 +69,7 @@ def present(header: Header, models: Sequence[Parity]) -> StudyReport:
         title="How engines read robot files",
         headline=headline(models),
         header=header,
-        notices=tuple(missing_engines(header)),
+        notices=tuple(of_header(header)),
         findings=tuple(_findings(models)),
         parts=(_matrix(models), *(_robot(anchor, one) for anchor, one in zip(_anchors(models), models, strict=True))),
         reading=READING,

@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Out,
+    Quiet,
+    Viewed,
+)
 
 if TYPE_CHECKING:
     from bodycheck.studies.recommend.rows import Recommendation
@@ -23,6 +35,7 @@ def recommend(
     quantity: str = "attitude",
     engine: Engines = (),
     integrator: Integrators = (),
+    robots: OfRobots = AS_THEY_ARE,
     reuse: Annotated[
         Path | None,
         Parameter(help="A folder with results of `tradeoff` or `run`; steps that were measured there are not measured again."),
@@ -46,7 +59,7 @@ def recommend(
     Parameters
     ----------
     case
-        The name of a shipped case, or the path of a case file.
+        The name of a shipped case, the path of a case file, or the file of a robot (URDF or MJCF).
     error
         The largest allowed error over the duration of the case, in the unit of the figure: rad for the attitude, m for the
         position, relative for energy and angular momentum.
@@ -66,7 +79,7 @@ def recommend(
 
     check_has_folder(figures, out)
     tables.check(view, printing.ANSWERS)
-    loaded = load_case(case)
+    loaded = load_case(case, robots)
     engines = load_engines(engine, integrators=integrator)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     recommendation = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found

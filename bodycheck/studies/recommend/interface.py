@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bodycheck import conversion
 from bodycheck.console.arguments import Engines, load_engines
+from bodycheck.console.robots import noticed
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Names, OneCase
 from bodycheck.interface.results import StudyResults, Table
@@ -83,7 +84,8 @@ def carry_out(
     """
     engines.check_planned([planned.case], ((search.engine, search.method) for search in planned.searches))
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
-    head = campaign.header(command, engines.records, engines.missing)
+    robots = noticed([planned.case], jobs, output.quiet)
+    head = campaign.header(command, engines.records, engines.missing, robots=robots)
     with (
         output.work("searching", len(planned.searches)) as (folder, progress),
         study.results(planned, folder, head, jobs, progress, known) as recommendation,

@@ -8,7 +8,7 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import QUANTITIES, count, exactly, number
 from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart, Part, StudyReport
@@ -55,7 +55,7 @@ def present(header: Header, recommendation: Recommendation) -> StudyReport:
         title="The cheapest method that is accurate enough",
         headline=wording.headline(recommendation),
         header=header,
-        notices=tuple(missing_engines(header)),
+        notices=tuple(of_header(header)),
         findings=_findings(recommendation),
         parts=(
             Part(

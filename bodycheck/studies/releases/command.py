@@ -9,7 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Again, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
+from bodycheck.console.options import (
+    AS_THEY_ARE,
+    AS_USUAL,
+    Again,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    OfRobots,
+    Out,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -31,6 +44,7 @@ def releases(
     ] = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
+    robots: OfRobots = AS_THEY_ARE,
     last: int | None = None,
     out: Out = None,
     figures: Figures = (),
@@ -81,11 +95,10 @@ def releases(
     bar = partial(shown.progress, quiet=quiet)
     if model:
         return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
-    loaded = read_cases(case)
+    loaded = read_cases(case, robots)
     tell_left_out(loaded)
     results, tally = study.study(engine, chosen, loaded.cases, integrator, timestep, processes(jobs), bar, notices, again)
-    if out is not None:
-        _write(results, out, figures)
+    _write(results, out, figures)
     if json:
         document = {"engine": engine, "versions": chosen, "notices": notices, "took": asdict(tally)}
         print_json(document | {"rows": results.rows, "changes": [asdict(change) for change in results.changes]})
@@ -147,8 +160,10 @@ def _models(
     return end(decision, out, json=json, quiet=quiet)
 
 
-def _write(results: "Found", out: Path, figures: Figures) -> None:
-    """Write the tables and the report of a study into a folder."""
+def _write(results: "Found", out: Path | None, figures: Figures) -> None:
+    """Write the tables and the report of a study into a folder; do nothing if it is None."""
+    if out is None:
+        return
     from bodycheck import reports
     from bodycheck.studies.releases import rows
     from bodycheck.studies.releases.page import present
@@ -182,6 +197,7 @@ def bisect(
     limit: float,
     integrator: str = "",
     timestep: float | None = None,
+    robots: OfRobots = AS_THEY_ARE,
     again: Again = False,
     jobs: Jobs = None,
     json: Json = False,
@@ -203,7 +219,7 @@ def bisect(
     bad
         A release that exceeds the limit, or in which the run fails.
     case
-        The name of a shipped case, or the path of a case file.
+        The name of a shipped case, the path of a case file, or the file of a robot (URDF or MJCF).
     quantity
         A column of results, for example attitude_error.
     limit
@@ -219,7 +235,7 @@ def bisect(
     from bodycheck.studies.releases import bisection, printing
 
     check_engine(engine)
-    loaded = load_case(case)
+    loaded = load_case(case, robots)
     if timestep is None and integrator and Method.parse(integrator, 0.0).accuracy is not None:
         raise BadInput(f"{integrator}: its largest step may differ between releases; name one by --timestep")
     kept = bisection.Limit(loaded, integrator, timestep, quantity, limit)

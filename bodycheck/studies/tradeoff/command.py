@@ -4,6 +4,7 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 from bodycheck.console.options import (
+    AS_THEY_ARE,
     AS_USUAL,
     Batches,
     CaseName,
@@ -12,6 +13,7 @@ from bodycheck.console.options import (
     Integrators,
     Jobs,
     Json,
+    OfRobots,
     Out,
     Quiet,
     Timesteps,
@@ -25,6 +27,7 @@ def tradeoff(
     integrator: Integrators = (),
     timestep: Timesteps = (),
     batch: Batches = (),
+    robots: OfRobots = AS_THEY_ARE,
     out: Out = None,
     figures: Figures = (),
     jobs: Jobs = None,
@@ -50,7 +53,7 @@ def tradeoff(
     check_has_folder(figures, out)
     sizes = batch_sizes("--batch", batch)
     tables.check(view, printing.RUNS, printing.METHODS, printing.BATCHES)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as runs:
+    with ran(Selection(cases, engine, integrator, timestep, jobs, robots=robots), study.plan, out, quiet) as runs:
         results = carry_out(runs, timestep, sizes, Output(out, figures, quiet))
     if json:
         terminal.print_json({"rows": results.tables["tradeoff"].rows, "orders": results.tables["orders"].rows})

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.notices import Asked, missing_engines, not_supported
+from bodycheck.reports.notices import Asked, not_supported, of_header
 from bodycheck.reports.quantities import Quantity, count, listing, milliseconds, number, within
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.reports.study import Chart, Part, StudyReport
@@ -99,7 +99,7 @@ def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
         Asked(row["case"], row["engine"], row["version"], row["reason"] if row["status"] == Unsupported.status else "")
         for row in rows
     )
-    return (*missing_engines(header), *not_supported(asked))
+    return (*of_header(header), *not_supported(asked))
 
 
 def _part(case: CaseMeasurements, lines: Lines) -> Part:

@@ -25,6 +25,8 @@ def form_of(mechanism: Mechanism) -> Form | None:
     Either each joint that moves is on the world, or on a body fixed to it, and has a closed form; or loops make all joints move
     with one angle.
     """
+    if any(joint.mimic for joint in mechanism.joints):
+        return None
     if mechanism.loops:
         return form_of_parallelograms(mechanism)
     groups = carried(mechanism)

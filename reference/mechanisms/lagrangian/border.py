@@ -96,6 +96,9 @@ class Element:
         The bodies that move with it.
     armature, damping, stiffness, rest, friction, effort
         As in `mechanism.Joint`.
+    rule
+        The joint whose coordinate determines that of this element, a factor of the coordinate, and a term; None if the element
+        moves by itself.
     """
 
     kind: Kind
@@ -114,6 +117,7 @@ class Element:
     rest: float = 0.0
     friction: float = 0.0
     effort: float = 0.0
+    rule: tuple[int, Number, Number] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +159,7 @@ def border(mechanism: Mechanism) -> Border:
         if joint is None:
             pose = _free_body(mechanism.bodies[body], elements, any(other.parent == body for other in mechanism.joints))
         else:
-            pose = _jointed(joint, mechanism.joints.index(joint), places[joint.parent], elements)
+            pose = _jointed(mechanism, mechanism.joints.index(joint), places[joint.parent], elements)
         places[body] = pose
         carried = _carried(mechanism.bodies[body], body, pose)
         if pose.element is None:
@@ -210,8 +214,9 @@ def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Pl
     return _Place(len(elements) - 1, UNIT, [-value for value in centre], falls=True)
 
 
-def _jointed(joint: Joint, number: int, parent: _Place, elements: list[Element]) -> _Place:
-    """Append the elements of a joint, and return the place of its child."""
+def _jointed(mechanism: Mechanism, number: int, parent: _Place, elements: list[Element]) -> _Place:
+    """Append the elements of a joint, which is given by its index, and return the place of its child."""
+    joint = mechanism.joints[number]
     frame = _transposed(attitude(joint.attitude))
     position = [MP.mpf(value) for value in joint.position]
     origin = _sum(parent.origin, times(parent.axes, position))
@@ -219,14 +224,17 @@ def _jointed(joint: Joint, number: int, parent: _Place, elements: list[Element])
     if joint.type == "fixed":
         return _Place(parent.element, _transposed(to_joint), origin, parent.falls)
     above, falls = parent.element, parent.falls
-    for kind, axis, start, velocity in _steps(joint):
+    mimic = joint.mimic
+    rule = None if mimic is None else (mimic.joint, MP.mpf(mimic.multiplier), MP.mpf(mimic.offset))
+    for kind, axis, start, velocity in _steps(mechanism, joint):
         aligned = _along_z(axis) if axis is not None else UNIT
         turned = _cleaned(_product(_transposed(aligned), to_joint))
         fallen = NONE, NONE
         if kind == "free" and above is None:
             falls, fallen = True, (start[:3], velocity[:3])
             start, velocity = [*NONE, *start[3:]], [*NONE, *velocity[3:]]
-        elements.append(Element(kind, above, number, turned, origin, start, velocity, falls, fallen, (), *_along_axis(joint)))
+        forces = _along_axis(joint)
+        elements.append(Element(kind, above, number, turned, origin, start, velocity, falls, fallen, (), *forces, rule))
         above, origin, to_joint = len(elements) - 1, NONE, aligned
     return _Place(above, _transposed(aligned), NONE, falls)
 
@@ -235,9 +243,17 @@ def _along_axis(joint: Joint) -> tuple[float, float, float, float, float, float]
     return joint.armature, joint.damping, joint.stiffness, joint.rest, joint.friction, joint.effort
 
 
-def _steps(joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[Number]]]:
+def _begins(mechanism: Mechanism, joint: Joint) -> tuple[list[Number], list[Number]]:
+    """The initial coordinates and velocities of a joint, which may follow from those of another joint."""
+    if joint.mimic is None:
+        return [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
+    q, u = _begins(mechanism, mechanism.joints[joint.mimic.joint])
+    return [joint.mimic.multiplier * q[0] + joint.mimic.offset], [joint.mimic.multiplier * u[0]]
+
+
+def _steps(mechanism: Mechanism, joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[Number]]]:
     """The elements of a joint: kind, axis in the joint's frame, initial coordinates and velocities."""
-    q, u = [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
+    q, u = _begins(mechanism, joint)
     x, y, z = UNIT
     match joint.type:
         case "revolute" | "prismatic":

@@ -13,18 +13,30 @@ where the second term is present for attitudes alone. dL/du_i = p_i is linear in
 M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping and
 dry friction are the forces Q.
 
+If an element follows another one, its coordinate in L is a linear function of the coordinate of the latter, with respect to
+which L is differentiated, and M becomes S^T M S with the factors S of the functions.
+
 A joint with dry friction slips or sticks: see `friction`. While it sticks, it is left out of the mass matrix. Loops are kept
 closed by multipliers: see `closing`.
 """
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.reference.mechanisms.lagrangian import closing
 from bodycheck.reference.mechanisms.lagrangian.border import Kind
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, cross, gradient, needed, plus
-from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Frame, Solid, clamped, mass_matrix, order, product, solved
+from bodycheck.reference.mechanisms.lagrangian.mass_matrix import (
+    Frame,
+    Solid,
+    clamped,
+    mass_matrix,
+    order,
+    product,
+    reduced,
+    solved,
+)
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
 
@@ -88,6 +100,8 @@ class Parts:
         The forces Q of damping along the velocities.
     dry
         For each velocity, the force of dry friction along it, and 1, or 0 if dry friction holds it.
+    shares
+        For each velocity of all elements, the index of the velocity of the state that determines it, and the factor.
     solids
         The elements with their inertia, from which the mass matrix is formed.
     gaps
@@ -100,6 +114,7 @@ class Parts:
     momenta: list[Node]
     forces: list[Node]
     dry: list[tuple[Node, Node]]
+    shares: list[tuple[int, Node]]
     solids: list[Solid]
     gaps: list[Node]
 
@@ -121,12 +136,23 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     q = [tape.variable(index) for index in range(held)]
     u = [tape.variable(held + index) for index in range(moving)]
     read = _Read(tape, iter(nodes))
-    lagrangian, forces, dry, solids = _lagrangian(tape, structure, read, q, u)
+    followers = sum(leader is not None for leader in structure.follows)
+    states, shares = _states(tape, structure, _Read(tape, iter(nodes[len(nodes) - 2 * followers :])), q, u)
+    lagrangian, of_all, dry_of_all, solids = _lagrangian(tape, structure, read, states)
+    forces = [tape.zero] * moving
+    for force, (index, share) in zip(of_all, shares, strict=True):
+        forces[index] = tape.add(forces[index], tape.multiply(share, force))
+    dry = [
+        each
+        for leader, (_, moved) in zip(structure.follows, structure.all_places, strict=True)
+        if leader is None
+        for each in dry_of_all[moved]
+    ]
     slopes = gradient(tape, lagrangian, [*q, *u])
     gaps = []
     for one, other in structure.loops:
         gaps += closing.gap(tape, structure.parents, solids, ((one, read.some(3)), (other, read.some(3))))
-    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, solids, gaps)
+    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, shares, solids, gaps)
 
 
 def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
@@ -150,7 +176,8 @@ def derived(structure: Structure) -> Derived:
         tape.add(tape.subtract(drive, change), force)
         for drive, change, force in zip(drives, changes, parts.forces, strict=True)
     ]
-    matrix, above = mass_matrix(tape, structure.parents, places, parts.solids), order(structure.parents, places)
+    matrix = reduced(tape, mass_matrix(tape, structure.parents, structure.all_places, parts.solids), parts.shares)
+    above = order(tape, matrix, len(u))
     moves = [move for _, move in parts.dry]
     driven = [tape.multiply(move, tape.add(force, dry)) for move, force, (dry, _) in zip(moves, right, parts.dry, strict=True)]
     freed = clamped(tape, matrix, moves)
@@ -170,20 +197,47 @@ def derived(structure: Structure) -> Derived:
     return Derived(tape, len(q) + len(u), outputs, tuple(used), strains)
 
 
-def _lagrangian(
+def _states(
     tape: Tape, structure: Structure, read: _Read, q: list[Node], u: list[Node]
+) -> tuple[list[tuple[list[Node], list[Node]]], list[tuple[int, Node]]]:
+    """The coordinates and velocities of each element, and `Parts.shares`.
+
+    read: a reader of the factors and terms of elements that follow others. q, u: variables of the state.
+    """
+    rules = [None if leader is None else (leader, *read.some(2)) for leader in structure.follows]
+    states, shares = list[tuple[list[Node], list[Node]]](), list[tuple[int, Node]]()
+    for index, (held, moving) in enumerate(structure.places):
+        coordinate, rate, (slot, share) = q[held], u[moving], (moving.start, tape.one)
+        if rules[index] is not None:
+            way = []
+            while (rule := rules[index]) is not None:
+                way.append(rule)
+                index = rule[0]
+            held, moving = structure.places[index]
+            coordinate, rate, slot = q[held], u[moving], moving.start
+            for _, factor, term in reversed(way):
+                coordinate = [tape.add(tape.multiply(factor, coordinate[0]), term)]
+                rate = [tape.multiply(factor, rate[0])]
+                share = tape.multiply(factor, share)
+        states.append((coordinate, rate))
+        shares += [(slot + k, share) for k in range(len(rate))]
+    return states, shares
+
+
+def _lagrangian(
+    tape: Tape, structure: Structure, read: _Read, states: Sequence[tuple[list[Node], list[Node]]]
 ) -> tuple[Node, list[Node], list[tuple[Node, Node]], list[Solid]]:
-    """L, the forces of damping, the pairs of `Parts.dry`, and the elements with their inertia. q, u: variables of the state."""
+    """L, and of all elements the forces of damping, the pairs of `Parts.dry`, and the elements with their inertia.
+
+    states: the coordinates and velocities of each element.
+    """
     (gravity,) = read.some(1)
     half = tape.number(0.5)
     moving: list[_Moving] = []
     world = _Moving([tape.zero] * 3, [tape.zero] * 3, [tape.zero, tape.zero, tape.one], tape.zero)
     terms, forces, dry, solids = [], [], [], []
-    for kind, parent, falls, (held, moved) in zip(
-        structure.kinds, structure.parents, structure.falls, structure.places, strict=True
-    ):
+    for kind, parent, falls, (own_q, own_u) in zip(structure.kinds, structure.parents, structure.falls, states, strict=True):
         turned, origin = read.some(9), read.some(3)
-        own_q, own_u = q[held], u[moved]
         motion, frame = _moved(tape, kind, world if parent is None else moving[parent], turned, origin, own_q, own_u)
         moving.append(motion)
         (mass,), centre, tensor = read.some(1), read.some(3), read.some(6)

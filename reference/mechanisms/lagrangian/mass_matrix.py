@@ -171,13 +171,38 @@ def _transposed(rows: Rows) -> Rows:
     return [list(column) for column in zip(*rows, strict=True)]
 
 
-def order(parents: Sequence[int | None], places: Sequence[tuple[slice, slice]]) -> list[int | None]:
-    """For each velocity, the index of the velocity before it on the way to the root, or None."""
-    previous: list[int | None] = []
-    for parent, (_, moving) in zip(parents, places, strict=True):
-        previous.append(None if parent is None else places[parent][1].stop - 1)
-        previous += range(moving.start, moving.stop - 1)
-    return previous
+def reduced(tape: Tape, matrix: Entries, shares: Sequence[tuple[int, Node]]) -> Entries:
+    """The mass matrix S^T M S of velocities that determine others.
+
+    shares: for each velocity of M the index of the velocity that determines it, and the factor of the latter, in order.
+    """
+    entries: Entries = {}
+    for (i, j), entry in matrix.items():
+        (one, first), (other, second) = shares[i], shares[j]
+        part = tape.multiply(tape.multiply(first, second), entry)
+        if one == other and i != j:
+            part = tape.add(part, part)
+        pair = max(one, other), min(one, other)
+        entries[pair] = tape.add(entries.get(pair, tape.zero), part)
+    return entries
+
+
+def order(tape: Tape, matrix: Entries, size: int) -> list[int | None]:
+    """For each velocity, the next one on the way on which its elimination changes M; None for the last one.
+
+    Without elements that follow others it is the velocity before it on the way to the root. Entries on these ways that are
+    absent from M are added to it as zeros.
+    """
+    changed = [{j for j in range(i) if (i, j) in matrix} for i in range(size)]
+    above: list[int | None] = []
+    for i in reversed(range(size)):
+        above.insert(0, max(changed[i], default=None))
+        if changed[i]:
+            changed[max(changed[i])] |= changed[i] - {max(changed[i])}
+    for i in range(size):
+        for j in _path(above, i):
+            matrix.setdefault((i, j), tape.zero)
+    return above
 
 
 def _path(above: Sequence[int | None], velocity: int) -> Iterator[int]:

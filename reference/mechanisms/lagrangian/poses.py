@@ -50,11 +50,15 @@ def motion(border: Border, structure: Structure, units: Units, t: WideArray, sta
     """The motion of a mechanism from the states (n, k) of its equations at times t (n,), s, in the type of the states."""
     dtype = states.dtype.type
     coordinates = structure.places[-1][0].stop if structure.places else 0
+    in_si = [
+        _in_si(element, states[:, held], states[:, coordinates:][:, moving], units)
+        for element, (held, moving) in zip(border.elements, structure.places, strict=True)
+    ]
     frames: list[_Frame] = []
     joints: dict[int, list[tuple[WideArray, WideArray]]] = {}
     nothing = _standing(len(t), dtype)
-    for element, (held, moving) in zip(border.elements, structure.places, strict=True):
-        q, u = _in_si(element, states[:, held], states[:, coordinates:][:, moving], units)
+    for index, element in enumerate(border.elements):
+        q, u = _led(border, structure, in_si, index)
         parent = nothing if element.parent is None else frames[element.parent]
         landed = _landed(element, border.gravity, t)
         frames.append(_moved(element, parent, q, u, landed))
@@ -76,6 +80,18 @@ def motion(border: Border, structure: Structure, units: Units, t: WideArray, sta
 def _standing(n: int, dtype: Any) -> _Frame:
     none = np.zeros((n, 3), dtype)
     return _Frame(np.broadcast_to(np.eye(3, dtype=dtype), (n, 3, 3)), none, none, none)
+
+
+def _led(
+    border: Border, structure: Structure, in_si: list[tuple[WideArray, WideArray]], index: int
+) -> tuple[WideArray, WideArray]:
+    """The coordinates and velocities of an element, in SI units, from those of the element that it may follow."""
+    rule, leader = border.elements[index].rule, structure.follows[index]
+    if rule is None or leader is None:
+        return in_si[index]
+    q, u = _led(border, structure, in_si, leader)
+    factor, term = _rounded([rule[1:]], q.dtype.type)[0]
+    return factor * q + term, factor * u
 
 
 def _in_si(element: Element, q: WideArray, u: WideArray, units: Units) -> tuple[WideArray, WideArray]:

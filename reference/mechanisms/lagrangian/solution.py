@@ -95,8 +95,9 @@ def prepared(mechanism: Mechanism) -> Prepared:
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
     units = _units(parts)
     structure, parameters = numbers(parts, units)
-    start = [value for element in parts.elements for value in _scaled_start(element, units)]
-    start += [value for element in parts.elements for value in _scaled_velocity(element, units)]
+    alone = [element for element in parts.elements if element.rule is None]
+    start = [value for element in alone for value in _scaled_start(element, units)]
+    start += [value for element in alone for value in _scaled_velocity(element, units)]
     if structure.loops:
         chosen = independent(*_all_rows(structure), [float(value) for value in start], [float(value) for value in parameters])
         structure = replace(structure, rows=chosen)
@@ -130,7 +131,8 @@ def _units(parts: Border) -> Units:
     lengths += [abs(value) for element in elements for body in element.carried for value in body.centre]
     lengths += [abs(value) for element in elements if element.kind == "slide" for value in element.start]
     for body in (body for element in elements for body in element.carried):
-        lengths.append((sum(body.tensor[axis][axis] for axis in range(3)) / body.mass) ** 0.5)
+        if body.mass:
+            lengths.append((sum(body.tensor[axis][axis] for axis in range(3)) / body.mass) ** 0.5)
     length = _power_of_two(max(lengths, default=0))
     mass = _power_of_two(max((body.mass for element in elements for body in element.carried), default=0))
     rates = [parts.gravity / length] if not all(element.falls for element in elements) else []

@@ -31,6 +31,8 @@ class Structure:
         The indices of the elements that carry the two ends of each loop.
     rows
         The indices of the components of the loops' gaps (three for each loop) that are constraints.
+    follows
+        The index of the element whose coordinate determines that of each element; None for an element that moves by itself.
     """
 
     kinds: tuple[Kind, ...]
@@ -40,16 +42,27 @@ class Structure:
     marks: tuple[Mark, ...]
     loops: tuple[tuple[int | None, int | None], ...] = ()
     rows: tuple[int, ...] = ()
+    follows: tuple[int | None, ...] = ()
 
     @property
     def places(self) -> list[tuple[slice, slice]]:
+        """The slices of the coordinates and velocities of each element in the state: empty for those that follow others."""
+        return _slices(
+            [SIZES[kind] if leader is None else (0, 0) for kind, leader in zip(self.kinds, self.follows, strict=True)]
+        )
+
+    @property
+    def all_places(self) -> list[tuple[slice, slice]]:
         """The slices of the coordinates and velocities of each element among those of all elements."""
-        slices, first, second = [], 0, 0
-        for kind in self.kinds:
-            held, moving = SIZES[kind]
-            slices.append((slice(first, first + held), slice(second, second + moving)))
-            first, second = first + held, second + moving
-        return slices
+        return _slices([SIZES[kind] for kind in self.kinds])
+
+
+def _slices(sizes: Sequence[tuple[int, int]]) -> list[tuple[slice, slice]]:
+    slices, first, second = [], 0, 0
+    for held, moving in sizes:
+        slices.append((slice(first, first + held), slice(second, second + moving)))
+        first, second = first + held, second + moving
+    return slices
 
 
 @dataclass(frozen=True)
@@ -65,7 +78,8 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
     """The structure of a mechanism, and the numbers that the structure does not fix, in the given units.
 
     The last two numbers of an element are the force of its dry friction, initially 0, and whether it moves (1, the initial
-    value) or sticks (0). The points of loops are last. In this structure all components of the gaps of loops are constraints.
+    value) or sticks (0). After all elements come the points of loops, and the factors and terms of elements that follow others.
+    In this structure all components of the gaps of loops are constraints.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
     values: list[Number] = [MP.mpf(border.gravity) * time**2 / length]
@@ -91,8 +105,15 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
         turns.add(len(values) + 1)
         values += [MP.mpf(0), MP.mpf(1)]
     values += [entry / length for ends in border.loops for _, point in ends for entry in point]
-    marks = tuple(None if index in dry else _mark(value, index in turns) for index, value in enumerate(values))
     elements = border.elements
+    index_of = {element.joint: index for index, element in enumerate(elements)}
+    sizes = [length if element.kind == "slide" else MP.mpf(1) for element in elements]
+    follows = [None if element.rule is None else index_of[element.rule[0]] for element in elements]
+    for element, leader, size in zip(elements, follows, sizes, strict=True):
+        if element.rule is not None and leader is not None:
+            turns.add(len(values))
+            values += [element.rule[1] * sizes[leader] / size, element.rule[2] / size]
+    marks = tuple(None if index in dry else _mark(value, index in turns) for index, value in enumerate(values))
     structure = Structure(
         tuple(element.kind for element in elements),
         tuple(element.parent for element in elements),
@@ -101,6 +122,7 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
         marks,
         tuple((one[0], other[0]) for one, other in border.loops),
         tuple(range(3 * len(border.loops))),
+        tuple(follows),
     )
     return structure, [value for value, mark in zip(values, marks, strict=True) if mark is None]
 

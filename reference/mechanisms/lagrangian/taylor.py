@@ -10,7 +10,7 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import prepare_heyoka, step_tolerance
+from bodycheck.reference.integration.heyoka_solver import OPTIMISATION, prepare_heyoka, step_tolerance
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
@@ -54,6 +54,7 @@ def compiled(
         fp_type=dtype,
         # Code that is not compact takes much longer to compile.
         compact_mode=True,
+        opt_level=OPTIMISATION,
         nt_events=list(events),
     )
     return solver, len(solver.decomposition)

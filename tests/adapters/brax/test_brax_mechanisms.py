@@ -1,5 +1,7 @@
 """Mechanisms in Brax, whose slides are given along the axes of the world."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.scene import EulerAngles
 from bodycheck.reference.trajectory import Array
+from tests.support.coupled_joints import massless
 from tests.support.jointed import body
 
 BRAX = registry.load("brax")
@@ -78,3 +81,22 @@ def test_a_slide_on_a_body_that_turns_is_refused(type: str) -> None:
     base = hinge(WORLD, 0) if type == "revolute" else planar()
     with pytest.raises(SceneUnsupported, match="rail slides on a body that turns"):
         last(Mechanism((CAR, ARM), (base, rail(1, parent=0))), 1e-3)
+
+
+def test_joints_of_one_body_must_have_one_anchor_and_slide_before_they_turn() -> None:
+    """A hinge before another one, both at the origin of the body, make a universal joint."""
+    cross = Joint(*("cross", "universal", WORLD, 0), start=(0.4, 0.9), start_velocity=(2.0, -1.0))
+    about_x = Joint(*("x", "revolute", WORLD, 0), axis=(1.0, 0.0, 0.0), start=(0.4,), start_velocity=(2.0,))
+    about_y = Joint(*("y", "revolute", 0, 1), axis=(0.0, 1.0, 0.0), start=(0.9,), start_velocity=(-1.0,))
+    chain = Mechanism((massless("arm:x"), ARM), (about_x, about_y), gravity=9.81)
+    whole = Mechanism((ARM,), (cross,), gravity=9.81)
+    one, two = (
+        BRAX.prepare([mechanism], Method.parse("generalized", 1e-3)).advance(np.array([100]))[0, 0, -1]
+        for mechanism in (whole, chain)
+    )
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-12)
+    apart = replace(chain, joints=(about_x, replace(about_y, position=(0.1, 0.0, 0.0))))
+    sliding = replace(chain, joints=(about_x, replace(about_y, type="prismatic")))
+    for mechanism, reason in ((apart, "only one joint position allowed"), (sliding, "Brax does not turn the axes of slides")):
+        with pytest.raises(SceneUnsupported, match=reason):
+            BRAX.prepare([mechanism], Method.parse("generalized", 1e-3))

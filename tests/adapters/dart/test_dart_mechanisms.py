@@ -11,6 +11,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
+from tests.support.coupled_joints import bare, hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import bare_tree, coordinate, four_bar, on_one_joint, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -65,3 +67,11 @@ def test_a_loop_comes_apart_and_less_with_smaller_steps() -> None:
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states))[0]))
     assert 1e-4 < apart[0] < 1e-2
     assert 1.5 < apart[0] / apart[1] < 6  # an error of first or second order
+
+
+def test_several_joints_of_a_body_converge_to_the_truth(capfd: pytest.CaptureFixture[str]) -> None:
+    """Without a word: DART warns of bodies without mass."""
+    sizes = errors(DART, bare(hip()), SCHEME)
+    assert orders(sizes) == pytest.approx([1, 1], abs=0.1)
+    assert sizes[-1] < 1e-3
+    assert capfd.readouterr().err == ""

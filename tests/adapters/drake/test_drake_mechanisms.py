@@ -8,6 +8,9 @@ import pytest
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from tests.support.coupled_joints import gripper, hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import four_bar, trajectory, tree
 from tests.support.orders import observed_mechanism_order
 
@@ -39,3 +42,29 @@ def test_a_loop_stays_closed(spelling: str) -> None:
 def test_a_continuous_plant_has_no_loops() -> None:
     with pytest.raises(SceneUnsupported, match="solver SAP only"):
         DRAKE.prepare([four_bar()], Method.parse("runge_kutta3", 1e-3))
+
+
+@pytest.mark.parametrize(("spelling", "order"), [("runge_kutta3", 3), ("lagged", 1)])
+def test_several_joints_of_a_body_converge_to_the_truth(spelling: str, order: int) -> None:
+    sizes = errors(DRAKE, hip(), spelling)
+    assert orders(sizes) == pytest.approx([order] * 2, abs=0.1)
+    assert sizes[-1] < (1e-7 if order == 3 else 1e-3)
+
+
+def test_a_coupler_makes_a_joint_follow_another_with_the_order_of_the_scheme() -> None:
+    """The constraint lasts two steps, so that its softness vanishes with the step."""
+    sizes = errors(DRAKE, gripper(armature=0.02, damping=0.1, stiffness=2.0), "lagged")
+    assert orders(sizes) == pytest.approx([1, 1], abs=0.1)
+    assert sizes[-1] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "spelling", "reason"),
+    [
+        (gripper(), "runge_kutta3", "loops and mimic joints in its discrete plant with the solver SAP only"),
+        (hip(), "cenic", "cenic refuses the body trunk:rail: composite for body has zero mass"),
+    ],
+)
+def test_what_drake_does_not_have_is_refused(mechanism: Mechanism, spelling: str, reason: str) -> None:
+    with pytest.raises(SceneUnsupported, match=reason):
+        DRAKE.prepare([mechanism], Method.parse(spelling, 1e-3))

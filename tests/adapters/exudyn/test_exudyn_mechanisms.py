@@ -10,6 +10,8 @@ from bodycheck.adapters.exudyn import stepping
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
+from tests.support.coupled_joints import hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import ball_chain, cart_pole, coordinate, four_bar, on_one_joint, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -98,3 +100,11 @@ def test_a_loop_is_closed_on_positions_or_on_velocities() -> None:
 def test_explicit_solvers_refuse_constraints() -> None:
     with pytest.raises(SceneUnsupported, match="contains constraints"):
         EXUDYN.prepare([ball_chain()], Method.parse("RK44", 1e-3))
+
+
+@pytest.mark.parametrize(("spelling", "order", "limit"), [("RK44", 4, 1e-9), ("GeneralizedAlpha", 2, 1e-4)])
+def test_several_joints_of_a_body_converge_to_the_truth(spelling: str, order: int, limit: float) -> None:
+    """A frame without mass that is fixed to another one is part of its link."""
+    sizes = errors(EXUDYN, hip(), spelling)
+    assert orders(sizes) == pytest.approx([order] * 2, abs=0.2)
+    assert sizes[-1] < limit

@@ -8,6 +8,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import Tensor
+from tests.support.coupled_joints import gripper, hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import cart_pole, four_bar, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -37,3 +39,15 @@ def test_a_loop_is_as_soft_as_its_constraint() -> None:
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert min(apart) > 1e-4
     assert apart[0] / apart[1] == pytest.approx(1, abs=0.3)
+
+
+def test_several_joints_of_a_body_are_those_of_mujoco() -> None:
+    """RK4 of hinges and slides is of order 4, with an error of 5e-10 m at 4 ms."""
+    sizes = errors(MJX, hip(), "RK4", (0.008, 0.004))
+    assert orders(sizes) == pytest.approx([4], abs=0.2)
+
+
+def test_a_mimic_joint_is_as_soft_as_that_of_mujoco() -> None:
+    sizes = errors(MJX, gripper(damping=0.1), "RK4", (0.002, 0.001))
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-3)
+    assert sizes[1] > 1e-6

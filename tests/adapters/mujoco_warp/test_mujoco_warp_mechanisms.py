@@ -6,6 +6,8 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.reference.mechanisms import kinematics
+from tests.support.coupled_joints import gripper, hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import ball_chain, four_bar, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -27,3 +29,14 @@ def test_a_loop_is_as_soft_as_its_constraint() -> None:
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert min(apart) > 1e-5
     assert apart[0] / apart[1] == pytest.approx(1, abs=0.3)
+
+
+def test_several_joints_of_a_body_converge_to_the_truth() -> None:
+    sizes = errors(WARP, hip(), "Euler", (8e-3, 4e-3, 2e-3))
+    assert orders(sizes) == pytest.approx([1, 1], abs=0.15)  # errors of some 1e-3 in single precision
+
+
+def test_a_mimic_joint_is_as_soft_as_that_of_mujoco() -> None:
+    coarse, fine = errors(WARP, gripper(damping=0.1), "RK4", (2e-3, 1e-3))
+    assert fine == pytest.approx(coarse, rel=0.3)  # rounding in single precision
+    assert fine > 1e-6

@@ -9,6 +9,8 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
+from tests.support.coupled_joints import hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import ball_chain, cart_pole, free_chain
 from tests.support.orders import observed_mechanism_order
 
@@ -58,3 +60,21 @@ def test_what_a_solver_ignores_is_refused(spelling: str, lacking: str) -> None:
     joints = tuple(replace(joint, **{key: 1.0}) for joint in cart_pole().joints)
     with pytest.raises(SceneUnsupported, match=lacking):
         NEWTON.prepare([replace(cart_pole(), joints=joints)], Method.parse(spelling, 1e-3))
+
+
+def test_several_joints_of_a_body_converge_to_the_truth() -> None:
+    sizes = errors(NEWTON, hip(), "Featherstone", (8e-3, 4e-3, 2e-3))
+    assert orders(sizes) == pytest.approx([1, 1], abs=0.15)  # errors of some 1e-3 in single precision
+
+
+@pytest.mark.parametrize(
+    ("spelling", "reason"),
+    [
+        ("MuJoCo-euler", "mass and inertia of moving bodies must be larger than mjMINVAL trunk:rail"),
+        ("XPBD", "massless bodies"),
+    ],
+)
+def test_solvers_that_need_a_mass_refuse_bodies_without_it_by_name(spelling: str, reason: str) -> None:
+    bodies, joints = hip().bodies[:2], hip().joints[:2]
+    with pytest.raises(SceneUnsupported, match=reason):
+        NEWTON.prepare([Mechanism(bodies, joints, gravity=9.81)], Method.parse(spelling, 1e-3))

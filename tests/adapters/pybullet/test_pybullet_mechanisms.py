@@ -1,15 +1,18 @@
 """What is special about mechanisms in PyBullet: explicit damping and springs, motors as dry friction, and loops."""
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.mechanisms import kinematics
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.trajectory import Array
+from tests.support.coupled_joints import bare, gripper, hip, massless
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import ball_chain, coordinate, four_bar, free_chain, on_one_joint, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -61,3 +64,19 @@ def test_a_loop_comes_apart_by_the_square_of_the_step() -> None:
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert apart[0] < 1e-3
     assert apart[0] / apart[1] == pytest.approx(4, abs=0.8)  # a step has terms of higher order; four is far from two
+
+
+@pytest.mark.parametrize("mechanism", [bare(hip()), bare(gripper())], ids=["massless", "gear"])
+def test_several_joints_of_a_body_and_a_gear_converge_to_the_truth(mechanism: Mechanism) -> None:
+    sizes = errors(PYBULLET, mechanism, "multibody")
+    assert orders(sizes) == pytest.approx([1, 1], abs=0.1)
+    assert sizes[-1] < 1e-3
+
+
+def test_a_free_body_without_mass_is_refused() -> None:
+    """Bullet takes a base without mass as one that does not move."""
+    base = replace(massless("base"), start=BodyStart())
+    hinges = bare(hip()).joints[1:2]
+    floating = Mechanism((base, hip().bodies[1]), hinges, gravity=9.81)
+    with pytest.raises(SceneUnsupported, match="the free body base without mass"):
+        PYBULLET.prepare([floating], Method.parse("multibody", 1e-3))

@@ -6,6 +6,9 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from tests.support.coupled_joints import bare, gripper, hip
+from tests.support.coupled_runs import errors, orders
 from tests.support.jointed import ball_chain, bare_tree, cart_pole, four_bar, trajectory
 from tests.support.orders import observed_mechanism_order
 
@@ -49,3 +52,21 @@ def test_a_loop_is_kept_within_the_tolerance_of_constraints() -> None:
 def test_a_ball_joint_has_no_damping() -> None:
     with pytest.raises(SceneUnsupported, match="no damping of a ball joint"):
         SIMBODY.prepare([ball_chain()], Method.parse("RungeKutta3", 1e-3))
+
+
+@pytest.mark.parametrize(("spelling", "order"), [("ExplicitEuler", 1), ("RungeKuttaMerson", 4)])
+def test_a_coupler_makes_a_joint_follow_another_with_the_order_of_the_scheme(spelling: str, order: int) -> None:
+    sizes = errors(SIMBODY, bare(gripper()), spelling)
+    assert orders(sizes) == pytest.approx([order] * 2, abs=0.15)
+    assert sizes[-1] < (1e-9 if order == 4 else 1e-2)
+
+
+def test_one_body_without_mass_between_two_joints_converges_to_the_truth() -> None:
+    chain = Mechanism(hip().bodies[:2], hip().joints[:2], gravity=9.81)
+    sizes = errors(SIMBODY, chain, "RungeKutta3")
+    assert orders(sizes) == pytest.approx([3, 3], abs=0.15)
+
+
+def test_two_bodies_without_mass_in_a_row_are_refused_in_the_words_of_opensim() -> None:
+    with pytest.raises(SceneUnsupported, match=r"OpenSim refuses the mechanism: growTree.* massless body \(thigh:out\)"):
+        SIMBODY.prepare([bare(hip())], Method.parse("RungeKutta3", 1e-3))

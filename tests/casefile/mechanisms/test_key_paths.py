@@ -1,10 +1,13 @@
 """Numbers of mechanisms that are drawn for ensembles, and the axes along which mechanisms are varied."""
 
+import json
 import math
 import tomllib
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from bodycheck import Case, CaseFaults
 from bodycheck.casefile.axes import AXES
@@ -30,6 +33,47 @@ def test_a_number_of_a_joint_is_drawn_by_name_or_number(key: str) -> None:
     assert case.ensemble is not None
     (variation,) = case.ensemble.vary
     assert (variation.key.text, variation.key.whole) == ("joints.pin.damping", ("joints", 1, "damping"))
+
+
+@pytest.mark.parametrize(
+    ("name", "paths"),
+    [
+        ("8", ["joints.'8'.damping", 'joints."8".damping', "joints.1.damping"]),
+        ("left hip", ['joints."left hip".damping', "joints.'left hip'.damping"]),
+        ("hüfte", ['joints."hüfte".damping', 'joints."h\\u00fcfte".damping']),
+        ('say "a.b"', ["joints.'say \"a.b\"'.damping", 'joints."say \\"a.b\\"".damping']),
+        ("a.b", ["joints.a.b.damping", 'joints."a.b".damping', "joints.'a.b'.damping"]),
+        ("a.0", ["joints.a.0.damping"]),
+    ],
+)
+def test_a_name_may_be_any_text_and_is_quoted_in_paths(name: str, paths: list[str]) -> None:
+    text = CART_POLE.replace('name = "pin"', f"name = {json.dumps(name)}")
+    for path in paths:
+        case = parse(drawing(text, key=json.dumps(path), distribution='"uniform"', low=0.0, high=0.1), "f")
+        assert case.ensemble is not None
+        (variation,) = case.ensemble.vary
+        assert variation.key.whole == ("joints", 1, "damping"), path
+    document = tomllib.loads(text)
+    assert parse(written(document), "written").scene == parse(text, "f").scene
+    assert all(find(key, document) is not None for key, value in keys(document).items() if len(value.shape) < 2)
+
+
+@settings(max_examples=40)
+@given(st.text(min_size=1, max_size=100).filter(str.isprintable))
+def test_any_printable_name_leads_back_to_its_joint(name: str) -> None:
+    document = tomllib.loads(CART_POLE)
+    document["joints"][1]["name"] = name if name != document["joints"][0]["name"] else f"{name}2"[:100]
+    assert tomllib.loads(written(document)) == document
+    known = keys(document)
+    for key in (key for key in known.values() if key.whole[:2] == ("joints", 1) and not key.shape):
+        assert find(key.text, document, known) is key
+
+
+def test_a_number_that_is_not_quoted_counts() -> None:
+    text = CART_POLE.replace('name = "pin"', 'name = "0"')
+    case = parse(drawing(text, key='"joints.0.damping"', distribution='"uniform"', low=0.0, high=0.1), "f")
+    assert case.ensemble is not None
+    assert case.ensemble.vary[0].key.whole == ("joints", 0, "damping")
 
 
 def test_every_number_of_a_mechanism_can_be_drawn() -> None:

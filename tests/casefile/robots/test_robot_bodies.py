@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from bodycheck.casefile import body_template as robots
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.robots import template as robots
 from bodycheck.errors import BadInput
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Sphere

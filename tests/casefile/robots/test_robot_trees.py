@@ -14,90 +14,15 @@ from bodycheck import CaseFaults, load
 from bodycheck.casefile.case import parse_stored
 from bodycheck.casefile.drawn import member_document, wholes
 from bodycheck.casefile.identity import identity, keys
-from bodycheck.casefile.mechanisms.model import file_text
+from bodycheck.casefile.mechanisms import model_files
+from bodycheck.casefile.mechanisms.stored import file_text
 from bodycheck.casefile.toml_text import written
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.start import centre, coordinates, frames
-from bodycheck.robots import elements
 from tests.support.mutants import mutant, wrong
-
-URDF = """\
-<robot name="arm">
-  <link name="base"><inertial><mass value="5"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="upper">
-    <inertial>
-      <origin xyz="0 0.02 0.3" rpy="0.3 -0.2 0.5"/><mass value="2"/>
-      <inertia ixx="0.1" iyy="0.11" izz="0.02" ixy="0.001" ixz="0.002" iyz="0"/>
-    </inertial>
-  </link>
-  <link name="frame"/>
-  <link name="slider">
-    <inertial>
-      <origin xyz="0.1 0 0"/><mass value="0.5"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>
-    </inertial>
-  </link>
-  <link name="tool">
-    <inertial><mass value="0.5"/><inertia ixx="0.01" iyy="0.02" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="shoulder" type="revolute">
-    <parent link="base"/><child link="upper"/><origin xyz="0 0 1" rpy="0.1 0.2 0.3"/><axis xyz="0 1 1"/>
-    <limit lower="-1" upper="1" effort="3" velocity="4"/><dynamics damping="0.1" friction="0.02"/>
-  </joint>
-  <joint name="end" type="fixed"><parent link="upper"/><child link="frame"/><origin xyz="0 0 0.6" rpy="1 0 0"/></joint>
-  <joint name="reach" type="prismatic"><parent link="frame"/><child link="slider"/><origin xyz="0 0.1 0"/>
-    <limit effort="1" velocity="1" lower="-1" upper="1"/></joint>
-  <joint name="wrist" type="continuous">
-    <parent link="slider"/><child link="tool"/><origin xyz="0.2 0 0"/><axis xyz="0 0 1"/>
-  </joint>
-</robot>
-"""
-
-MJCF = """\
-<mujoco>
-  <compiler angle="degree" eulerseq="ZYX"/>
-  <default>
-    <joint damping="0.2"/>
-    <default class="light"><geom density="200"/><joint armature="0.05"/></default>
-  </default>
-  <worldbody>
-    <geom type="plane" size="1 1 1"/>
-    <body name="post" pos="0.1 0.2 0.3" euler="10 20 30">
-      <body name="swing" pos="0 0 1" axisangle="0 1 0 40" childclass="light">
-        <joint name="hinge" pos="0.1 0.05 0.2" axis="1 1 0" stiffness="3" springref="20" frictionloss="0.1"/>
-        <geom type="capsule" size="0.05 0.3" pos="0 0 -0.3"/>
-        <body name="tip" pos="0 0 -0.7" quat="0.9 0.1 0.2 0.3">
-          <joint name="ball" type="ball" pos="0 0.02 0.1" armature="0"/>
-          <inertial mass="0.3" pos="0.01 0.02 -0.1" diaginertia="0.01 0.02 0.025" quat="0.5 0.5 0.1 0.7"/>
-          <body name="weight" pos="0.1 0 0"><geom type="sphere" size="0.1" class="light"/></body>
-          <body name="drawer" pos="0 0 -0.3">
-            <joint name="slide" type="slide" axis="0 1 0"/><geom type="box" size="0.1 0.2 0.1"/>
-          </body>
-        </body>
-      </body>
-    </body>
-    <body name="satellite" pos="3 0 1" xyaxes="0 1 0 -1 0 0">
-      <freejoint name="free"/><geom type="ellipsoid" size="0.1 0.2 0.3"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
-
-WITHOUT_MASS = '<inertial><mass value="0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-
-HEAD = 'format = 2\nname = "robot"\ntitle = "A robot"\nscene = {gravity = 9.81}\nrun = {duration = 1.0, samples = 3}\n[model]\n'
-
-
-def case_file(folder: Path, model: str, starts: str, name: str = "robot.xml") -> Path:
-    (folder / name).write_text(model)
-    path = folder / "robot.case.toml"
-    path.write_text(f'{HEAD}file = "{name}"\n{starts}')
-    return path
-
-
-def start(joint: str, **keys: Any) -> str:
-    return f"[initial.joints.{joint}]\n" + "".join(f"{key} = {value}\n" for key, value in keys.items())
+from tests.support.robot_cases import HEAD, MJCF, URDF, case_file, start
 
 
 def mechanism(path: Path) -> Mechanism:
@@ -187,7 +112,7 @@ def test_the_model_is_part_of_the_case(tmp_path: Path) -> None:
     other = load(case_file(tmp_path, URDF.replace("0.11", "0.111"), start("shoulder", position=0.4), "robot.urdf"))
     assert identity(other) != identity(case)
     changed = {key for key, value in keys(case).items() if keys(other)[key] != value}
-    assert changed == {"model.sha256"}
+    assert changed == {"bodies[1].inertia"}
 
 
 def test_a_member_needs_no_model(tmp_path: Path) -> None:
@@ -210,13 +135,15 @@ def test_a_member_needs_no_model(tmp_path: Path) -> None:
         ('<child link="tool"/>', '<child link="frame"/>', "the link 'frame' is the child of two joints"),
         ('<parent link="base"/>', '<parent link="tool"/>', "is in a circle of links"),
         ('<link name="frame"/>', "", "child: there is no link 'frame'"),
-        ('name="end" type="fixed"', 'name="end" type="floating"', "has no mass and moves"),
-        ('<axis xyz="0 0 1"/>', '<mimic joint="reach"/>', "<mimic>: couples two joints"),
+        ('<axis xyz="0 0 1"/>', '<mimic joint="reah"/>', "<mimic joint>: there is no joint 'reah'"),
+        ('<parent link="slider"/><child link="tool"/>', '<parent link="slider"/><child link="tool"/><mimic joint="wrist"/>',
+         "the joints follow one another in a circle"),
         ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 0"/>', "joint 'wrist': axis: its length is 0"),
         ('izz="0.03"', 'izz="0.3"', "body 'tool': inertia: no body has these moments"),
         ('<link name="tool">', '<link name="t ool">', "there is no link 'tool'"),
         ('name="wrist"', 'name="reach"', "stands twice"),
-        ('<link name="frame"/>', f'<link name="frame">{WITHOUT_MASS}</link>', "a moment of inertia without mass"),
+        ('<link name="tool">\n    <inertial><mass value="0.5"/>', '<link name="tool">\n    <inertial><mass value="0"/>',
+         "a moment of inertia without mass"),
         (URDF[URDF.index("<link") : URDF.index("</robot>")], "", "has no <link>"),
         (URDF[URDF.index("<link") : URDF.index("</robot>")], '<link name="base"/>', "has no body with a mass besides the root"),
         ("<robot", "<robo", "is not XML"),
@@ -234,14 +161,15 @@ def test_what_a_urdf_may_not_have(tmp_path: Path, old: str, new: str, words: str
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('<freejoint name="free"/>', "<freejoint/><joint/>", "is a second joint of one body"),
-        ('armature="0"', 'armature="0.1"', "<joint armature>: a ball joint has none in a case"),
-        ('frictionloss="0.1"', 'ref="10"', "<joint ref>: read '10', which a case cannot say"),
-        ("</worldbody>", '</worldbody><equality><weld body1="tip"/></equality>', "<weld>: is in <equality>"),
-        ("<worldbody>", '<option density="1.2"/><worldbody>', "<option density>: read '1.2'"),
-        ('<body name="tip"', '<body name="tip" gravcomp="1"', "<body gravcomp>: read '1'"),
-        ("<worldbody>", '<include file="x"/><worldbody>', "<include file>: names another file"),
-        ('<geom type="ellipsoid" size="0.1 0.2 0.3"/>', "", "has no mass and moves"),
+        ('<freejoint name="free"/>', "<freejoint/><joint/>", "is not the only joint of a body in the world"),
+        ('armature="0"', 'armature="0.1"', "1 ball joint (robot.xml, line 14) has an armature"),
+        ("</worldbody>", '</worldbody><equality><weld body1="tip"/></equality>', "(robot.xml, line 26) holds its bodies"),
+        ("<worldbody>", '<option density="1.2"/><worldbody>', "1 medium (robot.xml, line 7) acts"),
+        ('<body name="tip"', '<body name="tip" gravcomp="1"', "1 body (robot.xml, line 13) has gravity compensation"),
+        ("<worldbody>", '<include file="x"/><worldbody>', "<include file>: 'x' is not there"),
+        ('stiffness="3"', 'stiff="3"', "<joint stiff>: there is no such attribute; did you mean 'stiffness'?"),
+        ('<body name="weight"', '<body name="tip"', "'tip' is the name of another body"),
+        ('<geom type="ellipsoid" size="0.1 0.2 0.3"/>', "", "mass matrix is not positive definite"),
     ],
 )  # fmt: skip
 def test_what_an_mjcf_may_not_have(tmp_path: Path, old: str, new: str, words: str) -> None:
@@ -271,7 +199,7 @@ def test_only_a_regular_file_of_the_same_folder_is_read(tmp_path: Path, monkeypa
     with pytest.raises(CaseFaults, match="is not in a table of its own"):
         load(path)
     path.write_text(f'{HEAD}file = "robot.urdf"\n')
-    monkeypatch.setattr(elements, "MAX_BYTES", 100)
+    monkeypatch.setitem(model_files.LIMITS, "texts", (100, 100))
     with pytest.raises(CaseFaults, match="larger than 100 bytes"):
         load(path)
     (tmp_path / "robot.urdf").write_bytes(b"\xff")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from bodycheck.casefile import body_template as robots
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.robots import template as robots
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from tests.support.commands import bodycheck
@@ -29,7 +29,13 @@ def compiler(text: str) -> str:
 
 
 def test_the_models_that_the_refused_ones_are_made_of_are_read(tmp_path: Path) -> None:
-    for text in (mjcf(GEOM), mjcf(INERTIAL), urdf(LINK), compiler('angle="radian"')):
+    for text in (
+        mjcf(GEOM),
+        mjcf('<geom size="1" shellinertia="true"/>'),
+        mjcf(INERTIAL),
+        urdf(LINK),
+        compiler('angle="radian"'),
+    ):
         (tmp_path / "robot.xml").write_text(text)
         assert robots.read(tmp_path / "robot.xml", "torso").name == "torso"
 
@@ -46,10 +52,10 @@ REFUSED = {
     "deep": ("<robot>" + "<a>" * 300, "robot.xml:1: <a>: elements are nested more than 200 deep"),
     "sdf": ("<sdf/>", "robot.xml:1: <sdf>: is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)"),
     "include": (mjcf(INERTIAL, '<include file="/etc/passwd"/>'), "<include file>: names another file, which is not opened"),
-    "mesh": (mjcf('<geom type="mesh" mesh="m"/>'), "<geom type>: read 'mesh', whose mass is in another file"),
-    "mesh in disguise": (mjcf('<geom mesh="m"/>'), "<geom type>: read 'mesh'"),
-    "fitted": (mjcf('<geom type="box" mesh="m" size="1 1 1"/>'), "<geom mesh>: the size is that of a mesh"),
-    "shell": (mjcf('<geom size="1" shellinertia="true"/>'), "<geom shellinertia>: the inertia of a surface is not computed"),
+    "mesh": (mjcf('<geom type="mesh" mesh="m"/>'), "<geom mesh>: names a mesh, which is not opened"),
+    "mesh in disguise": (mjcf('<geom mesh="m"/>'), "<geom mesh>: names a mesh, which is not opened"),
+    "fitted": (mjcf('<geom type="box" mesh="m" size="1 1 1"/>'), "<geom mesh>: names a mesh, which is not opened"),
+    "height field": (mjcf('<geom type="hfield" hfield="h"/>'), "<geom hfield>: names a height field, which is not read"),
     "no mass": (mjcf(""), "<body>: has no <inertial> and no geom with a mass"),
     "not from geoms": (mjcf(GEOM, '<compiler inertiafromgeom="false"/>'), '(inertiafromgeom="false")'),
     "frame": (mjcf(f'<frame pos="1 0 0">{GEOM}</frame>{GEOM}'), "<geom>: is in a <frame>, which is not followed here"),
@@ -70,15 +76,15 @@ REFUSED = {
         mjcf('<inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0 0 0" euler="0 0 1"/>'),
         "<inertial fullinertia>: an attitude is given too",
     ),
-    "no inertia": (mjcf('<inertial pos="0 0 0" mass="1"/>'), "has neither diaginertia nor fullinertia"),
-    "coordinate": (compiler('coordinate="global"'), "<compiler coordinate>: read 'global', which changes bodies"),
-    "balance": (compiler('balanceinertia="true"'), "<compiler balanceinertia>: read 'true', by which MuJoCo replaces"),
+    "no inertia": (mjcf('<inertial pos="0 0 0" mass="1"/>'), "its smallest principal moment is 0; all must be positive"),
+    "coordinate": (compiler('coordinate="global"'), "<compiler coordinate>: read 'global', which MuJoCo no longer reads"),
+    "balance": (compiler('balanceinertia="true"'), "<compiler balanceinertia>: read 'true', which changes bodies"),
     "total mass": (compiler('settotalmass="9"'), "<compiler settotalmass>: read '9', which changes masses"),
     "bound": (compiler('boundinertia="0.1"'), "<compiler boundinertia>: read '0.1', which changes masses"),
     "angle": (compiler('angle="grad"'), "<compiler angle>: read 'grad'; allowed: degree, radian"),
     "eulerseq": (compiler('eulerseq="abc"'), "<compiler eulerseq>: read 'abc'"),
     "impossible": (mjcf(INERTIAL.replace("1 1 1", "1 1 3")), "no body has these moments: no moment may exceed the sum"),
-    "negative": (mjcf(INERTIAL.replace('mass="1"', 'mass="-1"')), "<inertial mass>: read -1.0; allowed: a positive number"),
+    "negative": (mjcf(INERTIAL.replace('mass="1"', 'mass="-1"')), "<inertial mass>: read -1.0; allowed: at least 0"),
     "infinite": (urdf(LINK.replace('ixx="1"', 'ixx="inf"')), "robot.xml:3: <inertia ixx>: read 'inf'; allowed: one number"),
     "huge": (urdf(LINK.replace('ixx="1"', 'ixx="1e999"')), "<inertia ixx>: read '1e999'"),
     "macro": (urdf(LINK.replace('value="1"', 'value="${m}"')), "<mass value>: read '${m}'; allowed: one number"),

@@ -11,8 +11,9 @@ import pytest
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.certificate import certify
 from bodycheck.reference.exact.numbers import MP
-from bodycheck.reference.mechanisms import recursion, stick_slip
+from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.followed import with_doubts
+from bodycheck.reference.mechanisms.friction import stick_slip
 from bodycheck.reference.mechanisms.growth import Growth
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from bodycheck.reference.exact.numbers import wide
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
-from bodycheck.reference.mechanisms import articulated, exact
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.articulation import articulated
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.tree import forest
 from bodycheck.reference.robots.dynamics import terms, terms_at, velocity_labels

@@ -10,7 +10,7 @@ from bodycheck import reports
 from bodycheck.adapters.contract import Method
 from bodycheck.figures.bounds import within_truth
 from bodycheck.figures.columns import FIGURES
-from bodycheck.judging import judgement
+from bodycheck.judging import frames, judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.processes.failures import Crashed, TimedOut
@@ -123,7 +123,7 @@ def test_all_within_the_truths_own_error(results: Results, verdicts: list[Verdic
 
 def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: list[Verdict]) -> None:
     """Of those that users choose: of a method that is there to demonstrate its drift, only its rows tell."""
-    frame = judgement.table(verdicts)
+    frame = frames.table(verdicts)
     assert frame.loc[frame["position_error"].idxmax()]["integrator"] == "body-twist-euler"
     frame = frame[frame["integrator"] != "body-twist-euler"]
     told = {finding.subject: finding for finding in contents.findings}

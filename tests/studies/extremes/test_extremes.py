@@ -18,7 +18,7 @@ import vl_convert
 
 from bodycheck import Case, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.casefile.case import parse
+from bodycheck.casefile import axes
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
 from bodycheck.reference.truths import NoTruth
@@ -250,20 +250,21 @@ def test_json_has_rows_and_limits(calls_here: None, tmp_path: Path) -> None:
     assert found["limits"] == []
 
 
-def test_a_case_without_axes_is_bad_input() -> None:
+def test_a_case_without_axes_gets_those_that_fit_it() -> None:
     records = {"mujoco": registry.load("mujoco").engine}
-    with pytest.raises(BadInput, match="projectile: has no axes"):
-        extremes.prepare([load("projectile")], records, ())
+    flight, pendulum = load("projectile"), load("pendulum-large")
+    assert dict(axes.default_axes(flight)).keys() == {"timestep", "steps", "gravity", "speed"}
+    assert dict(axes.default_axes(SPIN)).keys() >= {"timestep", "steps", "gravity", "spin"}
+    assert dict(axes.default_axes(pendulum)).keys() == {"timestep", "steps", "gravity"}
+    assert dict(axes.default_axes(replace(pendulum, duration=0.005)))["timestep"] == (0.0005, 0.002)
+    study = extremes.prepare([pendulum, SPIN], records, ("Euler",))
+    tried = {(trial.point.case.name, trial.point.axis, trial.point.value) for trial in study.trials}
+    assert {(axis, value) for case, axis, value in tried if case == pendulum.name} == {
+        (axis, value) for axis, values in axes.default_axes(pendulum) for value in values
+    }
+    assert {axis for case, axis, _ in tried if case == SPIN.name} == dict(SPIN.extremes).keys() - {"timestep"}
     with pytest.raises(BadInput, match="no engine has an integrator 'rk5'"):
         extremes.prepare([SPIN], records, ("rk5",))
-
-
-def test_the_example_in_the_message_about_missing_axes_can_be_copied() -> None:
-    case = load("projectile")
-    with pytest.raises(BadInput) as refused:
-        extremes.prepare([case], {"mujoco": registry.load("mujoco").engine}, ())
-    _, example = str(refused.value).split("for example:\n")
-    assert {name for name, _ in parse(case.text + example, "copied").extremes} == {"timestep", "steps"}
 
 
 def test_the_report_begins_with_what_engines_take_for_healthy() -> None:

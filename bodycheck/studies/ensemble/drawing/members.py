@@ -1,6 +1,5 @@
 """The members of an ensemble: the source of their numbers, and the scenes, cases and files that are made of them."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -13,6 +12,7 @@ from bodycheck.casefile.case import Case, CaseFaults, parse_stored
 from bodycheck.casefile.distributions import Ensemble, Key
 from bodycheck.casefile.drawn import member_document, outside, wholes
 from bodycheck.casefile.key_paths import ATTITUDE, Unknown, find, keys
+from bodycheck.casefile.mechanisms.stored import loads
 from bodycheck.casefile.toml_text import written
 from bodycheck.casefile.values import MAX_MEMBERS
 from bodycheck.errors import BadInput
@@ -90,7 +90,7 @@ def _grouped(read: Mapping[str, Array], vectors: Sequence[str]) -> dict[str, Arr
 
 def of_columns(case: Case, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Return numbers as `Source.values` does, from columns (m,) of single numbers by their names."""
-    known = keys(tomllib.loads(case.text))
+    known = keys(loads(case.text))
     return _grouped(columns, [text for text, key in known.items() if key.components and set(key.names) <= set(columns)])
 
 
@@ -139,7 +139,7 @@ def tabled(case: Case, path: Path, members: int | None = None) -> Source:
     size = table.rows if members is None else members
     if not 1 <= size <= table.rows:
         raise BadInput(f"{path}: read {size} members; allowed: 1 to {table.rows}, the rows of the table")
-    document = tomllib.loads(case.text)
+    document = loads(case.text)
     names, vectors = _read(path, table.columns, document)
     return Source(size, table, names, vectors)
 
@@ -150,7 +150,7 @@ def check(case: Case, source: Source) -> None:
     Faults that only the whole body shows, such as particles that lie on a line, and faults of members after the first `CHECKED`
     are found when a member is made.
     """
-    document, size = tomllib.loads(case.text), min(source.size, CHECKED)
+    document, size = loads(case.text), min(source.size, CHECKED)
     for first in range(0, size, PORTION):
         values = source.values(first, min(PORTION, size - first))
         _check_outside(case, document, _wholes(case, document, values), first)
@@ -173,7 +173,7 @@ def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | 
     BadInput
         A member is no valid case, or a key path leads to no number of the case. The text names the member and the key.
     """
-    document = tomllib.loads(case.text)
+    document = loads(case.text)
     whole = _wholes(case, document, values)
     _check_outside(case, document, whole, first)
     if all(key in QUICK for key in whole) and np.ndim(whole.get("body.inertia", ())) < 3:
@@ -187,7 +187,7 @@ def text(case: Case, source: Source, member: int) -> str:
     """Return the text of a case file of one member alone, without `[ensemble]`. Raises `BadInput` as `scenes` does."""
     if not 0 <= member < source.size:
         raise BadInput(f"{case.name}: read member {member}; allowed: 0 to {source.size - 1}")
-    document = tomllib.loads(case.text)
+    document = loads(case.text)
     whole = _wholes(case, document, source.values(member, 1))
     return _member(case, document, whole, 0, member).text
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from bodycheck.reports.finding import MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.notices import Asked, missing_engines, not_supported
+from bodycheck.reports.notices import Asked, not_supported, of_header
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, count, listing, number, verb
 from bodycheck.reports.study import Animation, Chart, Part, StudyReport
 from bodycheck.results.header import Header
@@ -107,7 +107,7 @@ def present(material: Material) -> StudyReport:
         title=f"Ensemble of {ensemble.case}",
         headline=_headline(ensemble, methods),
         header=material.header,
-        notices=(*missing_engines(material.header), *not_supported(_asked(material))),
+        notices=(*of_header(material.header), *not_supported(_asked(material))),
         findings=tuple(findings(material)),
         parts=tuple(part for part in parts if part.charts or part.tables or part.animations),
         reading=READING,

@@ -23,7 +23,16 @@ from typing import Any
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, real
-from bodycheck.reference.mechanisms.link_states import SIZES, Decision, Form, Rates, derivatives, in_arithmetic, places_of_rates
+from bodycheck.reference.mechanisms.link_states import (
+    Decision,
+    Form,
+    Rates,
+    derivatives,
+    floating,
+    in_arithmetic,
+    places_of_rates,
+    sizes,
+)
 from bodycheck.reference.mechanisms.tree import Tree
 
 #: The mode of each link with dry friction, by its index: 1 or -1 if it slips forwards or backwards, 0 if it sticks.
@@ -225,13 +234,13 @@ def cancellations(decision: Decision, eps: float, roundings: float) -> Iterator[
 
 def _accelerations(tree: Tree) -> Iterator[tuple[int, bool]]:
     """Yield the index of each acceleration in the derivative of a state, and whether it is that of a turn."""
-    kinds = [(link.kind, link.parent) for link in tree.links]
-    for (kind, _), first in zip(kinds, places_of_rates(kinds), strict=True):
-        for component in range(first, first + SIZES[kind][1]):
-            yield component, kind != "prismatic"
-    if tree.floats:
-        count = sum(sum(SIZES[kind]) for kind, _ in kinds)
+    for link, first in zip(tree.links, places_of_rates(tree.links), strict=True):
+        for component in range(first, first + sizes(link)[1]):
+            yield component, link.kind != "prismatic"
+    count = sum(sum(sizes(link)) for link in tree.links)
+    for _ in floating(tree.links):
         yield from ((component, False) for component in range(count + 3, count + 6))
+        count += 6
 
 
 def _margins(decision: Decision, rates: Rates) -> Iterator[tuple[Any, Any]]:

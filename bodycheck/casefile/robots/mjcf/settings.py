@@ -3,26 +3,18 @@
 from dataclasses import dataclass
 
 from bodycheck.casefile.robots.numbers import number, numbers
-from bodycheck.reference.exact.numbers import MP, Quaternion4, vector
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, unit
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.robots.orientations import about_axis, euler, from_axes, from_z
 
-#: Attributes of <compiler> that change masses or frames and are not followed, with the values that change nothing.
-CHANGING = {
-    "coordinate": ("local",),
-    "fusestatic": ("false",),
-    "discardvisual": ("false",),
-    "alignfree": ("false",),
-}
-
-#: Attributes of <compiler> that change masses or inertias if they are positive.
-BOUNDS = ("settotalmass", "boundmass", "boundinertia")
+#: The words that state whether a setting holds.
+TRUTHS = ("true", "false")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of the <compiler>.
+    """The settings of all <compiler> elements together: the last value that is stated of each attribute.
 
     Attributes
     ----------
@@ -34,50 +26,79 @@ class Settings:
         "true", "false" or "auto": whether the inertia of a body is computed from its geoms.
     groups
         The smallest and the largest group of geoms that have a mass.
+    autolimits
+        Whether a range limits a joint unless `limited` says otherwise.
+    boundmass, boundinertia
+        The smallest mass (kg) and the smallest principal moment (kg m^2) of a body.
+    balanceinertia
+        Whether principal moments that no body has are replaced by their mean.
+    settotalmass
+        The total mass (kg) to which all masses and inertias are scaled; not positive if they are not scaled.
+    fusestatic
+        Whether bodies without joints become parts of their parents.
+    alignfree
+        Whether the frame of a body that floats alone is moved to its principal axes of inertia.
+    fitaabb
+        Whether a geom is fitted to the bounding box of a mesh and not to the box of the same inertia.
+    meshdir
+        The folder of meshes.
+    strippath
+        Whether folders are removed from the names of files.
     """
 
     degrees: bool = True
     eulerseq: str = "xyz"
     inertiafromgeom: str = "auto"
     groups: tuple[float, ...] = (0.0, 5.0)
+    autolimits: bool = True
+    boundmass: float = 0.0
+    boundinertia: float = 0.0
+    balanceinertia: bool = False
+    settotalmass: float = -1.0
+    fusestatic: bool = False
+    alignfree: bool = False
+    fitaabb: bool = False
+    meshdir: str = ""
+    strippath: bool = False
 
     def counts(self, group: float) -> bool:
         """Return whether geoms of a group have a mass."""
         return self.groups[0] <= group <= self.groups[1]
 
+    def angle(self, value: Real) -> Real:
+        """Return an angle of the file in rad."""
+        return value * MP.pi / 180 if self.degrees else value
+
 
 def settings(root: Element) -> Settings:
-    """Return the settings of an MJCF file. Raises `BadInput` for settings that are not followed here."""
+    """Return the settings of an MJCF file. Raises `BadInput` for settings that cannot be read, or that MuJoCo refuses."""
     rules = Settings()
     for compiler in root.all("compiler"):
-        for key, harmless in CHANGING.items():
-            if (value := compiler.attributes.get(key, harmless[0])) not in harmless:
-                refuse(
-                    compiler,
-                    key,
-                    f"read {quoted(value)}, which changes bodies and is not followed here; allowed: {harmless[0]}",
-                )
-        for key in BOUNDS:
-            if number(compiler, key, 0.0) > 0:
-                refuse(compiler, key, f"read {quoted(compiler.attributes[key])}, which changes masses and is not followed here")
-        if _word(compiler, "balanceinertia", "false", ("true", "false")) == "true":
-            refuse(
-                compiler, "balanceinertia", "read 'true', by which MuJoCo replaces an inertia that no body has; allowed: false"
-            )
+        if word(compiler, "coordinate", "local", ("local", "global")) == "global":
+            refuse(compiler, "coordinate", "read 'global', which MuJoCo no longer reads; allowed: local")
         sequence = compiler.attributes.get("eulerseq", rules.eulerseq)
         if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
             refuse(compiler, "eulerseq", f"read {quoted(sequence)}; allowed: three of the letters x, y, z, X, Y, Z")
-        before = "degree" if rules.degrees else "radian"
+        meshdir = compiler.attributes.get("assetdir", rules.meshdir)
+        switches = {
+            name: word(compiler, name, str(getattr(rules, name)).lower(), TRUTHS) == "true"
+            for name in ("autolimits", "balanceinertia", "fusestatic", "alignfree", "fitaabb", "strippath")
+        }
         rules = Settings(
-            _word(compiler, "angle", before, ("degree", "radian")) == "degree",
-            sequence,
-            _word(compiler, "inertiafromgeom", rules.inertiafromgeom, ("true", "false", "auto")),
-            numbers(compiler, "inertiagrouprange", (2,), rules.groups),
+            degrees=word(compiler, "angle", "degree" if rules.degrees else "radian", ("degree", "radian")) == "degree",
+            eulerseq=sequence,
+            inertiafromgeom=word(compiler, "inertiafromgeom", rules.inertiafromgeom, (*TRUTHS, "auto")),
+            groups=numbers(compiler, "inertiagrouprange", (2,), rules.groups),
+            meshdir=compiler.attributes.get("meshdir", meshdir),
+            boundmass=number(compiler, "boundmass", rules.boundmass),
+            boundinertia=number(compiler, "boundinertia", rules.boundinertia),
+            settotalmass=number(compiler, "settotalmass", rules.settotalmass),
+            **switches,
         )
     return rules
 
 
-def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
+def word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
     """Return the word of an attribute. Raises `BadInput` unless it is one of the allowed words."""
     value = element.attributes.get(attribute, default)
     if value not in allowed:
@@ -86,10 +107,10 @@ def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ..
 
 
 class Defaults:
-    """The default attributes of elements with a tag, by the names of default classes; None is the class of all others."""
+    """The default attributes of elements with some tags, by the names of default classes; None is the class of all others."""
 
-    def __init__(self, root: Element, tag: str) -> None:
-        self.tag = tag
+    def __init__(self, root: Element, *tags: str) -> None:
+        self.tags = tags
         self.classes: dict[str | None, dict[str, str]] = {None: {}}
         for top in root.all("default"):
             self._add(top, None, None)
@@ -97,8 +118,9 @@ class Defaults:
     def _add(self, element: Element, name: str | None, parent: str | None) -> None:
         """Add a class and the classes inside it, which inherit its attributes."""
         attributes = self.classes.setdefault(name, dict(self.classes[parent]))
-        for child in element.all(self.tag):
-            attributes |= child.attributes
+        for child in element.children:
+            if child.tag in self.tags:
+                attributes |= child.attributes
         if name is None and (called := element.attributes.get("class")) is not None:
             self.classes[called] = attributes
         for inner in element.all("default"):
@@ -114,7 +136,10 @@ class Defaults:
         name = element.attributes.get("class", inherited)
         if name not in self.classes and name != "main":
             refuse(element, "class", f"there is no default class {quoted(name or '')}")
-        attributes = self.classes.get(name, self.classes[None]) | element.attributes
+        attributes = dict(self.classes.get(name, self.classes[None]))
+        if any(attitude in element.attributes for attitude in ATTITUDES):
+            attributes = {key: value for key, value in attributes.items() if key not in ATTITUDES}
+        attributes |= element.attributes
         return Element(element.tag, attributes, element.file, element.line)
 
 
@@ -132,16 +157,15 @@ def attitude(element: Element, rules: Settings) -> Quaternion4:
     values = [
         MP.mpf(value) for value in numbers(element, stated[0], ({"quat": 4, "axisangle": 4, "xyaxes": 6}.get(stated[0], 3),))
     ]
-    factor = MP.pi / 180 if rules.degrees else MP.mpf(1)
     try:
         match stated[0]:
             case "quat":
                 w, x, y, z = values
                 return unit((w, x, y, z))
             case "axisangle":
-                return about_axis(vector(values[:3]), values[3] * factor)
+                return about_axis(vector(values[:3]), rules.angle(values[3]))
             case "euler":
-                return euler([value * factor for value in values], rules.eulerseq)
+                return euler([rules.angle(value) for value in values], rules.eulerseq)
             case "xyaxes":
                 return from_axes(vector(values[:3]), vector(values[3:]))
             case _:

@@ -17,11 +17,11 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
+from bodycheck.reference.mechanisms.friction.sticking import EQUAL, EXACT, Modes, settled, sign, with_modes
 from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, places_of_rates, split, start
-from bodycheck.reference.mechanisms.sticking import EQUAL, EXACT, Modes, settled, sign, with_modes
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 
@@ -141,7 +141,7 @@ def _at_rest(moving: Modes) -> tuple[int, ...]:
 
 def _velocities(tree: Tree) -> dict[int, int]:
     """The indices in a state of the velocities of links with dry friction, by the indices of the links."""
-    places = places_of_rates([(link.kind, link.parent) for link in tree.links])
+    places = places_of_rates(tree.links)
     return {index: places[index] for index, link in enumerate(tree.links) if link.friction}
 
 
@@ -161,7 +161,7 @@ def _advanced(
         begin = inner.time
         outcome, step = inner.step(max_delta_t=instants[-1] - begin, write_tc=True)
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
-            raise OutOfReach(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}")
+            raise Stopped(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}", float(begin))
         ignored = phase.begun if first else frozenset[int]()
         crossings = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
         crossing = min(crossings, key=lambda each: each[1], default=None)
@@ -173,7 +173,8 @@ def _advanced(
         if crossing is not None or len(rows) == len(instants):
             return crossing, left
         watched, first = _nearly_slipping(tree, inner.state, phase.modes) if watched else [], False
-    raise OutOfReach(f"Taylor's method stopped at t = {float(inner.time):.6g} s, since the motion needs too many steps")
+    last = float(inner.time)
+    raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
 
 
 def _missed(tree: Tree, solver: _Solver, modes: Modes, watched: Sequence[int], begin: Any, until: Any) -> list[int]:

@@ -5,8 +5,9 @@ import re
 from pathlib import Path
 
 from bodycheck.casefile.case import CaseFaults, parse
-from bodycheck.casefile.robots import mjcf, urdf
 from bodycheck.casefile.robots.link import Link
+from bodycheck.casefile.robots.mjcf.link import link as mjcf_link
+from bodycheck.casefile.robots.urdf.link import link as urdf_link
 from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
@@ -14,7 +15,7 @@ from bodycheck.robots import elements
 from bodycheck.robots.elements import quoted
 
 #: The functions that read a body, by the tag of the root of its file.
-READERS = {"robot": ("URDF", urdf.link), "mujoco": ("MJCF", mjcf.link)}
+READERS = {"robot": ("URDF", urdf_link), "mujoco": ("MJCF", mjcf_link)}
 
 #: The table of the body in the template, up to the next table.
 BODY = re.compile(r"^\[body\]\n.*?(?=^\[initial\])", re.DOTALL | re.MULTILINE)

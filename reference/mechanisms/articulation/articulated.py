@@ -10,15 +10,27 @@ eliminates one coordinate after another, and passes the remaining inertia and fo
 joints' accelerations from the root to the tips. Only angular velocities are needed, not the velocities of origins.
 """
 
-import operator
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-#: A number of the arithmetic in use, a vector of three, and the rows of a matrix.
-Number = Any
-Vec = list[Number]
-Rows = list[Vec]
+from bodycheck.reference.mechanisms.articulation.coupling import Shared
+from bodycheck.reference.mechanisms.articulation.spatial import (
+    ZERO,
+    AboutZ,
+    Number,
+    Rotation,
+    Rows,
+    Vec,
+    cross,
+    dot,
+    mirrored,
+    plus,
+    plus_rows,
+    quaternion_rows,
+    square,
+    transposed,
+)
 
 #: The kinds of elementary joints.
 Kind = Literal["revolute", "prismatic", "ball", "free"]
@@ -31,18 +43,18 @@ FREEDOMS: dict[Kind, tuple[int, ...]] = {
     "free": (3, 4, 5, 0, 1, 2),
 }
 
-ZERO: Vec = [0, 0, 0]
-
 
 @dataclass(frozen=True, eq=False)
 class Accelerations:
     """The derivatives of the rates of each link; of a free link the acceleration (6,), without gravity, along its own axes.
 
-    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating.
+    strains: for each link with one coordinate, minus the force that would keep the joint from accelerating. pivots: of the mass
+    matrix, for the coordinates of each link.
     """
 
     rates: list[Vec]
     strains: list[Number]
+    pivots: list[Vec]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +72,8 @@ class Constants:
         (6,) inertia XX, YY, ZZ, XY, XZ, YZ about the origin, and (3,) ZZ - YY, XX - ZZ, YY - XX (kg m^2).
     armature, damping, stiffness, force
         Inertia and force along the joint's own coordinate; the force is `force` - `stiffness` q - `damping` v.
+    ratio, shift
+        Of a link that follows another one: its coordinate is `ratio` times that of the other link plus `shift`. Otherwise 0.
     moves
         1, or 0 for a joint that is held fixed.
     """
@@ -74,6 +88,8 @@ class Constants:
     damping: Number
     stiffness: Number
     force: Number
+    ratio: Number
+    shift: Number
     moves: Number
 
 
@@ -83,6 +99,8 @@ class Link:
 
     coordinates: q of a revolute or prismatic joint, else the quaternion w, x, y, z from the link's axes to the joint's axes.
     rates: v of a revolute or prismatic joint, else the angular velocity (3,) relative to the joint, along the link's axes.
+    leader, share: of a link that follows another one, or is followed, the index of the link that leads, and the derivative of
+    its coordinate with respect to the coordinate of that link.
     """
 
     kind: Kind
@@ -90,6 +108,8 @@ class Link:
     constants: Constants
     coordinates: Sequence[Number]
     rates: Sequence[Number]
+    leader: int | None = None
+    share: Number = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,75 +128,34 @@ class _Motion:
     displacement: Vec
 
 
+#: The torque and the force (6,) that unit accelerations of leaders require, by the indices of their links.
+Responses = dict[int, Vec]
+
+
+@dataclass(frozen=True, eq=False)
+class _Load:
+    """A link with all links that hang from it: its inertia (6, 6), the force (6,) that its motion requires, and `Responses`."""
+
+    inertia: Rows
+    force: Vec
+    answers: Responses
+
+
 @dataclass(frozen=True, eq=False)
 class _Step:
     """The numbers from which the acceleration along an eliminated coordinate follows.
 
-    component: the index of the coordinate among the six. The acceleration is `given` - `ratio` . a, where a (6,) is the
-    acceleration of the link without this coordinate: `given` is due to the forces. weight: the inertia along the coordinate.
-    moves: as in `Constants`.
+    component: the index of the coordinate among the six. The acceleration is `given` - `ratio` . a - `answers` . b, where
+    a (6,) is the acceleration of the link without this coordinate, and b are the accelerations of the leaders: `given` is due
+    to the forces. weight: the inertia along the coordinate. moves: as in `Constants`.
     """
 
     component: int
     ratio: Vec
     given: Number
+    answers: dict[int, Number]
     weight: Number
     moves: Number
-
-
-class Rotation:
-    """A rotation from a child's axes to its parent's axes, given by a matrix."""
-
-    def __init__(self, rows: Rows) -> None:
-        self.rows = rows
-
-    def out(self, v: Vec) -> Vec:
-        """Convert a vector from the parent's axes to the child's axes."""
-        return [_dot([row[k] for row in self.rows], v) for k in range(3)]
-
-    def back(self, v: Vec) -> Vec:
-        """Convert a vector from the child's axes to the parent's axes."""
-        return [_dot(row, v) for row in self.rows]
-
-    def block(self, block: Rows, symmetric: bool) -> Rows:
-        """Convert a matrix from the child's axes to the parent's axes."""
-        half = [[_dot(row, [line[k] for line in block]) for k in range(3)] for row in self.rows]
-        if not symmetric:
-            return [[_dot(line, row) for row in self.rows] for line in half]
-        return _mirrored(lambda i, j: _dot(half[i], self.rows[j]))
-
-
-class AboutZ(Rotation):
-    """A rotation about z, given by its cosine and sine."""
-
-    def __init__(self, cosine: Number, sine: Number) -> None:
-        super().__init__([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
-        self.cosine, self.sine = cosine, sine
-
-    def block(self, block: Rows, symmetric: bool) -> Rows:
-        """Convert a matrix from the child's axes to the parent's axes.
-
-        In the first two rows and columns, the trace and the antisymmetric part do not change, and the remaining part turns by
-        twice the angle.
-        """
-        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = block
-        double_sine, double_cosine = 2 * self.sine * self.cosine, 1 - 2 * self.sine * self.sine
-        mean, half = (xx + yy) / 2, (xx - yy) / 2
-        across, skew = (xy, 0) if symmetric else ((xy + yx) / 2, (xy - yx) / 2)
-        half, across = half * double_cosine - across * double_sine, half * double_sine + across * double_cosine
-        right, up, _ = self.back([xz, yz, 0])
-        far, near = (right, up) if symmetric else self.back([zx, zy, 0])[:2]
-        return [[mean + half, across + skew, right], [across - skew, mean - half, up], [far, near, zz]]
-
-
-def quaternion_rows(q: Sequence[Number]) -> Rows:
-    """The rotation matrix of a unit quaternion w, x, y, z."""
-    w, x, y, z = q
-    return [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
 
 
 def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> Accelerations:
@@ -187,42 +166,52 @@ def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: A
     links
         The links, each after its parent.
     gravity
-        (3,) gravitational acceleration along the axes of the fixed base (m/s^2).
+        (3,) gravitational acceleration along the axes of the fixed base (m/s^2). A free link is followed relative to free fall.
     functions
         A module or object with the functions `sin` and `cos` of the arithmetic.
     """
     motions, forces = _outward(links, gravity, functions)
     inertias = [_rigid(link.constants) for link in links]
+    shared = Shared(link.leader for link in links if link.leader is not None)
+    answers: list[Responses] = [{} for _ in links]
     eliminated: list[list[_Step]] = []
     for index in reversed(range(len(links))):
-        link, motion, (inertia, force) = links[index], motions[index], (inertias[index], forces[index])
+        link, motion, load = links[index], motions[index], _Load(inertias[index], forces[index], answers[index])
         steps = []
         for k, effort in zip(FREEDOMS[link.kind], _efforts(link), strict=True):
-            inertia, force, step = _eliminate(inertia, force, k, effort, link.constants)
-            steps.append(step)
+            if link.leader is None:
+                load, step = _eliminate(load, k, effort, link.constants, shared)
+                steps.append(step)
+            else:
+                load = _held(load, k, effort, link, shared)
         eliminated.append(steps)
         if link.parent >= 0:
-            inertia, force = _passed(inertia, force, link.constants, motion)
-            inertias[link.parent] = _sum_rows(inertias[link.parent], inertia)
-            forces[link.parent] = _sum(forces[link.parent], force)
-    return _solved(links, motions, eliminated[::-1])
+            passed = _passed(load, link.constants, motion)
+            inertias[link.parent] = plus_rows(inertias[link.parent], passed.inertia)
+            forces[link.parent] = plus(forces[link.parent], passed.force)
+            answers[link.parent] = _together(answers[link.parent], passed.answers)
+    leading, pivots = shared.accelerations()
+    solution = _solved(links, motions, eliminated[::-1], leading)
+    for leader, pivot in pivots.items():
+        solution.pivots[leader].append(pivot)
+    return solution
 
 
 def _outward(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> tuple[list[_Motion], list[Vec]]:
-    still = _Motion(ZERO, [ZERO] * 3, ZERO, [-part for part in gravity], Rotation([]), ZERO)
+    still, falling = (_Motion(ZERO, [ZERO] * 3, ZERO, pull, Rotation([]), ZERO) for pull in ([-part for part in gravity], ZERO))
     motions: list[_Motion] = []
     for link in links:
-        parent = motions[link.parent] if link.parent >= 0 else still
+        parent = motions[link.parent] if link.parent >= 0 else falling if link.kind == "free" else still
         motions.append(_moved(link, parent, functions))
     return motions, [_inertial_force(link.constants, motion) for link, motion in zip(links, motions, strict=True)]
 
 
 def _moved(link: Link, parent: _Motion, functions: Any) -> _Motion:
     """The motion of a link if its joint does not accelerate. parent: the motion of its parent."""
-    turn, offset = Rotation(_square(link.constants.turn)), list(link.constants.offset)
+    turn, offset = Rotation(square(link.constants.turn)), list(link.constants.offset)
     spin, angular = turn.out(parent.spin), turn.out(parent.angular)
-    at_joint = _sum(parent.linear, [_dot(row, offset) for row in parent.squares])
-    linear = turn.out(_sum(at_joint, _cross(parent.angular, offset)))
+    at_joint = plus(parent.linear, [dot(row, offset) for row in parent.squares])
+    linear = turn.out(plus(at_joint, cross(parent.angular, offset)))
     if link.kind == "prismatic":
         (q,), (v,) = link.coordinates, link.rates
         squares = [turn.out(row) for row in parent.squares]
@@ -238,7 +227,7 @@ def _moved(link: Link, parent: _Motion, functions: Any) -> _Motion:
     else:
         rotation, relative, displacement = Rotation(quaternion_rows(link.coordinates)), list(link.rates), ZERO
     carried = rotation.out(spin)
-    spin, angular = _sum(carried, relative), _sum(rotation.out(angular), _cross(carried, relative))
+    spin, angular = plus(carried, relative), plus(rotation.out(angular), cross(carried, relative))
     return _Motion(spin, _squares(spin), angular, rotation.out(linear), rotation, displacement)
 
 
@@ -263,9 +252,9 @@ def _inertial_force(constants: Constants, motion: _Motion) -> Vec:
         dz * s_xy + xy * (x * x - y * y) + yz * s_xz - xz * s_yz,
     ]
     rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    torque = _sum([_dot(row, motion.angular) for row in rows], _cross(moment, motion.linear))
-    swung = _sum([_dot(row, moment) for row in motion.squares], _cross(motion.angular, moment))
-    return [*_sum(torque, gyroscopic), *_sum([constants.mass * part for part in motion.linear], swung)]
+    torque = plus([dot(row, motion.angular) for row in rows], cross(moment, motion.linear))
+    swung = plus([dot(row, moment) for row in motion.squares], cross(motion.angular, moment))
+    return [*plus(torque, gyroscopic), *plus([constants.mass * part for part in motion.linear], swung)]
 
 
 def _rigid(constants: Constants) -> Rows:
@@ -292,51 +281,80 @@ def _efforts(link: Link) -> list[Number]:
     return [0] * 6
 
 
-def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Constants) -> tuple[Rows, Vec, _Step]:
-    """Return inertia and force without the coordinate along component k, and the numbers that determine its acceleration."""
+def _eliminate(load: _Load, k: int, effort: Number, constants: Constants, shared: Shared) -> tuple[_Load, _Step]:
+    """Return a load without the coordinate along component k, and the numbers that determine the acceleration of the latter."""
     armature, moves = constants.armature, constants.moves
-    column = [row[k] for row in inertia]
+    column = [row[k] for row in load.inertia]
     weight = column[k] + armature
     inverse = 1 / weight
     ratio = [entry * inverse for entry in column]
-    released, need = [entry * moves for entry in ratio], effort - force[k]
-    left = _mirrored(lambda i, j: inertia[i][j] - column[i] * released[j], 6)
-    rest = [part + share * need for part, share in zip(force, released, strict=True)]
+    released, need = [entry * moves for entry in ratio], effort - load.force[k]
+    left = mirrored(lambda i, j: load.inertia[i][j] - column[i] * released[j], 6)
+    rest = [part + share * need for part, share in zip(load.force, released, strict=True)]
     # Along the coordinate itself only the armature remains, or the whole inertia if it is held; these terms do not cancel.
     kept = (armature + (1 - moves) * column[k]) * inverse
     for j in range(6):
         left[k][j] = left[j][k] = column[j] * kept
     if _absent(armature) and not _absent(moves) and isinstance(moves, int):
         rest[k] = effort
-    return left, rest, _Step(k, ratio, need * inverse, weight, moves)
+    along = {leader: answer[k] for leader, answer in load.answers.items()}
+    shared.release(moves * inverse, need, along)
+    answers = {}
+    for leader, answer in load.answers.items():
+        answers[leader] = [part - share * answer[k] for part, share in zip(answer, released, strict=True)]
+        answers[leader][k] = answer[k] * kept
+    step = _Step(k, ratio, need * inverse, {leader: part * inverse for leader, part in along.items()}, weight, moves)
+    return _Load(left, rest, answers), step
 
 
-def _passed(inertia: Rows, force: Vec, constants: Constants, motion: _Motion) -> tuple[Rows, Vec]:
-    """Convert inertia and force of a link to the axes and the origin of its parent."""
-    turned, moved = (motion.rotation, motion.displacement), (Rotation(_square(constants.turn)), list(constants.offset))
+def _held(load: _Load, k: int, effort: Number, link: Link, shared: Shared) -> _Load:
+    """Return a load of which a leader determines the coordinate along component k."""
+    assert link.leader is not None
+    column = [row[k] for row in load.inertia]
+    along = {leader: answer[k] for leader, answer in load.answers.items()}
+    shared.hold(link.leader, link.share, column[k] + link.constants.armature, effort - load.force[k], along)
+    return _Load(load.inertia, load.force, _together(load.answers, {link.leader: [link.share * part for part in column]}))
+
+
+def _together(one: Responses, other: Responses) -> Responses:
+    """The sums of forces for the accelerations of leaders."""
+    return {**one, **{leader: plus(one[leader], force) if leader in one else force for leader, force in other.items()}}
+
+
+def _passed(load: _Load, constants: Constants, motion: _Motion) -> _Load:
+    """Convert the load of a link to the axes and the origin of its parent."""
+    inertia, force, answers = load.inertia, load.force, load.answers
+    turned, moved = (motion.rotation, motion.displacement), (Rotation(square(constants.turn)), list(constants.offset))
     for rotation, shift in (turned, moved):
         blocks = [[row[:3] for row in inertia[:3]], [row[3:] for row in inertia[:3]], [row[3:] for row in inertia[3:]]]
         angular, mixed, linear = (rotation.block(block, k != 1) for k, block in enumerate(blocks))
-        torque, push = rotation.back(force[:3]), rotation.back(force[3:])
-        inertia = _shifted(angular, mixed, linear, shift)
-        force = [*_sum(torque, _cross(shift, push)), *push]
-    return inertia, force
+        inertia, force = _shifted(angular, mixed, linear, shift), _moved_force(force, rotation, shift)
+        answers = {leader: _moved_force(answer, rotation, shift) for leader, answer in answers.items()}
+    return _Load(inertia, force, answers)
+
+
+def _moved_force(force: Vec, rotation: Rotation, shift: Vec) -> Vec:
+    """Convert a torque and a force (6,) to other axes and to a point from which the present point is at `shift`."""
+    torque, push = rotation.back(force[:3]), rotation.back(force[3:])
+    return [*plus(torque, cross(shift, push)), *push]
 
 
 def _shifted(angular: Rows, mixed: Rows, linear: Rows, shift: Vec) -> Rows:
     """The inertia (6, 6) about a new point, from which the present point is at `shift`."""
-    added = _transposed([_cross(shift, row) for row in linear])
-    after = _sum_rows(mixed, added)
-    before, beyond = [_cross(shift, row) for row in mixed], [_cross(shift, row) for row in after]
-    partial = _mirrored(lambda i, j: angular[i][j] + before[i][j] + beyond[j][i])
+    added = transposed([cross(shift, row) for row in linear])
+    after = plus_rows(mixed, added)
+    before, beyond = [cross(shift, row) for row in mixed], [cross(shift, row) for row in after]
+    partial = mirrored(lambda i, j: angular[i][j] + before[i][j] + beyond[j][i])
     return [
         *(a + b for a, b in zip(partial, after, strict=True)),
-        *(a + b for a, b in zip(_transposed(after), linear, strict=True)),
+        *(a + b for a, b in zip(transposed(after), linear, strict=True)),
     ]
 
 
-def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list[_Step]]) -> Accelerations:
-    """The accelerations of the joints, from the root to the tips."""
+def _solved(
+    links: Sequence[Link], motions: list[_Motion], eliminated: list[list[_Step]], leading: Mapping[int, Number]
+) -> Accelerations:
+    """The accelerations of the joints, from the root to the tips. leading: those of the leaders, by their links' indices."""
     extra: list[Vec] = []
     rates: list[Vec] = []
     strains: list[Number] = []
@@ -344,55 +362,32 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
         if link.parent >= 0:
             angular, linear = extra[link.parent][:3], extra[link.parent][3:]
             for rotation, shift in (
-                (Rotation(_square(link.constants.turn)), list(link.constants.offset)),
+                (Rotation(square(link.constants.turn)), list(link.constants.offset)),
                 (motion.rotation, motion.displacement),
             ):
                 # The displacement is along the axes before the rotation, which do not differ from those after it for a slider.
-                linear = rotation.out(_sum(linear, _cross(angular, shift)))
+                linear = rotation.out(plus(linear, cross(angular, shift)))
                 angular = rotation.out(angular)
             whole = [*angular, *linear]
         else:
             whole = [0] * 6
         along: dict[int, Number] = {}
+        strain: Number = 0
+        if link.leader is not None:
+            (k,) = FREEDOMS[link.kind]
+            along[k] = link.share * leading[link.leader]
+            whole[k] = whole[k] + along[k]
         for step in reversed(steps):
-            k, released = step.component, step.given - _dot(step.ratio, whole)
-            along[k] = step.moves * released
+            k, released = step.component, step.given - dot(step.ratio, whole)
+            for leader, answer in step.answers.items():
+                released = released - answer * leading[leader]
+            along[k], strain = step.moves * released, step.weight * released
             whole[k] = whole[k] + along[k]
         extra.append(whole)
         rates.append([along[k] for k in sorted(along)])
-        strains.append(step.weight * released)
-    return Accelerations(rates, strains)
+        strains.append(strain)
+    return Accelerations(rates, strains, [[step.weight for step in steps] for steps in eliminated])
 
 
 def _absent(value: Number) -> bool:
     return isinstance(value, int) and value == 0
-
-
-def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
-    return sum(map(operator.mul, a, b))
-
-
-def _cross(a: Vec, b: Vec) -> Vec:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def _sum(a: Vec, b: Vec) -> Vec:
-    return [one + other for one, other in zip(a, b, strict=True)]
-
-
-def _sum_rows(a: Rows, b: Rows) -> Rows:
-    return [_sum(one, other) for one, other in zip(a, b, strict=True)]
-
-
-def _transposed(rows: Rows) -> Rows:
-    return [list(column) for column in zip(*rows, strict=True)]
-
-
-def _square(entries: Sequence[Number]) -> Rows:
-    return [list(entries[3 * k : 3 * k + 3]) for k in range(3)]
-
-
-def _mirrored(entry: Any, size: int = 3) -> Rows:
-    """The symmetric matrix whose entries on and above the diagonal are entry(i, j)."""
-    half = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
-    return [[half[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]

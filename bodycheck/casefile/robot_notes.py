@@ -1,0 +1,55 @@
+"""Notes of a case on its robot's file beside the mechanics: parts that were left out, and parts that would act later.
+
+Worker processes get these notes with the case; nothing here reads a file.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+#: What a case may leave out of a robot's file on purpose.
+Ignored = Literal[
+    "actuators", "tendons", "equalities", "mimic", "limits", "contacts", "friction", "damping", "gravity_compensation", "medium"
+]
+
+
+@dataclass(frozen=True)
+class JointRange:
+    """The limits of a joint that its file states, and that the mechanics of the case does not have.
+
+    joint: its name. lower, upper: limits of its coordinate (rad or m); None where the file states none.
+    """
+
+    joint: str
+    lower: float | None
+    upper: float | None
+
+
+@dataclass(frozen=True)
+class RobotNotes:
+    """Notes on the robot model of a case.
+
+    Attributes
+    ----------
+    file
+        The name of the file.
+    without
+        The words of `[model] ignore` that leave out something that the file has, such as "tendons".
+    notices
+        Sentences on parts of the file that do not act in a free motion, each kind of part once, with its number and lines.
+    ranges
+        The limits of joints, which would act from the instant on at which a joint passes one; empty if the case ignores limits.
+    touching
+        Whether bodies of the robot may touch each other or the world: the file has shapes for collisions, and the case does not
+        ignore contacts.
+    path, packages
+        The path of the file, and folders of packages that the user named; None and empty if the case is read from results.
+    """
+
+    file: str
+    without: tuple[str, ...] = ()
+    notices: tuple[str, ...] = ()
+    ranges: tuple[JointRange, ...] = ()
+    touching: bool = False
+    path: Path | None = field(default=None, compare=False)
+    packages: tuple[Path, ...] = field(default=(), compare=False)

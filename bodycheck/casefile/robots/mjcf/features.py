@@ -1,0 +1,219 @@
+"""The parts of an MJCF file that are no mechanics of a case, or not yet: each kind of part once, with its lines."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from bodycheck.casefile.robots.mjcf.options import Options
+from bodycheck.casefile.robots.mjcf.settings import Defaults, word
+from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.casefile.robots.reading import Feature, Ignored
+from bodycheck.robots.elements import Element, quoted
+
+#: The word that leaves a kind of part out, whether it acts from the beginning, a clause, and a noun.
+Kind = tuple[Ignored | None, bool, str, tuple[str, str]]
+
+
+class Features:
+    """Collects features.
+
+    Attributes
+    ----------
+    ignore
+        The words that a case ignores.
+    off
+        What flags of the file switch off: values of `options.FLAGS`.
+    """
+
+    def __init__(self, ignore: frozenset[Ignored], off: frozenset[str]) -> None:
+        self.ignore, self.off = ignore, off
+        self.places: dict[Kind, list[tuple[str, int]]] = {}
+
+    def add(self, kind: Kind, element: Element) -> None:
+        """Add an element of a kind."""
+        self.places.setdefault(kind, []).append((element.file, element.line))
+
+    def keys(self, word: Ignored, element: Element, keys: dict[str, Any]) -> dict[str, Any]:
+        """Return keys of the table of a joint; if the case ignores the word, add that they are left out, and return none."""
+        if word not in self.ignore:
+            return keys
+        self.add((word, True, f"are without their {word}", ("joint", "joints")), element)
+        return {}
+
+    def all(self) -> tuple[Feature, ...]:
+        """Return the features in the order of the file."""
+        ordered = sorted(self.places.items(), key=lambda entry: min(entry[1]))
+        return tuple(Feature(*kind, tuple(sorted(places))) for kind, places in ordered)
+
+
+def _idle(noun: str, plural: str, text: str = "exert nothing") -> Kind:
+    return None, False, text, (noun, plural)
+
+
+#: Elements that do not act in a free motion, by the element that contains them and their own tag; an empty tag stands for all.
+IDLE: dict[tuple[str, str], Kind] = {
+    ("sensor", ""): _idle("sensor", "sensors"),
+    ("custom", ""): _idle("custom datum", "custom data"),
+    ("keyframe", "key"): _idle("keyframe", "keyframes", "state where motions may begin"),
+    ("asset", "texture"): _idle("texture", "textures"),
+    ("asset", "material"): _idle("material", "materials"),
+    ("asset", "skin"): _idle("skin", "skins"),
+    ("deformable", "skin"): _idle("skin", "skins"),
+    ("contact", "pair"): _idle("pair of geoms", "pairs of geoms", "are for contacts"),
+    ("contact", "exclude"): _idle("excluded pair of bodies", "excluded pairs of bodies", "are for contacts"),
+    ("mujoco", "visual"): _idle("element <visual>", "elements <visual>", "are for pictures"),
+    ("mujoco", "statistic"): _idle("element <statistic>", "elements <statistic>", "are for pictures"),
+    ("mujoco", "size"): _idle("element <size>", "elements <size>", "are for memory"),
+}
+
+#: Elements of bodies that do not act in a free motion.
+IDLE_OF_BODIES = {
+    "site": _idle("site", "sites"),
+    "camera": _idle("camera", "cameras"),
+    "light": _idle("light", "lights"),
+}
+
+#: Elements that act, and that no word leaves out, by their tags.
+COMPOSITE: Kind = (None, True, "are many bodies", ("composite", "composites"))
+FLEX: Kind = (None, True, "are deformable bodies", ("flex", "flexes"))
+PLUGIN: Kind = (None, True, "may move bodies", ("plugin", "plugins"))
+ATTACHED: Kind = (None, True, "are another model", ("element <attach>", "elements <attach>"))
+ACTING = {"composite": COMPOSITE, "flexcomp": FLEX, "flex": FLEX, "plugin": PLUGIN, "attach": ATTACHED}
+
+GRAVCOMP: Kind = ("gravity_compensation", True, "have gravity compensation", ("body", "bodies"))
+MOCAP: Kind = (None, False, "are at rest, as nothing moves them", ("mocap body", "mocap bodies"))
+MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
+
+#: Attributes by which a tendon exerts a force.
+OF_TENDONS = ("stiffness", "damping", "frictionloss", "armature")
+
+
+def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
+    """Return the features of a file without those of its joints and equalities."""
+    features = Features(ignore, options.off)
+    if options.medium is not None:
+        features.add(MEDIUM, options.medium)
+    for section in root.children:
+        if (kind := IDLE.get(("mujoco", section.tag))) is not None:
+            features.add(kind, section)
+        for element in section.children:
+            kind = IDLE.get((section.tag, element.tag), IDLE.get((section.tag, ""), ACTING.get(element.tag)))
+            if kind is not None and section.tag not in ("actuator", "default", "extension"):
+                features.add(kind, element)
+        if section.tag == "worldbody":
+            for element in section.everything():
+                _of_body(element, features)
+    _of_tendons(root, features)
+    if "actuation" not in options.off:
+        for kind, element in _of_actuators(root):
+            features.add(kind, element)
+    return features
+
+
+def _of_body(element: Element, features: Features) -> None:
+    """Add an element of a body that is no mechanics."""
+    kind = IDLE_OF_BODIES.get(element.tag) or ACTING.get(element.tag)
+    if kind is not None:
+        features.add(kind, element)
+    if element.tag == "body":
+        if number(element, "gravcomp", 0.0) and "gravity" not in features.off:
+            features.add(GRAVCOMP, element)
+        if word(element, "mocap", "false", ("true", "false")) == "true":
+            features.add(MOCAP, element)
+
+
+def _of_tendons(root: Element, features: Features) -> None:
+    defaults = Defaults(root, "tendon")
+    for section in root.all("tendon"):
+        for element in section.children:
+            tendon = defaults.resolved(element, None)
+            noun = ("tendon", "tendons")
+            exerts = any(any(numbers(tendon, name, (1, 2, 3), (0.0,))) for name in OF_TENDONS)
+            limited = word(tendon, "limited", "auto", ("true", "false", "auto"))
+            if exerts:
+                features.add(("tendons", True, "exert forces", noun), element)
+            elif limited == "true" or (limited == "auto" and any(numbers(tendon, "range", (2,), (0.0, 0.0)))):
+                features.add(("tendons", True, "have limits", noun), element)
+            else:
+                features.add(_idle(*noun, "exert nothing by themselves"), element)
+
+
+#: The actuators whose defaults are those of each other.
+ACTUATORS = (
+    *(
+        "general",
+        "motor",
+        "position",
+        "velocity",
+        "intvelocity",
+        "orientation",
+        "pid",
+        "damper",
+        "cylinder",
+        "muscle",
+        "adhesion",
+    ),
+    *("dcmotor", "plugin"),
+)
+
+#: The nouns of actuators; those with other tags are "actuators".
+NOUNS = {"motor": ("motor", "motors"), "position": ("position servo", "position servos")}
+
+#: Actuators that exert a force without control: always, or unless all of the attributes are zero, given with their defaults.
+SERVOS: dict[str, dict[str, float]] = {
+    "position": {"kp": 1.0, "kv": 0.0, "dampratio": 0.0},
+    "velocity": {"kv": 1.0},
+    "intvelocity": {"kp": 1.0, "kv": 0.0, "dampratio": 0.0},
+    "pid": {},
+    "orientation": {},
+    "muscle": {},
+    "dcmotor": {},
+    "plugin": {},
+}
+
+#: Attributes of other actuators that give a force without control to a <general> that has them as defaults.
+GAINS = ("kp", "kv", "bias", "force", "motorconst")
+
+
+def _of_actuators(root: Element) -> Iterator[tuple[Kind, Element]]:
+    defaults = Defaults(root, *ACTUATORS)
+    for section in root.all("actuator"):
+        for element in section.children:
+            actuator = defaults.resolved(element, None)
+            noun = NOUNS.get(element.tag, ("actuator", "actuators"))
+            if acts_alone(actuator):
+                yield ("actuators", True, "exert forces without control", noun), element
+            else:
+                yield _idle(*noun, "are without control and exert nothing"), element
+
+
+def acts_alone(actuator: Element) -> bool:
+    """Return whether an actuator, given with its default attributes, exerts a force while its control is zero."""
+    if any(any(numbers(actuator, name, (1, 2, 3), (0.0,))) for name in ("damping", "armature")):
+        return True
+    if _clamped(actuator):
+        return True
+    if actuator.tag in SERVOS:
+        gains = SERVOS[actuator.tag]
+        return not gains or any(number(actuator, name, default) for name, default in gains.items())
+    if actuator.tag == "cylinder":
+        return any(numbers(actuator, "bias", (1, 2, 3), (0.0,)))
+    if actuator.tag == "general":
+        bias = word(actuator, "biastype", "none", ("none", "affine", "muscle", "dcmotor", "so3", "user"))
+        stated = numbers(actuator, "biasprm", tuple(range(1, 11)), (0.0,))
+        user = "user" in (actuator.attributes.get(name) for name in ("dyntype", "gaintype"))
+        servo = any(name in actuator.attributes for name in GAINS)
+        return user or servo or (any(stated) if bias == "affine" else bias != "none")
+    return False
+
+
+def _clamped(actuator: Element) -> bool:
+    """Return whether a control of zero is outside the range of the control, so that it becomes another one."""
+    limited = actuator.attributes.get("ctrllimited", "auto")
+    lower, upper = numbers(actuator, "ctrlrange", (2,), (0.0, 0.0))
+    return limited != "false" and (lower, upper) != (0.0, 0.0) and not lower <= 0 <= upper
+
+
+def unknown_equality(element: Element) -> Kind:
+    """Return the kind of an equality that a case does not have."""
+    name = quoted(element.tag)[1:-1]
+    return "equalities", True, "hold bodies", (f"equality <{name}>", f"equalities <{name}>")

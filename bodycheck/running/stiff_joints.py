@@ -1,0 +1,123 @@
+"""Explain the failure of a run of a mechanism by joints that are too stiff for its time step.
+
+A force that grows with the velocity or the displacement of a joint limits the steps of explicit schemes: on x' = -c x they are
+stable up to h c = 2 (Euler) or 2.785 (Runge-Kutta 4), and on x'' = -w^2 x up to h w = 2 (semi-implicit Euler) or 2.828
+(Runge-Kutta 4; Hairer, Wanner, Solving Ordinary Differential Equations II, section IV.2). Dry friction is bounded, but an
+explicit step may turn a hinge so far that its next force is that of another motion.
+
+The inertia of a joint is that at the start with everything else loose: 1 / (M^-1)_ii with the mass matrix M. With several
+damped joints, the largest c of the mechanism, an eigenvalue of M^-1 D, is at least the c of each joint, so that a joint beyond
+the limit is a sufficient reason.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.adapters.contract import Method
+from bodycheck.reference.mechanisms import kinematics, mimicry
+from bodycheck.reference.mechanisms.coordinates import JointMotion, places
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.observables import masses, tensor
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.results.outcome import Diverged
+
+#: The largest h c and h w at which schemes are stable, by whether they are of order 4.
+OF_DAMPING, OF_SPRINGS = {False: 2.0, True: 2.785}, {False: 2.0, True: 2.828}
+
+#: The largest turn (rad) that dry friction may cause in a step.
+OF_FRICTION = 1.0
+
+
+@dataclass(frozen=True)
+class _Stiff:
+    """A joint that is beyond a limit of explicit schemes.
+
+    Attributes
+    ----------
+    text
+        The number that is beyond the limit, in words.
+    excess
+        The factor by which the time step is too long.
+    """
+
+    text: str
+    excess: float
+
+
+def explained(failure: Diverged, scene: AnyScene, method: Method, order: int | None) -> Diverged:
+    """Return the outcome of a failed run, with the joint in its reason that is stiffest for the time step, if there is one.
+
+    order: the order of the integrator; None if it is not known. Nothing is added for methods that choose their own steps, for
+    single bodies, and for mechanisms with loops, which may hold what is stiff.
+    """
+    if not isinstance(scene, Mechanism) or scene.loops or method.accuracy is not None:
+        return failure
+    stiff = sorted(_stiff(scene, method.timestep, order == 4), key=lambda joint: -joint.excess)
+    if not stiff:
+        return failure
+    others = f" (and {len(stiff) - 1} more)" if len(stiff) > 1 else ""
+    needed = f"an explicit step needs h < {method.timestep / stiff[0].excess:.2g} s"
+    return replace(failure, reason=f"{failure.reason}; {stiff[0].text}: {needed}{others}")
+
+
+def _stiff(mechanism: Mechanism, step: float, fourth_order: bool) -> Iterator[_Stiff]:
+    """Yield the joints that are beyond a limit of explicit schemes with a time step (s), once for each such limit."""
+    joints, rules = mechanism.joints, [mimicry.rule(mechanism.joints, index) for index in range(len(mechanism.joints))]
+    for index, inertia in _inertias(mechanism, rules):
+        moved = [(joint, float(rule.multiplier)) for joint, rule in zip(joints, rules, strict=True) if rule.leader == index]
+        name = joints[index].name
+        damping = step / inertia * sum(ratio**2 * joint.damping for joint, ratio in moved)
+        spring = step * math.sqrt(sum(ratio**2 * joint.stiffness for joint, ratio in moved) / inertia)
+        friction = step**2 / inertia * sum(abs(ratio) * joint.friction for joint, ratio in moved)
+        if damping > (limit := OF_DAMPING[fourth_order]):
+            yield _Stiff(f"{name}: damping × h / inertia = {damping:.3g}", damping / limit)
+        if spring > (limit := OF_SPRINGS[fourth_order]):
+            yield _Stiff(f"{name}: h × √(stiffness / inertia) = {spring:.3g}", spring / limit)
+        if joints[index].type == "revolute" and friction > OF_FRICTION:
+            yield _Stiff(f"{name}: friction × h² / inertia = {friction:.3g} rad", math.sqrt(friction / OF_FRICTION))
+
+
+def _inertias(mechanism: Mechanism, rules: Sequence[mimicry.Rule]) -> Iterator[tuple[int, float]]:
+    """Yield the joints that follow no other, once for each velocity, with the inertia of the velocity (kg m^2 or kg)."""
+    held = places(mechanism)
+    free = 6 * sum(joint is None for joint in mechanism.joint_of)
+    columns = [(index, column) for index, (_, moving) in enumerate(held) for column in range(moving.start, moving.stop)]
+    independent = [(index, column) for index, column in columns if rules[index].leader == index]
+    motion = np.zeros((len(columns) + free, len(independent) + free))
+    motion[len(columns) :, len(independent) :] = np.eye(free)
+    for number, (leader, first) in enumerate(independent):
+        for index, column in columns:
+            if rules[index].leader == leader and column - held[index][1].start == first - held[leader][1].start:
+                motion[column, number] = float(rules[index].multiplier)
+    try:
+        inverse = np.linalg.inv(motion.T @ _mass_matrix(mechanism) @ motion)
+    except np.linalg.LinAlgError:
+        return
+    for (index, _), reciprocal in zip(independent, np.diag(inverse), strict=False):
+        if reciprocal > 0:
+            yield index, 1 / float(reciprocal)
+
+
+def _mass_matrix(mechanism: Mechanism) -> Array:
+    """Return the mass matrix at the start: of the velocities of all joints, then those of all free bodies.
+
+    Its entries are the kinetic energies of pairs of unit velocities, from the velocities of the bodies.
+    """
+    at_start, joints = kinematics.initial(mechanism), kinematics.start_of(mechanism)
+    velocities, free = joints.velocity.shape[1], [index for index, joint in enumerate(mechanism.joint_of) if joint is None]
+    unit = np.eye(velocities + 6 * len(free))
+    of_free = unit[:, velocities:].reshape(len(unit), len(free), 6).swapaxes(0, 1)
+    instants = np.arange(len(unit), dtype=np.float64)
+    position, quaternion = (np.repeat(part[free], len(unit), axis=1) for part in (at_start.position, at_start.quaternion))
+    roots = Trajectory(instants, position, quaternion, of_free[..., :3], of_free[..., 3:])
+    motion = JointMotion(np.repeat(joints.position, len(unit), axis=0), unit[:, :velocities])
+    moving = kinematics.bodies(mechanism, motion, roots if free else None, instants)
+    tensors = np.array([tensor(body) for body in mechanism.bodies])
+    matrix = np.einsum("b,bni,bmi->nm", masses(mechanism), moving.velocity, moving.velocity)
+    matrix += np.einsum("bni,bij,bmj->nm", moving.angular_velocity, tensors, moving.angular_velocity)
+    for joint, (_, columns) in zip(mechanism.joints, places(mechanism), strict=True):
+        matrix[columns, columns] += joint.armature * np.eye(columns.stop - columns.start)
+    return np.asarray(matrix)

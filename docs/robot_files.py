@@ -1,0 +1,237 @@
+"""Print the tables of docs/robot_files.md on robots' files in folders. Run: python docs/robot_files.py FOLDER ...
+
+Each URDF and MJCF file with a joint is a row: whether it runs as it is, what must be ignored, or why it is refused; the bound
+of its truth; the error of MuJoCo's default method at the file's own step; how far its mass matrix, bias and gravity are from
+those of the model that `bodycheck parity` reads; the order in which MuJoCo's RK4 converges to the truth of the robot without
+dry friction, mimic joints and loops, whose joints start with random velocities; and the time of all this.
+"""
+
+import math
+import re
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+import bodycheck
+from bodycheck.casefile.case import CaseFaults, loaded
+from bodycheck.casefile.content import Case
+from bodycheck.casefile.robots.direct import scene_of_robot, text_of_robot
+from bodycheck.casefile.robots.reading import Ignored
+from bodycheck.errors import BadInput, Failed
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.robots.dynamics import terms_at
+from bodycheck.reference.robots.model import RobotModel, Wide
+from bodycheck.reference.robots.motion import columns
+from bodycheck.reference.robots.state import VELOCITIES, RobotState
+from bodycheck.reference.robots.states import seeded_states
+from bodycheck.robots import elements
+from bodycheck.robots.from_mechanism import robot_model
+from bodycheck.running import robot_readings
+from bodycheck.studies.parity import models
+from bodycheck.studies.parity.files import NamedFile, named
+
+#: The time steps (s) between which the order of RK4 is observed, and the error (rad or m) below which rounding hides it.
+STEPS, ROUNDING = (0.002, 0.001, 0.0005, 0.00025), 1e-13
+
+#: The words of `ignore` that a message names.
+WORD = re.compile(r'ignore = \["(\w+)"\]')
+
+#: The velocities of joints in the text of a case: single numbers, or three.
+VELOCITY = re.compile(r"^velocity = (\[.*\])?.*$", re.MULTILINE)
+
+#: The largest velocity of a joint at the start of the runs that show an order (rad/s or m/s).
+FASTEST = 5.0
+
+#: What is left out in these runs: MuJoCo holds joints and loops by soft constraints, whose error no step reduces.
+SOFT: tuple[Ignored, ...] = ("friction", "mimic", "equalities")
+
+#: The number of states at which terms are compared.
+STATES = 3
+
+
+@dataclass(frozen=True)
+class Row:
+    """The row of a file; texts are empty where a file is refused."""
+
+    wheel: str
+    robot: str
+    ignored: tuple[Ignored, ...]
+    refused: str
+    bound: str = ""
+    error: str = ""
+    terms: str = ""
+    order: str = ""
+    seconds: float = 0.0
+
+    @property
+    def result(self) -> str:
+        """The result in words."""
+        if self.refused:
+            return f"refused: {self.refused}"
+        return f"runs, ignoring {', '.join(self.ignored)}" if self.ignored else "runs as it is"
+
+
+def row(wheel: str, file: NamedFile, folder: Path) -> Row:
+    """Return the row of a file. folder: the folder of its wheel, whose packages it may name."""
+    begun, where = time.monotonic(), file.path.relative_to(folder)
+    robot = f"{where.parent.name}/{where.name}"
+    read = case_of(file.path, folder)
+    if isinstance(read, str):
+        return Row(wheel, robot, (), read)
+    case, ignored = read
+    measured: tuple[str, str, str, str]
+    try:
+        bound, error = defaults(case)
+        measured = bound, error, terms(case, file, folder, ignored), order(file.path, folder, ignored)
+    except (BadInput, Failed) as reason:
+        return Row(wheel, robot, ignored, " ".join(str(reason).split())[:200])
+    return Row(wheel, robot, ignored, "", *measured, seconds=time.monotonic() - begun)
+
+
+def case_of(path: Path, folder: Path) -> tuple[Case, tuple[Ignored, ...]] | str:
+    """Return the case of a file, with the words that it must ignore, or the reason why it is none."""
+    try:
+        return scene_of_robot(path, (folder,)), ()
+    except CaseFaults as faults:
+        reasons = [fault.message for fault in faults.faults]
+    words: tuple[Ignored, ...] = tuple(dict.fromkeys(WORD.findall(" ".join(reasons))))  # type: ignore[arg-type]
+    try:
+        return scene_of_robot(path, (folder,), ignore=words), words
+    except CaseFaults as faults:
+        return "; ".join(fault.message for fault in faults.faults)[:300]
+
+
+def defaults(case: Case) -> tuple[str, str]:
+    """Return the bound of a truth and the error of MuJoCo's default method at the file's own step, in words."""
+    ran = bodycheck.run(case, engine="mujoco", integrator="default", jobs=1).tables["results"].rows
+    (one,) = ran
+    bound = one["truth_error"] if one["truth_error"] is not None else one["truth_position_error"]
+    if one["status"] != "ok":
+        return number(bound), f"{one['status']}: {one['reason']}"[:120]
+    return number(
+        bound
+    ), f"{number(one['attitude_error'])} rad, {number(one['position_error'])} m at {1e3 * one['timestep']:g} ms"
+
+
+def terms(case: Case, file: NamedFile, folder: Path, ignored: Sequence[Ignored]) -> str:
+    """Return the largest difference of mass matrix, bias and gravity from parity's model, relative to the largest entry."""
+    with temporary_folder() as into, robot_readings.compiler() as compile_:
+        other = models.read(file, (folder,), into, compile_)
+    if isinstance(other, models.Unreadable) or other.model is None:
+        return "parity has no model"
+    assert isinstance(case.scene, Mechanism)
+    own, model = bare(robot_model(case.scene, "robot")), bare(other.model)
+    names = {joint.name for joint in own.joints if VELOCITIES[joint.type]}
+    try:
+        states = seeded_states(model, STATES, 1)
+        states_of_own = [taken(state, own) for state in states]
+        pairs = list(zip(terms_at(own, states_of_own, model.gravity), terms_at(model, states, model.gravity), strict=True))
+    except (KeyError, ValueError) as error:
+        return f"not compared: {type(error).__name__} {error}"[:80]
+    picks = [np.concatenate([np.r_[columns(each)[name]] for name in sorted(names)]) for each in (own, model)]
+    worst = 0.0
+    for one, two in pairs:
+        for name in ("mass_matrix", "coriolis_force", "gravity_force"):
+            first, second = (picked(getattr(each, name), pick) for each, pick in zip((one, two), picks, strict=True))
+            scale = max(float(np.abs(second).max()), 1e-3 * float(np.abs(one.mass_matrix).max()))
+            worst = max(worst, float(np.abs(first - second).max()) / scale)
+    return number(worst)
+
+
+def picked(values: Wide, pick: np.ndarray) -> Wide:
+    """Return the entries of a vector or of a square matrix for some velocities."""
+    return values[pick] if values.ndim == 1 else values[np.ix_(pick, pick)]
+
+
+def taken(state: RobotState, model: RobotModel) -> RobotState:
+    """Return a state with the joints of a model alone."""
+    names = [joint.name for joint in model.joints if joint.type != "fixed"]
+    parts = (state.positions, state.velocities, state.accelerations, state.efforts)
+    return RobotState(*({name: part[name] for name in names} for part in parts))
+
+
+def bare(model: RobotModel) -> RobotModel:
+    """Return a model without rules by which joints follow others, which leave the terms of its tree as they are."""
+    return replace(model, joints=tuple(replace(joint, mimic=None, friction=0.0) for joint in model.joints))
+
+
+def order(path: Path, folder: Path, ignored: Sequence[Ignored]) -> str:
+    """Return the order in which MuJoCo's RK4 converges without soft constraints, or why none is seen."""
+    text = text_of_robot(path, (folder,), ignore=(*ignored, *SOFT))
+    draws = np.random.default_rng(1)
+    text = VELOCITY.sub(lambda found: f"velocity = {draws.uniform(-FASTEST, FASTEST, 3 if found[1] else 1).tolist()}", text)
+    text = re.sub(r"^velocity = \[([^,\]]*)\]$", r"velocity = \1", text, flags=re.MULTILINE)
+    case = loaded(text, str(path), path.parent, (folder,), follow=True)
+    rows = bodycheck.run(case, engine="mujoco", integrator="RK4", timestep=STEPS, jobs=1).tables["results"].rows
+    errors = {}
+    for one in sorted(rows, key=lambda one: -one["timestep"]):
+        if one["status"] != "ok":
+            errors[one["timestep"]] = math.inf
+            continue
+        errors[one["timestep"]] = max(one["attitude_error"] or 0.0, one["position_error"] or 0.0)
+    steps = sorted(errors, reverse=True)
+    orders = [
+        math.log2(errors[large] / errors[small])
+        for large, small in pairwise(steps)
+        if math.isfinite(errors[large]) and errors[small] > ROUNDING
+    ]
+    if orders:
+        return f"{orders[-1]:.2f}"
+    last = errors[steps[-1]]
+    if not math.isfinite(last):
+        return f"none: {rows[-1]['status']} at {1e3 * steps[-1]:g} ms"
+    return f"below rounding: {number(last)}"
+
+
+def number(value: float | None) -> str:
+    """Return a number as text."""
+    return "–" if value is None else f"{value:.1e}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def has_joints(path: Path) -> bool:
+    """Return whether a file has a joint; a file that cannot be read is shown with the reason."""
+    try:
+        return any(element.tag in ("joint", "freejoint") for element in elements.read(path).everything())
+    except BadInput:
+        return True
+
+
+def rows(folders: Sequence[Path]) -> Iterator[Row]:
+    """Yield the rows of all files of folders, each folder a wheel."""
+    asked = [(folder.name, file, folder) for folder in folders for file in named([folder]).files if has_joints(file.path)]
+    with ProcessPoolExecutor(2, max_tasks_per_child=8) as pool:
+        futures = [pool.submit(row, *each) for each in asked]
+        for number_of_done, future in enumerate(as_completed(futures), start=1):
+            wheel, file, _ = asked[futures.index(future)]
+            print(f"{number_of_done} of {len(asked)}: {file.path.name}", file=sys.stderr, flush=True)
+            try:
+                yield future.result()
+            except Exception as error:
+                yield Row(wheel, f"{file.path.parent.name}/{file.path.name}", (), f"{type(error).__name__}: {error}"[:200])
+
+
+def main() -> None:
+    """Print the tables."""
+    done = sorted(rows([Path(name) for name in sys.argv[1:]]), key=lambda row: (row.wheel, row.robot))
+    print("| wheel | robot | result | bound of the truth, rad | default of MuJoCo | M, bias, gravity | order of RK4 | s |")
+    print("| --- | --- | --- | --- | --- | --- | --- | ---: |")
+    for one in done:
+        cells = (one.wheel, one.robot, one.result, one.bound, one.error, one.terms, one.order, f"{one.seconds:.0f}")
+        print(f"| {' | '.join(cell.replace('|', '¦') for cell in cells)} |")
+    run = [one for one in done if not one.refused]
+    print(f"\n{len(run)} of {len(done)} run, {sum(not one.ignored for one in run)} as they are.\n")
+    print("| ignored | files |\n| --- | ---: |")
+    for word, count in Counter(word for one in run for word in one.ignored).most_common():
+        print(f"| {word} | {count} |")
+
+
+if __name__ == "__main__":
+    main()

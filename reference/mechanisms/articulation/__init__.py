@@ -1,0 +1,4 @@
+"""The articulated-body recursion in any arithmetic: accelerations of a tree of links, joints that follow others included.
+
+`articulated` has the recursion, `spatial` its vectors and matrices, and `coupling` the coordinates that several joints share.
+"""

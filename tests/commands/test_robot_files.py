@@ -1,0 +1,158 @@
+"""Commands take a robot's file where they take a case, and say what of the file is left out and from when on it would act."""
+
+import json
+import math
+import shlex
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import bodycheck as interface
+from bodycheck.running import robot_notices
+from tests.support.commands import bodycheck
+
+#: A weight that falls freely along a rail: after t it is at t^2 g / 2. The rail ends at 0.1 m.
+RAIL = """<robot name="rail">
+  <link name="rail"/>
+  <link name="weight"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="slide" type="prismatic"><parent link="rail"/><child link="weight"/><axis xyz="0 0 -1"/>
+    <limit lower="-1" upper="0.1" effort="1" velocity="1"/></joint>
+</robot>"""
+PASSED = math.sqrt(2 * 0.1 / 9.81)
+
+#: A ball of radius 0.1 m whose centre falls from 0.3 m above the floor.
+BALL = """<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body name="ball" pos="0 0 0.3" EXTRA><joint name="z" type="slide" axis="0 0 1"/><geom type="sphere" size="0.1"/></body>
+  </worldbody>
+</mujoco>"""
+TOUCHED = math.sqrt(2 * 0.2 / 9.81)
+
+METHODS = ("--engine", "mujoco", "--integrator", "Euler", "--integrator", "RK4")
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, "utf-8")
+    return path
+
+
+def test_a_limit_acts_from_the_instant_on_at_which_it_is_passed(calls_here: None, tmp_path: Path) -> None:
+    """The error of semi-implicit Euler's position is h g t / 2: up to the limit it is that at the last instant before."""
+    path, out = written(tmp_path, "rail.urdf", RAIL), tmp_path / "out"
+    done = bodycheck("run", path, *METHODS, "--out", out)
+    assert done.returncode == 0
+    said = "rail: slide passes its upper limit at 0.1428 s: from there on this is the robot without its limits."
+    assert done.stderr.splitlines()[0] == said
+    document = json.loads((out / "results.json").read_text("utf-8"))
+    assert document["notices"][0] == said
+    # The instant has the rounding of the truth's coordinates, divided by the speed of 1.4 m/s.
+    assert document["sets"][0]["header"]["departures"]["rail"] == pytest.approx(PASSED, abs=1e-12)
+    runs = pd.read_csv(out / "results.csv").set_index("integrator")
+    assert runs.departure.tolist() == pytest.approx([PASSED] * 2, abs=1e-12)
+    # MuJoCo's positions are those of sums of some hundred steps, in doubles.
+    assert runs.position_error_before_departure["Euler"] == pytest.approx(0.002 * 9.81 * 0.14 / 2, rel=1e-9)
+    assert runs.position_error["Euler"] == pytest.approx(0.002 * 9.81 / 2, rel=1e-9)
+    report = (out / "report.md").read_text("utf-8")
+    assert "slide passes its upper limit at 0.1428 s" in report
+    assert "up to 0.143 s" in report
+    assert "rail: up to 0.1428 s, the largest attitude error is " in done.stdout
+
+
+def test_a_contact_is_found_between_two_samples(calls_here: None, tmp_path: Path) -> None:
+    path = written(tmp_path, "ball.xml", BALL.replace("EXTRA", ""))
+    done = bodycheck("truth", path)
+    after, before = math.floor(100 * TOUCHED) / 100, math.ceil(100 * TOUCHED) / 100
+    said = f"ball: floor touches ball between {after:g} and {before:g} s: from there on this is the robot without its contacts."
+    assert done.stderr.splitlines()[0] == said
+    assert done.returncode == 0
+    case = interface.load(path)
+    assert robot_notices.of([case], 1).departures == {"ball": after}
+    touching = interface.load(written(tmp_path, "low.xml", BALL.replace("EXTRA", "").replace("0 0 0.3", "0 0 0.05")))
+    robots = robot_notices.of([touching], 1)
+    assert robots.departures == {"low": 0.0}
+    assert robots.sentences["low"][0] == "floor touches ball at the start: this is the robot without its contacts."
+    without = interface.load(path, ignore=["contacts"])
+    assert robot_notices.of([without], 1).departures == {}
+
+
+def test_contacts_that_cannot_be_looked_for_are_told(calls_here: None, tmp_path: Path) -> None:
+    mesh = '<collision><geometry><mesh filename="package://nowhere/part.stl"/></geometry></collision></link>'
+    path = written(tmp_path, "rail.urdf", RAIL.replace("</inertial></link>", f"</inertial>{mesh}"))
+    robots = robot_notices.of([interface.load(path)], 1)
+    (said,) = (sentence for sentence in robots.sentences["rail"] if "ontacts" in sentence)
+    assert said.startswith("Contacts were not looked for: rail.urdf:3: <mesh filename>: 'package://nowhere/part.stl' is out")
+
+
+def test_robots_of_one_file_name_have_the_names_of_their_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("one", "two", "three"):
+        written(tmp_path, f"robots/{folder}/robot.urdf", RAIL if folder != "three" else "<robot/>")
+    for argument in ("robots", "robots/*/robot.urdf"):
+        done = bodycheck("validate", argument)
+        valid = [line.removesuffix(": valid") for line in done.stdout.splitlines() if line.endswith(": valid")]
+        assert valid == ["one", "two"]
+        assert done.returncode == 1
+        assert all(line.startswith("robots/three/robot.urdf") for line in done.stderr.splitlines())
+    assert bodycheck("validate", "robots/three/robot.urdf").returncode == 2
+    assert bodycheck("validate", "robots/two").returncode == 0
+    written(tmp_path, "robots/own.case.toml", bodycheck("new", "own").stdout and Path("own.case.toml").read_text("utf-8"))
+    assert bodycheck("validate", "robots").stdout == "own: valid\n"  # case files commonly have their robots beside them
+
+
+def test_validate_says_what_a_robot_is(tmp_path: Path) -> None:
+    done = bodycheck("validate", written(tmp_path, "rail.urdf", RAIL))
+    first, counted, *notices = done.stdout.splitlines()
+    assert first == "rail: valid"
+    assert counted == "  rail.urdf: bodies with mass: 1, joints that move: 1, degrees of freedom: 1, mass: 2 kg"
+    assert all(notice.startswith("  ") for notice in notices)
+
+
+def test_what_acts_from_the_start_is_refused_with_the_command_that_runs(
+    calls_here: None,
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, "floating.xml", BALL.replace("EXTRA", 'gravcomp="0.5"'))
+    refused = bodycheck("run", path, *METHODS)
+    assert refused.returncode == 2
+    *faults, command = refused.stderr.splitlines()
+    assert len(faults) == 1
+    assert "--ignore gravity_compensation leaves it out" in faults[0]
+    _, _, words = command.partition("runs without them by: bodycheck ")
+    done = bodycheck(*shlex.split(words), *METHODS)
+    assert done.returncode == 0
+    assert done.stderr.splitlines()[0] == "floating: of the robot without its gravity compensation"
+    assert bodycheck("run", "free-brick", "--ignore", "tendons").returncode == 2
+
+
+def test_a_case_of_a_whole_robot_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, "rail.urdf", RAIL)
+    assert bodycheck("new", "own", "--model", "rail.urdf").stdout == "own.case.toml\n"
+    text = Path("own.case.toml").read_text("utf-8")
+    assert "[initial.joints.slide]" in text
+    own, direct = interface.load("own.case.toml"), interface.load(path)
+    assert (own.scene, own.duration, own.samples) == (direct.scene, direct.duration, direct.samples)
+    assert (own.name, direct.name) == ("own", "rail")
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    assert "must be in the folder of the case file" in bodycheck("new", "own", "--model", "../rail.urdf").stderr
+    assert bodycheck("new", "own", "--model", "../rail.urdf", "--mechanism").returncode == 2
+
+
+def test_a_robots_file_has_no_place_for_expectations(tmp_path: Path) -> None:
+    done = bodycheck("expect", path := written(tmp_path, "rail.urdf", RAIL))
+    assert done.returncode == 2
+    assert f"bodycheck new NAME --model {path}" in done.stderr
+
+
+def test_studies_take_a_robots_file(calls_here: None, tmp_path: Path) -> None:
+    path = written(tmp_path, "rail.urdf", RAIL)
+    found = interface.run(path, engine="mujoco", integrator="RK4", timestep=0.01)
+    assert found.passed
+    assert "slide passes its upper limit" in " ".join(found.findings)
+    script = bodycheck("export", path, "--engine", "mujoco", "--integrator", "RK4")
+    assert (script.returncode, "slide" in script.stdout) == (0, True)
