@@ -244,7 +244,8 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
 
     The two joints start at positions that obey the rule that the engine tells: twice with a moving leader, and once with a
     moving follower. Joints that follow each other have the same rule in all three motions. Without a rule, a joint that is
-    moved moves alone.
+    moved moves alone. Damping and dry friction load a soft constraint, so that for joints with these a motion by another rule
+    decides nothing.
     """
     rules = {
         name: joint.mimic
@@ -268,8 +269,15 @@ def mimics_of(trial: Trial) -> dict[str, Mimic | None]:
         ratio = max(abs(mimic.multiplier), 1 / abs(mimic.multiplier)) if mimic.multiplier else 1.0
         calm = max(speeds) <= 2 * ratio * max(map(abs, before.velocities.values()))
         if calm and np.all(np.isfinite([leaders, followers])) and moved > 1e-4 * max(1.0, abs(before.positions[mimic.joint])):
-            results[name] = _rule(mimic, leaders, followers)
+            rule = _rule(mimic, leaders, followers)
+            if rule == mimic or not any(_resisted(trial.joints[one]) for one in (name, mimic.joint)):
+                results[name] = rule
     return results
+
+
+def _resisted(joint: ReadJoint) -> bool:
+    """Return whether the engine tells that damping or dry friction acts in a joint."""
+    return bool(joint.damping or joint.friction)
 
 
 def _rule(recorded: Mimic, leaders: Array, followers: Array) -> Mimic | None:
@@ -310,11 +318,11 @@ def resistances_of(
     if not np.all(np.abs(after) <= 2 * before):  # the motion is not stable
         return results
     force = (before - after) @ mass.T / TIMESTEP_S
-    noise = ROUNDINGS * rounding * before @ np.abs(mass).T / TIMESTEP_S
+    stopping = before @ np.abs(mass).T / TIMESTEP_S
     for name in chosen:
         index, joint = names.index(name), trial.joints[name]
-        lost = float(np.max(noise[:, index]))
-        for part, number in _resistance(joint, force[:, index], before[:, index], after[:, index], lost).items():
+        columns = (each[:, index] for each in (force, before, after, stopping))
+        for part, number in _resistance(joint, *columns, ROUNDINGS * rounding).items():
             results[part][name] = number
     return results
 
@@ -335,16 +343,18 @@ def mass_matrix(trial: Trial, reading: RobotReading, model: RobotModel, state: R
     return None if matrix is None else np.asarray(matrix, np.float64)[np.ix_(order, order)]
 
 
-def _resistance(joint: ReadJoint, force: Array, before: Array, after: Array, noise: float) -> dict[Part, float]:
+def _resistance(joint: ReadJoint, force: Array, before: Array, after: Array, stopping: Array, lost: float) -> dict[Part, float]:
     """Return the damping and the friction of a joint, as far as forces (2,) decide whether they act as the engine tells.
 
-    before, after: the speeds (2,) before and after a step. noise: the force that is lost in rounding. Nothing is decided if
-    the speeds grow or change their sign, as with a damping for which the step is too long.
+    before, after: the speeds (2,) before and after a step. stopping: the forces (2,) that would stop all joints in a step, of
+    which the part `lost` is lost in rounding. Nothing is decided if the speeds grow or change their sign, as with a damping for
+    which the step is too long.
     """
     if np.any(after < -CONFIRMED * before) or np.any(after > (1 + CONFIRMED) * before):
         return {}
     damping, friction = joint.damping or 0.0, joint.friction or 0.0
-    tolerance = CONFIRMED * (damping * before + friction) + noise
+    # A force that stops a light joint is small beside the damping and the friction, and yet it is not zero.
+    tolerance = CONFIRMED * np.minimum(damping * before + friction, stopping) + lost * float(np.max(stopping))
     stopped = np.abs(after) <= CONFIRMED * before
     acting: list[dict[Part, float]] = []
     for with_damping in {damping, 0.0}:

@@ -1,5 +1,7 @@
 """Motions show what an engine does with a joint, whatever its records tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -83,6 +85,19 @@ def test_damping_or_friction_that_does_not_brake_is_zero(part: str) -> None:
 def test_a_force_that_is_lost_in_rounding_is_not_tried() -> None:
     does = Does(damping={"first": 0.5, "second": 0.2}, friction={"first": 0.3, "second": 0.4})
     assert behaviours(does.step, told(BRAKED), BRAKED, STATE, 0.1) == {}
+
+
+def test_soft_friction_of_a_light_joint_is_not_called_ignored() -> None:
+    # The friction that halves the speed in a step, 500 and 1000 N m, is small beside the friction that the file states.
+    known = tried(file_model(friction=dict.fromkeys(NAMES, 1e5)), Does(damping=dict.fromkeys(NAMES, 500.0)))
+    assert 0.0 not in {one.friction for one in known.values()}
+
+
+def test_a_rule_that_yields_to_damping_is_not_called_another_rule() -> None:
+    rules, yielding = {"second": RULE}, {"second": replace(RULE, multiplier=1.3 * RULE.multiplier)}
+    known = tried(file_model(mimic=rules, damping={"first": 0.5}), Does(rules=yielding))
+    assert all("mimic" not in one.tried for one in known.values())
+    assert tried(file_model(mimic=rules), Does(rules=yielding))["second"].mimic == Mimic("first", 2.6, 0.1)
 
 
 def test_joints_that_follow_are_moved_together_to_their_limits() -> None:
