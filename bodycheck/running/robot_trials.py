@@ -321,8 +321,8 @@ def resistances_of(
     stopping = before @ np.abs(mass).T / TIMESTEP_S
     for name in chosen:
         index, joint = names.index(name), trial.joints[name]
-        columns = (each[:, index] for each in (force, before, after, stopping))
-        for part, number in _resistance(joint, *columns, ROUNDINGS * rounding).items():
+        of_joint = force[:, index], before[:, index], after[:, index], stopping[:, index]
+        for part, number in _resistance(joint, *of_joint, ROUNDINGS * rounding).items():
             results[part][name] = number
     return results
 
