@@ -11,17 +11,14 @@ the limit is a sufficient reason.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.adapters.contract import Method
-from bodycheck.reference.mechanisms import kinematics, mimicry
-from bodycheck.reference.mechanisms.coordinates import JointMotion, places
+from bodycheck.reference.mechanisms import mimicry
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.mechanisms.observables import masses, tensor
-from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import Diverged
 
 #: The largest h c and h w at which schemes are stable, by whether they are of order 4.
@@ -66,7 +63,7 @@ def explained(failure: Diverged, scene: AnyScene, method: Method, order: int | N
 def _stiff(mechanism: Mechanism, step: float, fourth_order: bool) -> Iterator[_Stiff]:
     """Yield the joints that are beyond a limit of explicit schemes with a time step (s), once for each such limit."""
     joints, rules = mechanism.joints, [mimicry.rule(mechanism.joints, index) for index in range(len(mechanism.joints))]
-    for index, inertia in _inertias(mechanism, rules):
+    for index, inertia in _inertias(mechanism):
         moved = [(joint, float(rule.multiplier)) for joint, rule in zip(joints, rules, strict=True) if rule.leader == index]
         name = joints[index].name
         damping = step / inertia * sum(ratio**2 * joint.damping for joint, ratio in moved)
@@ -80,44 +77,15 @@ def _stiff(mechanism: Mechanism, step: float, fourth_order: bool) -> Iterator[_S
             yield _Stiff(f"{name}: friction × h² / inertia = {friction:.3g} rad", math.sqrt(friction / OF_FRICTION))
 
 
-def _inertias(mechanism: Mechanism, rules: Sequence[mimicry.Rule]) -> Iterator[tuple[int, float]]:
+def _inertias(mechanism: Mechanism) -> Iterator[tuple[int, float]]:
     """Yield the joints that follow no other, once for each velocity, with the inertia of the velocity (kg m^2 or kg)."""
-    held = places(mechanism)
-    free = 6 * sum(joint is None for joint in mechanism.joint_of)
-    columns = [(index, column) for index, (_, moving) in enumerate(held) for column in range(moving.start, moving.stop)]
-    independent = [(index, column) for index, column in columns if rules[index].leader == index]
-    motion = np.zeros((len(columns) + free, len(independent) + free))
-    motion[len(columns) :, len(independent) :] = np.eye(free)
-    for number, (leader, first) in enumerate(independent):
-        for index, column in columns:
-            if rules[index].leader == leader and column - held[index][1].start == first - held[leader][1].start:
-                motion[column, number] = float(rules[index].multiplier)
+    from bodycheck.reference.mechanisms import start  # exact arithmetic, which the process of an engine otherwise does not need
+
+    moved, matrix = start.mass_matrix(mechanism)
     try:
-        inverse = np.linalg.inv(motion.T @ _mass_matrix(mechanism) @ motion)
+        inverse = np.linalg.inv(matrix.astype(np.float64))
     except np.linalg.LinAlgError:
         return
-    for (index, _), reciprocal in zip(independent, np.diag(inverse), strict=False):
-        if reciprocal > 0:
-            yield index, 1 / float(reciprocal)
-
-
-def _mass_matrix(mechanism: Mechanism) -> Array:
-    """Return the mass matrix at the start: of the velocities of all joints, then those of all free bodies.
-
-    Its entries are the kinetic energies of pairs of unit velocities, from the velocities of the bodies.
-    """
-    at_start, joints = kinematics.initial(mechanism), kinematics.start_of(mechanism)
-    velocities, free = joints.velocity.shape[1], [index for index, joint in enumerate(mechanism.joint_of) if joint is None]
-    unit = np.eye(velocities + 6 * len(free))
-    of_free = unit[:, velocities:].reshape(len(unit), len(free), 6).swapaxes(0, 1)
-    instants = np.arange(len(unit), dtype=np.float64)
-    position, quaternion = (np.repeat(part[free], len(unit), axis=1) for part in (at_start.position, at_start.quaternion))
-    roots = Trajectory(instants, position, quaternion, of_free[..., :3], of_free[..., 3:])
-    motion = JointMotion(np.repeat(joints.position, len(unit), axis=0), unit[:, :velocities])
-    moving = kinematics.bodies(mechanism, motion, roots if free else None, instants)
-    tensors = np.array([tensor(body) for body in mechanism.bodies])
-    matrix = np.einsum("b,bni,bmi->nm", masses(mechanism), moving.velocity, moving.velocity)
-    matrix += np.einsum("bni,bij,bmj->nm", moving.angular_velocity, tensors, moving.angular_velocity)
-    for joint, (_, columns) in zip(mechanism.joints, places(mechanism), strict=True):
-        matrix[columns, columns] += joint.armature * np.eye(columns.stop - columns.start)
-    return np.asarray(matrix)
+    for (joint, _), reciprocal in zip(moved, np.diag(inverse), strict=True):
+        if joint is not None and reciprocal > 0:
+            yield joint, 1 / float(reciprocal)

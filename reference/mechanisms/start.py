@@ -103,7 +103,7 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     """
     at, collected, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
     if any(joint.mimic for joint in mechanism.joints):
-        return _coordinates_with_followers(mechanism, at)
+        return _coordinates_with_followers(mechanism)
     places = {joint.child: index for index, joint in enumerate(mechanism.joints)}
     loose = {index: _inertia(body, at[index]) for index, body in enumerate(mechanism.bodies)}
     locked = {index: inertia.copy() for index, inertia in loose.items()}
@@ -123,9 +123,22 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     return tuple(collected[::-1])
 
 
-def _coordinates_with_followers(mechanism: Mechanism, at: dict[int, Frame]) -> tuple[Coordinate, ...]:
-    """The inertia of all coordinates of a mechanism of which joints follow others. at: the frames of all bodies."""
-    indices = {joint.child: index for index, joint in enumerate(mechanism.joints)}
+def _coordinates_with_followers(mechanism: Mechanism) -> tuple[Coordinate, ...]:
+    """The inertia of all coordinates of a mechanism of which joints follow others."""
+    alone, matrix = mass_matrix(mechanism)
+    locked, loose = np.diagonal(matrix).copy(), matrix.copy()
+    for k in reversed(range(len(alone))):
+        if loose[k, k] > 0:
+            loose[:k, :k] -= np.outer(loose[:k, k], loose[k, :k]) / loose[k, k]
+    return tuple(Coordinate(*each, locked[k], loose[k, k]) for k, each in enumerate(alone))
+
+
+def mass_matrix(mechanism: Mechanism) -> tuple[tuple[tuple[int | None, int], ...], WideArray]:
+    """The mass matrix (n, n) at the start, of the velocities of joints that follow no other and of free bodies (kg m^2, kg).
+
+    Returns also the joint (None for a free body) and the body that each velocity moves, from the world on.
+    """
+    at, indices = frames(mechanism), {joint.child: index for index, joint in enumerate(mechanism.joints)}
     slots: list[tuple[int | None, int, WideArray]] = [
         (indices.get(body), body, column)
         for body in breadth_first(mechanism)
@@ -140,12 +153,7 @@ def _coordinates_with_followers(mechanism: Mechanism, at: dict[int, Frame]) -> t
                 rule = mimicry.rule(mechanism.joints, index)
                 if rule.leader == slots[row][0]:
                     shares[other, number] = wide(real(rule.multiplier))
-    matrix = shares.T @ _mass_matrix(mechanism, at, slots) @ shares
-    locked, loose = np.diagonal(matrix).copy(), matrix.copy()
-    for k in reversed(range(len(alone))):
-        if loose[k, k] > 0:
-            loose[:k, :k] -= np.outer(loose[:k, k], loose[k, :k]) / loose[k, k]
-    return tuple(Coordinate(*slots[row][:2], locked[k], loose[k, k]) for k, row in enumerate(alone))
+    return tuple(slots[row][:2] for row in alone), shares.T @ _mass_matrix(mechanism, at, slots) @ shares
 
 
 def _mass_matrix(mechanism: Mechanism, at: dict[int, Frame], slots: Sequence[tuple[int | None, int, WideArray]]) -> WideArray:
