@@ -15,7 +15,7 @@ Scenes and states follow the conventions of `bodycheck.reference.scene`. An adap
 of its engine. It imports its engine and this package, but no module of cases, truth or reports.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -126,6 +126,36 @@ class ErrorControlled(Simulation, Protocol):
     @property
     def work(self) -> Work:
         """The work since the start."""
+        ...
+
+
+#: The law of continuous controllers: the efforts (j,) at a time (s), of coordinates (j,) and velocities (j,) of driven joints.
+Law = Callable[[float, Array, Array], Array]
+
+
+@runtime_checkable
+class Driven(Simulation, Protocol):
+    """A simulation of one mechanism whose driven joints take efforts between strides.
+
+    The arrays (j,) have the joints of `Mechanism.driven`, in their order. The harness computes the laws of controllers and,
+    with the option `limits=effort`, the efforts of elastic stops; the simulation knows neither.
+    """
+
+    def state(self) -> tuple[Array, Array]:
+        """Return the present coordinates (j,) and velocities (j,) of the driven joints."""
+        ...
+
+    def apply(self, efforts: Array) -> None:
+        """Exert efforts (j,) from now on, in addition to the constant efforts of the joints, until the next call."""
+        ...
+
+
+@runtime_checkable
+class Staged(Driven, Protocol):
+    """A simulation whose engine lets a law be evaluated at each evaluation of its accelerations, also within a step."""
+
+    def obey(self, law: Law) -> None:
+        """Exert from now on the efforts of a law, evaluated at the time and state of each stage of the integrator."""
         ...
 
 

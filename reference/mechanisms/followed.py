@@ -98,6 +98,7 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
     _require_independent(mechanism)
+    _require_undriven(mechanism)
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
@@ -111,6 +112,14 @@ def _require_independent(mechanism: Mechanism) -> None:
         raise NotModelled("joints that follow others in a mechanism with loops")
     if dry := [mechanism.joints[index].name for index in sorted(coupled) if mechanism.joints[index].friction]:
         raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
+
+
+def _require_undriven(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` for controllers and stops."""
+    if mechanism.controllers:
+        raise NotModelled("controllers of joints")
+    if any(joint.stops for joint in mechanism.joints):
+        raise NotModelled("stops of joints")
 
 
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:

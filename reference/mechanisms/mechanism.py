@@ -8,6 +8,7 @@ no joint is free. The numbers are the numbers of the file and are meant exactly,
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType
 from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
@@ -110,6 +111,8 @@ class Joint:
     mimic
         The rule by which the joint follows another one without play; None if it moves by itself. Its initial coordinate and
         velocity follow from the rule, and `start` and `start_velocity` are the doubles nearest to them.
+    stops
+        The stops of a revolute or prismatic joint; None if its coordinate has no limits.
     """
 
     name: str
@@ -128,6 +131,7 @@ class Joint:
     start: tuple[float, ...] = ()
     start_velocity: tuple[float, ...] = ()
     mimic: Mimic | None = None
+    stops: Stops | None = None
 
     @property
     def form(self) -> JointForm:
@@ -186,6 +190,8 @@ class Mechanism:
         The pairs whose friction and restitution differ from those of the plane.
     pushes
         Constant forces on bodies.
+    controllers
+        The controllers of joints, in the order of the file.
     """
 
     bodies: tuple[JointedBody, ...]
@@ -195,11 +201,20 @@ class Mechanism:
     plane: Plane | None = None
     contacts: tuple[PairContact, ...] = ()
     pushes: tuple[Push, ...] = ()
+    controllers: tuple[Controller, ...] = ()
 
     @property
     def conserves(self) -> bool:
-        """True if energy is conserved, since there is no damping, dry friction, plane or push."""
-        return not (any(joint.damping or joint.friction for joint in self.joints) or self.plane is not None or self.pushes)
+        """True if energy is conserved, since there is no damping, dry friction, stop, controller, plane or push."""
+        loses = any(joint.damping or joint.friction or joint.stops for joint in self.joints)
+        return not (loses or self.plane is not None or self.pushes or self.controllers)
+
+    @property
+    def driven(self) -> tuple[int, ...]:
+        """The indices of the joints that have a controller or elastic stops, in the order of the file."""
+        controlled = {controller.joint for controller in self.controllers}
+        elastic = {index for index, joint in enumerate(self.joints) if joint.stops is not None and not joint.stops.rigid}
+        return tuple(sorted(controlled | elastic))
 
     @property
     def joint_of(self) -> tuple[Joint | None, ...]:

@@ -9,12 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck.casefile.grammar import InitialTable
-from bodycheck.casefile.mechanisms import grammar
+from bodycheck.casefile.mechanisms import control_grammar, grammar
 from bodycheck.casefile.scenes import MAX_SIZE, Inconsistent, attitude_of, inertia_of, rotation_of, solid_shape
 from bodycheck.casefile.surroundings import attitude_on, build_contacts, build_plane, build_push, position_on
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import mimicry, start
+from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, Sine, Stops
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism, Mimic
 from bodycheck.reference.scene import Plane, Shape, Solid, Vector
@@ -183,6 +184,7 @@ def build_mechanism(table: grammar.MechanismTable) -> Mechanism:
         plane,
         build_contacts(table.scene.contacts, [body.name for body in table.bodies], plane),
         tuple(build_push(push, places[push.body] if push.body is not None else 0) for push in table.scene.push),
+        _controllers(table),
     )
     check_start(mechanism, table.run.duration)
     return mechanism
@@ -220,13 +222,55 @@ def _joint(table: grammar.JointTable, places: dict[str, int], order: Mapping[str
     parent, child = places[table.parent], places[table.child]
     rule = table.mimic if isinstance(table, grammar.AxisTable) else None
     mimic = None if rule is None else Mimic(order[rule.joint], rule.multiplier, rule.offset)
+    stops = _stops(table.limits) if isinstance(table, grammar.AxisTable) else None
     return Joint(
         *(table.name, name, parent, child, table.position, attitude_of(table)),
         **forces,
         start=start,
         start_velocity=velocity,
         mimic=mimic,
+        stops=stops,
     )
+
+
+def _stops(table: control_grammar.StopsTable | None) -> Stops | None:
+    if table is None:
+        return None
+    if table.stiffness is None:
+        return Stops(table.lower, table.upper, table.restitution or 0.0)
+    return Stops(table.lower, table.upper, None, table.stiffness, table.damping or 0.0)
+
+
+def _controllers(table: grammar.MechanismTable) -> tuple[Controller, ...]:
+    order = {joint.name: index for index, joint in enumerate(table.joints)}
+    return tuple(_controller(each, order[each.joint]) for each in table.controllers)
+
+
+def _controller(table: control_grammar.ControllerTable, joint: int) -> Controller:
+    return Controller(
+        joint,
+        table.law,
+        table.kp,
+        table.kd,
+        table.ki,
+        target=_signal(table.target),
+        target_velocity=_signal(table.target_velocity),
+        effort=_signal(table.effort),
+        rate=table.rate,
+        delay=table.delay,
+        effort_limit=table.effort_limit,
+        no_load_speed=table.no_load_speed,
+    )
+
+
+def _signal(table: control_grammar.AnySignal) -> Signal:
+    match table:
+        case control_grammar.SineTable():
+            return Sine(table.amplitude, table.angular_frequency, table.phase, table.offset)
+        case control_grammar.SamplesTable():
+            return Samples(table.times, table.values, table.between)
+        case _:
+            return table
 
 
 def _numbers(table: grammar.JointTable, names: tuple[str, ...]) -> tuple[float, ...]:

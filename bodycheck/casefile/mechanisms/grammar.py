@@ -6,6 +6,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.grammar import WORD
+from bodycheck.casefile.mechanisms.control_grammar import ControllerTable, StopsTable
 from bodycheck.casefile.robots.reading import Ignored
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
@@ -158,6 +159,7 @@ class AxisTable(JointTable):
     rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
     friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
     effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
+    limits: StopsTable | None = Field(default=None, description="the stops at which the coordinate ends")
     mimic: MimicTable | None = Field(
         default=None, description="coordinate = multiplier * (that of the other joint) + offset, in place of initial"
     )
@@ -315,6 +317,9 @@ class MechanismKeys(grammar.Heading):
     loops: Annotated[tuple[LoopTable, ...], Field(max_length=MAX_LOOPS)] = Field(
         default=(), description="what closes chains, a table a point"
     )
+    controllers: Annotated[tuple[ControllerTable, ...], Field(max_length=MAX_BODIES)] = Field(
+        default=(), description="what drives the joints, a table a joint"
+    )
     scene: SurroundingsTable = Field(default_factory=SurroundingsTable)
 
 
@@ -335,6 +340,8 @@ TABLES: dict[Path, type[Table]] = {
     ("initial",): ModelStartTable,
     ("initial", "base"): BaseStartTable,
     ("joints", "mimic"): MimicTable,
+    ("joints", "limits"): StopsTable,
+    ("controllers",): ControllerTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
     ("scene", "plane"): grammar.PlaneTable,
