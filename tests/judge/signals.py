@@ -25,9 +25,7 @@ class Signal:
 
     def value(self, time: Decimal) -> Decimal:
         """Return the value at a time (s); where it jumps, the value from then on."""
-        start, slope = self.piece(time)
-        assert slope == 0 or self.times
-        return start
+        return self.piece(time)[0]
 
     def piece(self, time: Decimal) -> tuple[Decimal, Decimal]:
         """Return the value at a time, and the slope from then on of a signal that is given at times."""
@@ -50,7 +48,8 @@ class Signal:
 
     def phase(self, time: Decimal) -> Decimal:
         """Return the angle (rad) of a sine at a time."""
-        return exact(self._table["angular_frequency"]) * time + exact(self._table.get("phase", 0))
+        angle: Decimal = exact(self._table["angular_frequency"]) * time + exact(self._table.get("phase", 0))
+        return angle
 
     def series(self, tape: Tape, elapsed: Any) -> Any:
         """Return its power series. elapsed: the time (s) since the start of the series. `inputs` has the numbers it needs."""
