@@ -2,8 +2,8 @@
 
 Double precision excludes it for most steps: the conditions are computed at evenly spaced instants of the step, between which
 they differ from a straight line by at most a bound of their second derivatives. Otherwise the conditions are polynomials in
-arithmetic of many digits, the Taylor series of the motion; intervals are halved until each polynomial is positive in an interval,
-or monotone.
+arithmetic of many digits, the Taylor series of the motion. Intervals are halved until each polynomial is positive in an
+interval, or monotone.
 """
 
 from collections.abc import Sequence
@@ -136,19 +136,41 @@ LOST_IN_TOUCH = 5
 
 
 def _root(mp: Any, polynomial: list[Real], begin: Real, end: Real) -> Real:
-    """The root of a polynomial that falls from a value >= 0 to a value < 0, by Newton's method within an interval."""
+    """The root of a polynomial that falls from a value >= 0 to a value < 0, by Newton's method within an interval.
+
+    The root in double precision is the first approximation.
+    """
+    size = mp.fsum([abs(part) * end**n for n, part in enumerate(polynomial)])
     smallest = mp.mpf(10) ** (2 - mp.dps)
-    at = (begin + end) / 2
+    at = mp.mpf(_rough_root([float(part / size) for part in polynomial], float(begin), float(end)))
+    at = min(max(at, begin), end)
+    if 2 * at < end:
+        # Near a root that is small beside the step, few of the terms count.
+        end, sizes = 2 * at, [abs(part) * (2 * at) ** n for n, part in enumerate(polynomial)]
+        size = mp.fsum(sizes)
+        while sizes[-1] < smallest * smallest * size:
+            sizes.pop()
+        polynomial = polynomial[: len(sizes)]
     for _ in range(4 * mp.dps):
         number, slope = _horner(mp, polynomial, at)
         begin, end = (begin, at) if number < 0 else (at, end)
         after = at - number / slope if slope else at
+        if slope and abs(after - at) <= smallest * (at + size / abs(slope)):
+            return at
         if not begin <= after <= end:
             after = (begin + end) / 2
-        if abs(after - at) <= smallest * end:
-            return after
         at = after
     return at
+
+
+def _rough_root(polynomial: list[float], begin: float, end: float) -> float:
+    """The root of a falling polynomial by bisection in double precision."""
+    while begin < (middle := (begin + end) / 2) < end:
+        number = 0.0
+        for part in reversed(polynomial):
+            number = number * middle + part
+        begin, end = (begin, middle) if number < 0 else (middle, end)
+    return (begin + end) / 2
 
 
 def _horner(mp: Any, polynomial: list[Real], at: Real) -> tuple[Real, Real]:

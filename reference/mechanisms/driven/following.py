@@ -1,22 +1,22 @@
 """The motion of a driven joint from event to event, in arithmetic of many digits.
 
 The motion is divided at the breaks of signals or at the instants of a sampled law, and there into steps of one mode. For each
-instant that is wanted, the state at the start of its step is recorded.
+instant that is wanted, the state at the start of its step is recorded. At an instant at which a joint meets a rigid stop, its
+velocity is the one before the impact; a controller that acts at t = 0 has the velocity after an impact at t = 0.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
-from bodycheck.reference.errors import OutOfReach, Stopped
+from bodycheck.reference.bounds import EPS
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Real
-from bodycheck.reference.mechanisms.control import Controller
-from bodycheck.reference.mechanisms.driven import modes, signals
+from bodycheck.reference.mechanisms.driven import modes, rebounds, signals
 from bodycheck.reference.mechanisms.driven.events import Scan, clear, first_end, scan_of
-from bodycheck.reference.mechanisms.driven.linear import Linear, Row, State, advanced, flown, terms, zero
-from bodycheck.reference.mechanisms.driven.modes import ONE, POSITION, VELOCITY, DrivenJoint, Mode
+from bodycheck.reference.mechanisms.driven.linear import Linear, Row, State, advanced, flown, terms, value, zero
+from bodycheck.reference.mechanisms.driven.modes import POSITION, VELOCITY, DrivenJoint, Mode
+from bodycheck.reference.mechanisms.driven.sampled import reads_velocity, sampler
 
 #: The largest numbers of instants of a sampled law, of steps, and of changes of the mode.
 MOST_INSTANTS, MOST_STEPS, MOST_EVENTS = 1_000_000, 2_000_000, 20_000
@@ -24,10 +24,13 @@ MOST_INSTANTS, MOST_STEPS, MOST_EVENTS = 1_000_000, 2_000_000, 20_000
 #: The largest number of changes of the mode at one instant.
 MOST_AT_ONCE = 50
 
+#: The linear system of a phase, a state in it, and the time (s) since that state, of at most one step of the system.
+Record = tuple[Linear, list[Real], Real]
+
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """A mode with its linear system and conditions."""
+    """A mode with its linear system and its conditions."""
 
     mode: Mode
     linear: Linear
@@ -47,45 +50,51 @@ class Course:
     ----------
     joint
         The joint.
-    wanted
-        The instants that are still to be recorded (s), ascending.
+    times
+        The instants that are wanted (s), ascending.
     z, time
-        The state and its time (s).
+        The present state and its time (s).
     phase
         The present phase.
+    phases
+        All phases so far, by their modes.
     records
-        For each instant that is recorded, the linear system, the state at the start of its step, and the time since then (s).
+        The records of the first of the instants.
+    steps, events
+        The numbers of steps with conditions, and of changes of the phase.
     """
 
     joint: DrivenJoint
-    wanted: deque[Real]
+    times: Sequence[float]
     z: list[Real]
     time: Real
     phase: Phase
     phases: dict[Mode, Phase] = field(default_factory=dict)
-    records: list[tuple[Linear, list[Real], Real]] = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
     steps: int = 0
     events: int = 0
 
 
-def follow(joint: DrivenJoint, times: Sequence[float]) -> list[tuple[Linear, list[Real], Real]]:
-    """The records of a motion at ascending times (s) >= 0: see `Course`.
+def follow(joint: DrivenJoint, times: Sequence[float]) -> list[Record]:
+    """The records of a motion at ascending times (s) >= 0.
 
-    At the instant of an impact, the state is the one before the impact.
-
-    Raises `OutOfReach` if the motion has too many instants, steps or events.
+    Raises `OutOfReach` if the motion has too many instants, steps or events, or if an impact falls on an instant of a law that
+    depends on the velocity.
     """
     mp = joint.mp
     z = modes.start_of(joint)
-    first = Phase(Mode(), Linear(mp, tuple({} for _ in z), None), [])
-    course = Course(joint, deque(mp.mpf(time) for time in times), z, mp.zero, first)
+    if any(value(mp, modes.beyond(joint, side), z) > 0 for side in modes.rigid_sides(joint)):
+        raise OutOfReach("a driven joint starts beyond one of its rigid stops")
+    course = Course(joint, times, z, mp.zero, Phase(Mode(), Linear(mp, tuple({} for _ in z), None), []))
     _record(course, mp.zero)
+    _impact(course)
     _settle(course)
-    for duration, enter in _parts(joint, float(times[-1]) if len(times) else 0.0):
-        begun = course.time
+    for duration, enter in _parts(joint, times[-1] if times else 0.0):
+        end = course.time + duration
         course.z = enter(course.z)
         _follow_part(course, duration)
-        course.time = begun + duration
+        course.time = end
+    _record(course, course.time * zero(mp))
     return course.records
 
 
@@ -97,53 +106,19 @@ def _parts(joint: DrivenJoint, end: float) -> Iterator[tuple[Real, Callable[[lis
         count = int(mp.ceil(mp.mpf(end) * rate))
         if count > MOST_INSTANTS:
             raise OutOfReach(f"the controller acts at {count} instants; at most {MOST_INSTANTS} are followed")
-        act = _sampled(joint, controller)
+        act, held, period = sampler(mp, controller), joint.slots["held"], 1 / rate
+
+        def enter(z: list[Real]) -> list[Real]:
+            return [*z[:held], act(z[POSITION], z[VELOCITY]), *z[held + 1 :]]
+
         for _ in range(count):
-            yield 1 / rate, act
+            yield period, enter
         return
     given = [] if controller is None else [getattr(controller, name) for name in modes.SIGNALS]
-    breaks = sorted({time for signal in given for time in signals.breaks(signal) if time < end})
-    for begin, until in zip([0.0, *breaks], [*breaks, end], strict=True):
-        yield mp.mpf(until) - mp.mpf(begin), lambda z, begin=begin: modes.with_signals(joint, z, begin)
-
-
-def _sampled(joint: DrivenJoint, controller: Controller) -> Callable[[list[Real]], list[Real]]:
-    """The function that computes the law at each instant, and that changes the state to the effort that acts from there on."""
-    mp, slot = joint.mp, joint.slots["held"]
-    kp, kd, integral = mp.mpf(controller.kp), mp.mpf(controller.kd), mp.mpf(controller.ki) / mp.mpf(controller.rate)
-    most = None if controller.effort_limit is None else mp.mpf(controller.effort_limit)
-    values = [signals.at_instants(mp, getattr(controller, name), controller.rate or 1.0) for name in modes.SIGNALS]
-    waiting = deque([mp.zero] * controller.delay)
-    errors = mp.zero
-
-    def act(z: list[Real]) -> list[Real]:
-        nonlocal errors
-        target, target_velocity, effort = (next(each) for each in values)
-        error = target - z[POSITION]
-        computed = effort
-        if kp:
-            computed += kp * error
-        if kd:
-            computed += kd * (target_velocity - z[VELOCITY])
-        if integral:
-            errors += error
-            computed += integral * errors
-        if most is not None:
-            computed = _saturated(joint, computed, z[VELOCITY], most)
-        waiting.append(computed)
-        z = list(z)
-        z[slot] = waiting.popleft()
-        return z
-
-    return act
-
-
-def _saturated(joint: DrivenJoint, effort: Real, velocity: Real, most: Real) -> Real:
-    """The effort of a sampled law after saturation."""
-    speed = joint.controller.no_load_speed if joint.controller is not None else None
-    if speed is not None and velocity and (effort > 0) == (velocity > 0):
-        most = most * max(joint.mp.zero, 1 - abs(velocity) / joint.mp.mpf(speed))
-    return max(-most, min(most, effort))
+    begins = sorted({0.0}.union(*(signals.breaks(signal) for signal in given)))
+    begins = [time for time in begins if time < end]
+    for begin, until in zip(begins, [*begins[1:], end], strict=True):
+        yield mp.mpf(until) - mp.mpf(begin), lambda z, since=begin: modes.with_signals(joint, z, since)  # type: ignore[misc]
 
 
 def _phase(course: Course, mode: Mode) -> Phase:
@@ -155,55 +130,58 @@ def _phase(course: Course, mode: Mode) -> Phase:
 
 def _record(course: Course, duration: Real) -> None:
     """Record all instants until the end of a duration (s) of the present phase, from the start of their steps."""
+    index, count, end = len(course.records), len(course.times), course.time + duration
+    if index == count or course.times[index] > float(end) * (1 + 4 * EPS):
+        return
     linear, z, since = course.phase.linear, course.z, course.time
-    mp = linear.mp
-    end = course.time + duration
-    end += zero(mp) * end
-    while course.wanted and course.wanted[0] <= end:
-        rest = max(course.wanted.popleft() - since, mp.zero)
-        if linear.step is not None and rest > linear.step:
-            count = int(mp.floor(rest / linear.step))
-            z, since, rest = advanced(linear, z, count), since + count * linear.step, rest - count * linear.step
+    last = end * (1 + zero(linear.mp))
+    certain = float(end) * (1 - 4 * EPS)
+    while index < count and (course.times[index] < certain or course.times[index] <= last):
+        linear, z, rest = _within_step(linear, z, course.times[index] - since)
         course.records.append((linear, z, rest))
+        if z is not course.z:
+            since = course.times[index] - rest
+        index += 1
+
+
+def _within_step(linear: Linear, z: list[Real], duration: Real) -> Record:
+    """The record of the instant at a duration (s) after a state."""
+    if linear.step is None or duration <= linear.step:
+        return linear, z, duration
+    steps = int(linear.mp.floor(duration / linear.step))
+    return linear, advanced(linear, z, steps), duration - steps * linear.step
 
 
 def _follow_part(course: Course, duration: Real) -> None:
     """Follow the motion for a duration (s) in which neither signals break nor the controller acts."""
-    left, fresh, at_once = duration, True, 0
-    joint = course.joint
-    nearly = 1 - zero(joint.mp)
+    joint, left, fresh, at_once = course.joint, duration, True, 0
+    mp = joint.mp
     while left:
-        phase = course.phase
-        step = phase.linear.step
-        if fresh and phase.conditions and not clear(phase.scan, course.z):
-            _settle(course)
-            phase = course.phase
-            step = phase.linear.step
-        fresh = False
+        if fresh and course.phase.conditions and not clear(course.phase.scan, course.z):
+            left = _settled(course, duration, left)
+            if not left:
+                return
+        phase, step, fresh = course.phase, course.phase.linear.step, False
         if step is None or not phase.conditions:
             _go(course, left)
             return
         course.steps += 1
         if course.steps > MOST_STEPS:
             raise OutOfReach(f"the motion of a driven joint takes more than {MOST_STEPS} steps")
-        length = step if left > step * nearly else left
+        length = step if left > step * (1 - zero(mp)) else left
         if clear(phase.scan, course.z):
             _go(course, length)
-            left, at_once = max(left - length, joint.mp.zero), 0
+            left, at_once = max(left - length, mp.zero), 0
             continue
         series = terms(phase.linear, course.z, length)
         part = first_end(phase.linear, series, length, phase.conditions)
         passed = length if part is None else part * length
         _record(course, passed)
-        course.z = _ended(joint, series, joint.mp.one if part is None else part)
-        course.time, left = course.time + passed, max(left - passed, joint.mp.zero)
-        if part is not None:
-            at_once = 0 if part else at_once + 1
-            if at_once > MOST_AT_ONCE:
-                raise OutOfReach("the phases of a driven joint follow each other without an end")
-            fresh = True
-        else:
-            at_once = 0
+        course.z = _ended(joint, series, mp.one if part is None else part)
+        course.time, left, fresh = course.time + passed, max(left - passed, mp.zero), part is not None
+        at_once = at_once + 1 if part is not None and not part else 0
+        if at_once > MOST_AT_ONCE:
+            raise OutOfReach("the phases of a driven joint follow each other without an end")
 
 
 def _go(course: Course, duration: Real) -> None:
@@ -216,32 +194,81 @@ def _go(course: Course, duration: Real) -> None:
 
 def _ended(joint: DrivenJoint, series: Sequence[State], part: Real) -> list[Real]:
     """The state at a part of a step, with a velocity that is zero and a coordinate that is at a stop within rounding."""
-    mp, z = joint.mp, []
-    powers = [mp.one]
-    for _ in series[1:]:
-        powers.append(powers[-1] * part)
-    for column in zip(*series, strict=True):
-        z.append(mp.fdot(zip(column, powers, strict=True)))
-    size = mp.fsum([abs(term[VELOCITY]) for term in series])
-    if abs(z[VELOCITY]) <= zero(mp) * size:
+    mp = joint.mp
+    powers = [part**n for n in range(len(series))]
+    z = [mp.fdot(column, powers) for column in zip(*series, strict=True)]
+    position, velocity = (mp.fsum([abs(term[column]) for term in series]) for column in (POSITION, VELOCITY))
+    if abs(z[VELOCITY]) <= zero(mp) * velocity:
         z[VELOCITY] = mp.zero
     for side in modes.sides(joint):
         stop = modes.place_of(joint, side)
-        size = mp.fsum([abs(term[POSITION]) for term in series]) + abs(stop)
-        if abs(z[POSITION] - stop) <= zero(mp) * size:
+        if abs(z[POSITION] - stop) <= zero(mp) * (position + abs(stop)):
             z[POSITION] = stop
     return z
 
 
 def _settle(course: Course) -> None:
-    """Change the velocity by an impact if there is one, and the phase."""
-    joint = course.joint
-    for side in modes.sides(joint) if joint.stops is not None and joint.stops.rigid else ():
-        if course.z[POSITION] == modes.place_of(joint, side) and side * course.z[VELOCITY] > 0:
-            course.z[VELOCITY] = -joint.mp.mpf(joint.stops.restitution) * course.z[VELOCITY]
-    mode = modes.mode_of(joint, course.z)
+    """Change the phase to the one that follows from the state."""
+    mode = modes.mode_of(course.joint, course.z)
     if mode != course.phase.mode:
-        course.events += 1
-        if course.events > MOST_EVENTS:
-            raise OutOfReach(f"the motion of a driven joint has more than {MOST_EVENTS} events")
+        _count_event(course)
     course.phase = _phase(course, mode)
+
+
+def _count_event(course: Course) -> None:
+    course.events += 1
+    if course.events > MOST_EVENTS:
+        raise OutOfReach(f"the motion of a driven joint has more than {MOST_EVENTS} events")
+
+
+def _impact(course: Course) -> int:
+    """Reverse the velocity of a joint that meets a rigid stop, and return the side of the stop; 0 if it meets none."""
+    joint = course.joint
+    for side in modes.rigid_sides(joint):
+        if course.z[POSITION] == modes.place_of(joint, side) and side * course.z[VELOCITY] > 0:
+            restitution = joint.mp.mpf(modes.stops_of(joint).restitution)
+            course.z = [*course.z]
+            course.z[VELOCITY] *= -restitution
+            _count_event(course)
+            return side
+    return 0
+
+
+def _settled(course: Course, duration: Real, left: Real) -> Real:
+    """Change the state and the phase at an event, and return what is left (s) of the duration (s) of a part.
+
+    Raises `OutOfReach` if an impact falls on an instant of a law that depends on the velocity.
+    """
+    joint = course.joint
+    mp, controller = joint.mp, joint.controller
+    side = _impact(course)
+    if side and controller is not None and controller.rate is not None and reads_velocity(controller):
+        near = mp.mpf(10) ** (-mp.dps // 2) * duration
+        if min(left, duration - left) <= near and course.time > near:
+            raise OutOfReach(
+                f"at {float(course.time):.9g} s the joint meets a stop at an instant of its controller, within rounding: the "
+                "velocity that the controller reads is not determined"
+            )
+    _settle(course)
+    series = rebounds.accumulating(joint, course.z, side, left) if side else None
+    if series is None:
+        return left
+    return _rebound(course, series, left)
+
+
+def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
+    """Follow rebounds that accumulate to their end, and return what is left of a duration (s)."""
+    joint, begun, z = course.joint, course.time, course.z
+    mp = joint.mp
+    moved = flown(course.phase.linear, z, series.duration)
+    end = begun + series.duration
+    while (index := len(course.records)) < len(course.times) and course.times[index] <= end:
+        elapsed = mp.mpf(course.times[index]) - begun
+        since, q, v = rebounds.before(mp, series, elapsed)
+        state = [q, v, *flown(course.phase.linear, z, since)[VELOCITY + 1 :]]
+        phase = _phase(course, modes.mode_of(joint, state))
+        course.records.append(_within_step(phase.linear, state, elapsed - since))
+    course.z = [series.stop, mp.zero, *moved[VELOCITY + 1 :]]
+    course.time = end
+    _settle(course)
+    return max(left - series.duration, mp.zero)

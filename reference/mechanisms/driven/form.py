@@ -1,8 +1,8 @@
 """The motion of a driven joint in the wide type, with bounds of its errors.
 
 The motion is followed twice, in arithmetic of a hundred and of sixty digits. The error of the second, which is far larger than
-that of the first, is seen in their difference: it is large where decisions within rounding change the motion, such as a stop that
-is only touched, or where the errors grow as in a chaotic motion.
+that of the first, is seen in their difference: it is large where decisions within rounding change the motion, such as a stop
+that is only touched, or where the errors grow as in a chaotic motion.
 """
 
 from typing import Any
@@ -52,18 +52,17 @@ def _in_wide(
     joint = driven_joint(mp, plant, controller, stops)
     records = followed(joint, times)
     values, errors = np.zeros((len(times), 2), dtype=Wide), np.zeros((len(times), 2))
-    states: dict[int, list[np.longdouble]] = {}
+    states: dict[int, WideArray] = {}
     groups: dict[int, list[int]] = {}
     for index, (linear, z, _) in enumerate(records):
         groups.setdefault(id(linear), []).append(index)
         if id(z) not in states:
             states[id(z)] = in_wide(z)
-    columns = [POSITION, VELOCITY]
     for rows in groups.values():
         linear = records[rows[0]][0]
-        z = np.array([states[id(records[row][1])] for row in rows], dtype=Wide)
-        durations = np.array(in_wide([records[row][2] for row in rows]), dtype=Wide)
-        reached, rounding = evaluated(linear, z, durations)
-        values[rows], errors[rows] = reached[:, columns], rounding[:, columns].astype(float)
+        begun = np.stack([states[id(records[row][1])] for row in rows])
+        durations = in_wide([records[row][2] for row in rows])
+        reached, rounding = evaluated(linear, begun, durations)
+        values[rows], errors[rows] = reached[:, [POSITION, VELOCITY]], rounding[:, [POSITION, VELOCITY]]
     # The result is stored in the wide type.
     return values, errors + WIDE_EPS * np.abs(values).astype(float)

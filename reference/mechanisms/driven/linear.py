@@ -7,6 +7,7 @@ steps at once are products of powers of exp(A step).
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,13 @@ import numpy as np
 from bodycheck.reference.exact.numbers import Real, Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.forms.motion import WIDE_EPS
+from bodycheck.reference.trajectory import Array
 
 #: A linear function of a state: its coefficients that are not zero, by the components of the state.
 Row = Mapping[int, Real]
+
+#: A step of a linear system: the rows of a matrix, in which a number alone is the component that is taken over unchanged.
+Transition = tuple[Row | int, ...]
 
 #: A state in arithmetic of many digits.
 State = Sequence[Real]
@@ -38,21 +43,22 @@ class Linear:
     step
         The length of the steps (s), at most one characteristic time; None if the state is constant.
     powers
-        The rows of exp(A step 2^j) for j = 0, 1, ..., as far as they have been needed.
+        The steps exp(A step 2^j) for j = 0, 1, ..., as far as they have been needed.
     """
 
     mp: Any
     rows: tuple[Row, ...]
     step: Real | None
-    powers: list[tuple[Row, ...]] = field(default_factory=list)
+    powers: list[Transition] = field(default_factory=list)
 
 
 #: Decimal digits of the arithmetic that may be lost before a number counts as zero.
 LOST = 20
 
 
+@cache
 def zero(mp: Any) -> Real:
-    """The size of a sum relative to its terms up to which it counts as zero."""
+    """The size of a sum relative to its terms up to which it counts as zero, in an arithmetic."""
     return mp.mpf(10) ** (LOST - mp.dps)
 
 
@@ -94,7 +100,7 @@ def advanced(linear: Linear, z: State, count: int) -> list[Real]:
         if bit == len(linear.powers):
             linear.powers.append(_transition(linear) if not bit else _squared(linear.mp, linear.powers[-1]))
         if count >> bit & 1:
-            z = applied(linear.mp, linear.powers[bit], z)
+            z = [z[row] if isinstance(row, int) else value(linear.mp, row, z) for row in linear.powers[bit]]
     return z
 
 
@@ -110,29 +116,34 @@ def flown(linear: Linear, z: State, duration: Real) -> list[Real]:
     return [mp.fsum(column) for column in zip(*terms(linear, z, rest), strict=True)]
 
 
-def _transition(linear: Linear) -> tuple[Row, ...]:
-    """The rows of exp(A step)."""
+def _transition(linear: Linear) -> Transition:
+    """The step exp(A step)."""
     mp, count = linear.mp, len(linear.rows)
     columns = []
     for column in range(count):
         unit = [mp.one if row == column else mp.zero for row in range(count)]
         columns.append([mp.fsum(part) for part in zip(*terms(linear, unit, linear.step), strict=True)])
-    return tuple({column: columns[column][row] for column in range(count) if columns[column][row]} for row in range(count))
+    rows = [{column: columns[column][row] for column in range(count) if columns[column][row]} for row in range(count)]
+    return tuple(row if linear.rows[index] else index for index, row in enumerate(rows))
 
 
-def _squared(mp: Any, rows: tuple[Row, ...]) -> tuple[Row, ...]:
-    """The square of a matrix."""
-    squares = []
-    for row in rows:
+def _squared(mp: Any, step: Transition) -> Transition:
+    """Two equal steps."""
+    squares: list[Row | int] = []
+    for row in step:
+        if isinstance(row, int):
+            squares.append(row)
+            continue
         sums: dict[int, Real] = {}
         for middle, factor in row.items():
-            for column, coefficient in rows[middle].items():
+            between = step[middle]
+            for column, coefficient in {between: mp.one}.items() if isinstance(between, int) else between.items():
                 sums[column] = sums.get(column, mp.zero) + factor * coefficient
         squares.append(sums)
     return tuple(squares)
 
 
-def evaluated(linear: Linear, z: WideArray, durations: WideArray) -> tuple[WideArray, WideArray]:
+def evaluated(linear: Linear, z: WideArray, durations: WideArray) -> tuple[WideArray, Array]:
     """The states (n, k) after durations (n,), s, of at most one step, and bounds of the rounding errors, in the wide type.
 
     z: (n, k) states at the start of the durations, rounded to the wide type.
@@ -142,17 +153,16 @@ def evaluated(linear: Linear, z: WideArray, durations: WideArray) -> tuple[WideA
     """
     rows = [{column: wide(coefficient) for column, coefficient in row.items()} for row in linear.rows]
     operations = 2 + max((len(row) for row in rows), default=0)
-    term, size = z, np.abs(z)
+    term, size, lengths = z, np.abs(z), np.abs(durations)
     total, error = term.copy(), size.copy()
     for n in range(1, MOST_TERMS):
-        factor = (durations / n)[:, None]
-        term = factor * _product(rows, term)
-        size = factor * _product([{column: abs(part) for column, part in row.items()} for row in rows], size)
+        term = (durations / n)[:, None] * _product(rows, term)
+        size = (lengths / n)[:, None] * _product([{column: abs(part) for column, part in row.items()} for row in rows], size)
         total = total + term
         error = error + (n * operations + 1) * size
         if not (size > WIDE_EPS**2 * error).any():
             break
-    return total, 2 * WIDE_EPS * error
+    return total, np.asarray(2 * WIDE_EPS * error, dtype=float)
 
 
 def _product(rows: Sequence[Mapping[int, Any]], z: WideArray) -> WideArray:
@@ -164,11 +174,8 @@ def _product(rows: Sequence[Mapping[int, Any]], z: WideArray) -> WideArray:
     return product
 
 
-def in_wide(values: Sequence[Real]) -> list[np.longdouble]:
-    """The numbers of the wide type nearest to numbers of this arithmetic."""
-    return [_nearest(each) for each in values]
-
-
-def _nearest(number: Real) -> np.longdouble:
-    high = float(number)
-    return Wide(high) + Wide(float(number - high))
+def in_wide(values: Sequence[Real]) -> WideArray:
+    """Convert numbers (n,) to the wide type, with a relative error of at most one rounding."""
+    high = [float(number) for number in values]
+    low = [float(number - part) for number, part in zip(values, high, strict=True)]
+    return np.array(high, dtype=Wide) + np.array(low, dtype=Wide)

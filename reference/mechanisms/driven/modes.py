@@ -1,11 +1,12 @@
-"""The modes of a driven joint, in each of which its motion is a linear system z' = A z, and the conditions under which they last.
+"""The modes of a driven joint, in each of which its motion is a linear system z' = A z, and the conditions of these modes.
 
-The state z has the coordinate q, its velocity v and the number 1; for a continuous law the integral of the error, and the values
-and derivatives of the signals that change; for a sampled law the effort that the controller exerts at present.
+The state z has the coordinate q, its velocity v and the number 1; for a continuous law the integral of the error, and the
+values and derivatives of the signals that change; for a sampled law the effort that the controller exerts at present.
 
-The right-hand side changes continuously from mode to mode except where a rigid stop reverses the velocity, where a stop with
-damping begins to push, and where friction reverses or a held effort jumps. A mode lasts while its conditions, linear functions of
-the state, are not negative. At an instant at which some are zero, their derivatives decide which mode follows.
+A mode lasts while its conditions, linear functions of the state, are not negative. At an instant at which some are zero, their
+derivatives decide which mode follows. The motion depends continuously on such decisions: saturation and the force of an elastic
+stop that ceases to push are continuous functions, a stop is engaged with a velocity outwards, dry friction brings motions
+closer to each other, and the impulse of a rigid stop that is only touched is zero.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,6 +23,9 @@ from bodycheck.reference.mechanisms.forms.oscillator import Oscillator
 
 #: The components of a state that every joint has.
 POSITION, VELOCITY, ONE = range(3)
+
+#: The contact of a joint with a stop.
+Contact = Literal["free", "closed", "pushing", "slack"]
 
 #: The names of the signals of a controller.
 SIGNALS = ("target", "target_velocity", "effort")
@@ -40,8 +44,8 @@ class DrivenJoint:
     controller, stops
         As in `Mechanism`; None if the joint has none.
     slots
-        The first component in a state of the integral of the error ("integral"), of the present effort of a sampled law ("held")
-        and of each signal of a continuous law that changes, by their names.
+        The first component in a state of the integral of the error ("integral"), of the present effort of a sampled law
+        ("held") and of each signal of a continuous law that changes, by their names.
     size
         The number of components of a state.
     """
@@ -81,7 +85,7 @@ class Mode:
     cut: int = 0
     band: int = 0
     slip: int | None = None
-    contact: Literal["free", "closed", "pushing", "slack"] = "free"
+    contact: Contact = "free"
     side: int = 0
 
     @property
@@ -157,7 +161,8 @@ def law(joint: DrivenJoint) -> Row:
 def limit(joint: DrivenJoint, side: int, band: int) -> Row:
     """The upper (side 1) or lower (side -1) bound of the effort of a continuous law, at velocities of a band."""
     controller, mp = joint.continuous, joint.mp
-    assert controller is not None and controller.effort_limit is not None
+    assert controller is not None
+    assert controller.effort_limit is not None
     most = mp.mpf(controller.effort_limit)
     along = band - 1 if side > 0 else 2 - band
     if controller.no_load_speed is None or along < 1:
@@ -193,8 +198,14 @@ def beyond(joint: DrivenJoint, side: int) -> Row:
 
 def place_of(joint: DrivenJoint, side: int) -> Real:
     """The coordinate of a stop."""
+    stops = stops_of(joint)
+    return joint.mp.mpf(stops.upper if side > 0 else stops.lower)
+
+
+def stops_of(joint: DrivenJoint) -> Stops:
+    """The stops of a joint that has some."""
     assert joint.stops is not None
-    return joint.mp.mpf(joint.stops.upper if side > 0 else joint.stops.lower)
+    return joint.stops
 
 
 def sides(joint: DrivenJoint) -> list[int]:
@@ -204,11 +215,21 @@ def sides(joint: DrivenJoint) -> list[int]:
     return [side for side, end in ((1, joint.stops.upper), (-1, joint.stops.lower)) if end is not None]
 
 
+def rigid_sides(joint: DrivenJoint) -> list[int]:
+    """The sides at which the joint has rigid stops."""
+    return sides(joint) if joint.stops is not None and joint.stops.rigid else []
+
+
+def width(joint: DrivenJoint) -> Real:
+    """The distance of the two stops of a joint."""
+    return place_of(joint, 1) - place_of(joint, -1)
+
+
 def push(joint: DrivenJoint, side: int) -> Row:
     """The effort of an elastic stop outwards of it, as long as it is positive."""
-    assert joint.stops is not None
-    damping = joint.mp.mpf(side) * joint.mp.mpf(joint.stops.damping)
-    return total((joint.mp.mpf(joint.stops.stiffness), beyond(joint, side)), (damping, {VELOCITY: joint.mp.one}))
+    stops = stops_of(joint)
+    damping = joint.mp.mpf(side) * joint.mp.mpf(stops.damping)
+    return total((joint.mp.mpf(stops.stiffness), beyond(joint, side)), (damping, {VELOCITY: joint.mp.one}))
 
 
 def system(joint: DrivenJoint, mode: Mode) -> Linear:
@@ -254,34 +275,44 @@ LONGEST = 1.0
 
 def conditions(joint: DrivenJoint, mode: Mode) -> list[Row]:
     """The linear functions of the state that are not negative while a mode lasts."""
-    mp, listed = joint.mp, []
-    controller = joint.continuous
+    return [*_of_saturation(joint, mode), *_of_friction(joint, mode), *_of_stops(joint, mode)]
+
+
+def _of_saturation(joint: DrivenJoint, mode: Mode) -> Iterator[Row]:
+    mp, controller, speeds = joint.mp, joint.continuous, edges(joint)
     if controller is not None and controller.effort_limit is not None:
         for side in (1, -1):
             if mode.cut in (0, side):
-                inside = 1 if mode.cut == 0 else -1
-                listed.append(
-                    total((mp.mpf(inside * side), limit(joint, side, mode.band)), (mp.mpf(-inside * side), law(joint)))
-                )
-        for side, edge in ((1, mode.band - 1), (-1, mode.band)):
-            if (speeds := edges(joint)) and 0 <= edge < len(speeds):
-                listed.append(total((mp.mpf(side), {VELOCITY: mp.one, ONE: -speeds[edge]})))
-    if mode.contact == "closed":
-        force = total((mp.mpf(mode.side), pressing(joint, mode)), (joint.plant.friction, {ONE: mp.one}))
-        listed.append({column: part for column, part in force.items() if column != VELOCITY})
-    elif mode.slip == 0:
-        force = {column: part for column, part in pressing(joint, mode).items() if column != VELOCITY}
-        listed += [total((joint.plant.friction, {ONE: mp.one}), (mp.mpf(side), force)) for side in (1, -1)]
-    elif mode.slip:
-        listed.append({VELOCITY: mp.mpf(mode.slip)})
+                sense = mp.mpf(side if mode.cut == 0 else -side)
+                yield total((sense, limit(joint, side, mode.band)), (-sense, law(joint)))
+    if mode.band > 0:
+        yield total((mp.one, {VELOCITY: mp.one, ONE: -speeds[mode.band - 1]}))
+    if mode.band < len(speeds):
+        yield total((-mp.one, {VELOCITY: mp.one, ONE: -speeds[mode.band]}))
+
+
+def _of_friction(joint: DrivenJoint, mode: Mode) -> Iterator[Row]:
+    mp = joint.mp
+    if mode.slip:
+        yield {VELOCITY: mp.mpf(mode.slip)}
+    if mode.moves:
+        return
+    force = {column: part for column, part in pressing(joint, mode).items() if column != VELOCITY}
+    for side in (mode.side,) if mode.contact == "closed" else (1, -1):
+        yield total((joint.plant.friction, {ONE: mp.one}), (mp.mpf(side), force))
+
+
+def _of_stops(joint: DrivenJoint, mode: Mode) -> Iterator[Row]:
+    mp, side = joint.mp, mode.side
     if mode.contact == "free":
-        listed += [total((-mp.one, beyond(joint, side))) for side in sides(joint)]
+        for each in sides(joint):
+            yield total((-mp.one, beyond(joint, each)))
     elif mode.contact in ("pushing", "slack"):
-        if mode.contact == "slack" or not joint.stops.damping:  # type: ignore[union-attr]
-            listed.append(beyond(joint, mode.side))
-        if joint.stops.damping:  # type: ignore[union-attr]
-            listed.append(total((mp.mpf(1 if mode.contact == "pushing" else -1), push(joint, mode.side))))
-    return listed
+        damped = stops_of(joint).damping
+        if damped:
+            yield total((mp.mpf(1 if mode.contact == "pushing" else -1), push(joint, side)))
+        if mode.contact == "slack" or not damped:
+            yield beyond(joint, side)
 
 
 def edges(joint: DrivenJoint) -> tuple[Real, ...]:
@@ -302,7 +333,10 @@ def mode_of(joint: DrivenJoint, z: State) -> Mode:
 
 
 def begins(joint: DrivenJoint, mode: Mode, z: State) -> bool:
-    """Return whether the conditions of a mode hold just after a state: of each, the first derivative that is not zero decides."""
+    """Return whether the conditions of a mode hold just after a state.
+
+    Of each condition, the first derivative that is not zero decides.
+    """
     mp, rows = joint.mp, system(joint, mode).rows
     sizes = [{column: abs(part) for column, part in row.items()} for row in rows]
     state, size = list(z), [abs(part) for part in z]
@@ -328,17 +362,17 @@ def _candidates(joint: DrivenJoint, z: State) -> Iterator[Mode]:
     speeds = edges(joint)
     bands = [n for n in range(len(speeds) + 1) if (not n or z[VELOCITY] >= speeds[n - 1])]
     bands = [n for n in bands if n == len(speeds) or z[VELOCITY] <= speeds[n]]
-    slips = (None,)
+    slips: tuple[int | None, ...] = (None,)
     if joint.plant.friction:
-        slips = (int(joint.mp.sign(z[VELOCITY])),) if z[VELOCITY] else (0, 1, -1)  # type: ignore[assignment]
+        slips = (int(joint.mp.sign(z[VELOCITY])),) if z[VELOCITY] else (0, 1, -1)
     for (contact, side), band, slip, cut in product(_contacts(joint, z), bands, slips, cuts):
-        yield Mode(cut, band, None if contact == "closed" else slip, contact, side)  # type: ignore[arg-type]
+        yield Mode(cut, band, None if contact == "closed" else slip, contact, side)
 
 
-def _contacts(joint: DrivenJoint, z: State) -> Iterator[tuple[str, int]]:
+def _contacts(joint: DrivenJoint, z: State) -> Iterator[tuple[Contact, int]]:
     for side in sides(joint):
         depth = value(joint.mp, beyond(joint, side), z)
-        if joint.stops.rigid:  # type: ignore[union-attr]
+        if stops_of(joint).rigid:
             if not depth and not z[VELOCITY]:
                 yield "closed", side
         elif depth >= 0:

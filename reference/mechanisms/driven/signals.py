@@ -6,6 +6,7 @@ for lines.
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from itertools import repeat
 from typing import Any
 
 from bodycheck.reference.exact.numbers import Real
@@ -63,8 +64,7 @@ def at_instants(mp: Any, signal: Signal, rate: float) -> Iterator[Real]:
                 yield value + slope * (instant / mp.mpf(rate) - since) if slope else value
                 instant += 1
         case _:
-            while True:
-                yield mp.mpf(signal)
+            yield from repeat(mp.mpf(signal))
 
 
 def _sine_at_instants(mp: Any, signal: Sine, rate: float) -> Iterator[Real]:
