@@ -98,10 +98,10 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
     _require_independent(mechanism)
-    _require_drivable(mechanism)
-    form = None if sudden(mechanism) else form_of(mechanism)
+    form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
+    _require_drivable(mechanism)
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
@@ -166,9 +166,10 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
 
 def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops."""
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
     if mechanism.loops:
         raise NotModelled("closed loops")
+    _require_undriven(mechanism)
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -244,6 +245,7 @@ def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors:
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
+    _require_undriven(mechanism)
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
