@@ -98,10 +98,10 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
     _require_independent(mechanism)
-    _require_drivable(mechanism)
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
+    _require_drivable(mechanism)
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
