@@ -153,8 +153,6 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
     widest, name, digits = arithmetic()
-    if sudden(mechanism):  # the Lagrangian has no controllers and stops
-        return None
     try:
         if widest is np.float64:
             motion = solution.follow_in_doubles(mechanism, times)
