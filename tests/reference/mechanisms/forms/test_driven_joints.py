@@ -8,13 +8,18 @@ import pytest
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import MP
-from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
+from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, Sine, Stops
 from bodycheck.reference.mechanisms.driven import form, modes
 from bodycheck.reference.mechanisms.driven.linear import Row
+from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.motion import JointForm
 from bodycheck.reference.mechanisms.forms.oscillator import Oscillator
+from bodycheck.reference.mechanisms.mechanism import Joint as MechanismJoint
+from bodycheck.reference.mechanisms.mechanism import JointedBody, Mechanism
+from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.scene import Tensor
 from bodycheck.reference.trajectory import Array
 from tests.support.driven_joint import CTX, Joint, states
 
@@ -126,12 +131,7 @@ def joints(draw: st.DrawFn) -> Joint:
         0,
         *("pd", draw(st.floats(0, 20)), draw(st.floats(0, 0.5)), draw(st.just(0.0) | st.floats(0, 50))),
         *(draw(signals_of_any_kind) for _ in range(3)),
-        *(
-            rate,
-            draw(st.integers(0, 3)) if rate else 0,
-            limit,
-            draw(st.none() | st.floats(1, 10)) if limit is not None else None,
-        ),
+        *(rate, draw(st.integers(0, 3)) if rate else 0, limit, speed),
     )
     lower, upper = draw(st.floats(-1, -0.1)), draw(st.floats(0.1, 1))
     rigid = st.builds(Stops, st.just(lower), st.just(upper), st.just(0.0) | st.floats(0, 0.5))
@@ -210,7 +210,7 @@ def test_a_planted_fault_is_found(name: str, fault: Callable[[Joint], Joint]) ->
 
 def test_a_stop_that_pulls_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     joint, step = JOINTS["elastic"]
-    times = [0.2]
+    times = [0.1]
     assert excess(joint, step, times=times) <= 1
     # The stop pushes as long as the joint is beyond it.
     monkeypatch.setattr(modes, "_of_stops", pulling)
@@ -221,3 +221,212 @@ def pulling(joint: modes.DrivenJoint, mode: modes.Mode) -> list[Row]:
     if mode.contact == "free":
         return [modes.total((-joint.mp.one, modes.beyond(joint, side))) for side in modes.sides(joint)]
     return [modes.beyond(joint, mode.side)] if mode.contact == "pushing" else [{modes.ONE: -joint.mp.one}]
+
+
+def test_a_motion_that_begins_later_is_the_same() -> None:
+    """From a state that a motion reaches at a multiple of the period, with signals that are as much earlier, it continues."""
+    joint = replace(
+        HINGE, friction=0.1, controller=replace(PD, target=Samples((0.25, 0.5), (0.0, 1.0), "linear"), effort_limit=3.0)
+    )
+    for rate in (None, 64.0):
+        before = replace(joint, controller=replace(joint.controller, rate=rate))
+        whole = follow(before, [0.25, 0.375, 0.75])
+        state = {"start": float(whole.position[0, 0]), "velocity": float(whole.velocity[0, 0])}
+        shifted = replace(before.controller, target=Samples((0.0, 0.25), (0.0, 1.0), "linear"))
+        later = follow(replace(before, controller=shifted, **state), [0.125, 0.5])
+        # The state is rounded to doubles, and errors do not grow.
+        assert later.position == pytest.approx(whole.position[1:], abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ["cut", "line", "friction", "sampled line", "rigid stop", "elastic", "falling with friction"])
+def test_the_mirrored_joint_moves_like_its_image(name: str) -> None:
+    joint, _ = JOINTS[name]
+    motion, image = follow(joint), follow(mirrored(joint))
+    assert (motion.position == -image.position).all()
+    assert (motion.velocity == -image.velocity).all()
+
+
+def mirrored(joint: Joint) -> Joint:
+    """The joint with the opposite coordinate."""
+
+    def negative(signal: Signal) -> Signal:
+        match signal:
+            case Sine():
+                return replace(signal, amplitude=-signal.amplitude, offset=-signal.offset)
+            case Samples():
+                return replace(signal, values=tuple(-each for each in signal.values))
+            case _:
+                return -signal
+
+    controller, stops = joint.controller, joint.stops
+    if controller is not None:
+        names = ("target", "target_velocity", "effort")
+        controller = replace(controller, **{name: negative(getattr(controller, name)) for name in names})
+    if stops is not None:
+        lower, upper = (None if end is None else -end for end in (stops.upper, stops.lower))
+        stops = replace(stops, lower=lower, upper=upper)
+    start = {name: -getattr(joint, name) for name in ("rest", "force", "start", "velocity")}
+    return replace(joint, controller=controller, stops=stops, **start)
+
+
+def test_an_elastic_stop_is_half_a_period_of_a_spring() -> None:
+    """A mass that flies into a stop without damping leaves it after pi / omega with the opposite velocity."""
+    joint = Joint(inertia=2.0, velocity=3.0, stops=Stops(None, 0.75, None, 50.0))
+    omega = 5.0
+    motion = follow(joint, [0.25 + np.pi / omega / 2, 0.25 + np.pi / omega, 1.5])
+    # The instants are doubles.
+    assert motion.position[0, 0] == pytest.approx(0.75 + 3.0 / omega, rel=1e-15)
+    assert motion.velocity[1, 0] == pytest.approx(-3.0, rel=1e-15)
+    assert motion.position[2, 0] == pytest.approx(0.75 - 3.0 * (1.25 - np.pi / omega), rel=1e-14)
+
+
+def test_a_damped_elastic_stop_never_pulls() -> None:
+    """The critically damped spring that only pushes: overshoot v T / e, and e^-2 of the velocity is left."""
+    joint = Joint(velocity=2.0, stops=Stops(None, 0.0, None, 2500.0, 100.0))
+    motion = follow(joint, [0.02, 0.04, 0.5, 1.0])
+    assert motion.position[0, 0] == pytest.approx(2.0 * 0.02 / np.e, rel=1e-15)
+    # The stop ceases to push when the force of its spring is that of its damper, at 2 T, and the joint is still beyond it.
+    assert motion.velocity[1:, 0] == pytest.approx([-2.0 / np.e**2] * 3, rel=1e-14)
+
+
+@pytest.mark.parametrize("friction", [0.0, 2.0])
+def test_rebounds_under_a_constant_load_end_after_a_geometric_series(friction: float) -> None:
+    load, restitution, height = 8.0, 0.5, 1.0
+    joint = Joint(force=-load, friction=friction, start=height, stops=Stops(0.0, 3.0, restitution))
+    falling, rising = load - friction, load + friction
+    fall = np.sqrt(2 * height / falling)
+    speed, ratio = restitution * falling * fall, restitution * np.sqrt(falling / rising)
+    end = fall + speed * (1 / rising + 1 / np.sqrt(rising * falling)) / (1 - ratio)
+    motion = follow(joint, [fall, fall + speed / rising, end * (1 - 1e-9), end * (1 + 1e-9), 10.0])
+    # At an impact, the velocity is the one before; the instant is a double, on either side of the impact.
+    assert min(abs(motion.velocity[0, 0] + falling * fall), abs(motion.velocity[0, 0] - speed)) < 1e-14
+    assert motion.position[1, 0] == pytest.approx(speed**2 / rising / 2, rel=1e-14)
+    assert 0 < abs(motion.velocity[2, 0]) < 1e-7
+    assert not motion.velocity[3:].any()
+    assert not motion.position[3:].any()
+
+
+def test_energy_pays_for_damping_friction_and_the_controller() -> None:
+    joint = replace(
+        HINGE, damping=0.02, friction=0.1, controller=replace(PD, effort_limit=4.0), stops=Stops(-0.3, 0.8, None, 90.0)
+    )
+    times = np.linspace(0, 0.5, 50001)
+    motion = follow(joint, times)
+    q, v = (values[:, 0].astype(float) for values in (motion.position, motion.velocity))
+    effort = np.clip(20.0 * (1.0 - q) - 0.4 * v, -4.0, 4.0)
+    power = effort * v - 0.02 * v**2 - 0.1 * np.abs(v)
+    work = np.concatenate(([0.0], np.cumsum((power[1:] + power[:-1]) / 2) * times[1]))
+    energy = 0.01 / 2 * v**2 + 90.0 / 2 * np.maximum(q - 0.8, 0) ** 2
+    # The trapezoidal rule with a step h errs by h^2 / 12 times the change of the derivative of the power.
+    assert np.abs(energy - work).max() < 1e-5
+
+
+def test_the_integral_removes_the_error_that_remains() -> None:
+    for rate in (None, 100.0):
+        joint = replace(HINGE, force=1.5, controller=replace(PD, rate=rate))
+        without, motion = (follow(replace(joint, controller=replace(joint.controller, ki=ki)), [16.0]) for ki in (0.0, 40.0))
+        assert float(without.position[0, 0]) == pytest.approx(1 + 1.5 / 20, abs=1e-15)
+        assert float(motion.position[0, 0]) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_a_joint_between_equal_forces_stays() -> None:
+    """A force equal to the friction holds the joint, and so does a stop, until the force changes its sign."""
+    ramp = Samples((0.0, 1.0, 2.0), (0.5, 0.5, 1.5), "linear")
+    stuck = Joint(friction=0.5, controller=Controller(0, "effort", effort=ramp))
+    motion = follow(stuck, [1.0, 1.5])
+    assert not motion.position[0].any()
+    assert motion.position[1, 0] == pytest.approx(0.5**3 / 6, rel=1e-15)
+    held = Joint(
+        stops=Stops(None, 0.0, 0.3), controller=Controller(0, "effort", effort=Samples((0.0, 1.0), (1.0, -1.0), "linear"))
+    )
+    motion = follow(held, [0.5, 1.0])
+    assert not motion.position[0].any()
+    assert motion.position[1, 0] == pytest.approx(-2 * 0.5**3 / 6, rel=1e-15)
+
+
+@pytest.mark.parametrize("beside", [-1, 0, 1])
+def test_a_stop_that_is_only_touched(beside: int) -> None:
+    """An oscillation with an amplitude that is that of the stop, or differs by one rounding of a double."""
+    upper = float(np.nextafter(1.0, 1.0 + beside))
+    joint = Joint(stiffness=1.0, start=-1.0, stops=Stops(None, upper, 0.5))
+    times = np.array([3.0, 6.0, 9.0])
+    motion = follow(joint, times)
+    if beside >= 0:
+        exact = [-CTX.cos(CTX.mpf(t)) for t in times.tolist()]
+    else:
+        # The joint meets the stop with the velocity s, and leaves it with half of it, which is 1e-8.
+        upper_mp = CTX.mpf(upper)
+        impact, speed = CTX.acos(-upper_mp), CTX.sqrt(1 - upper_mp**2)
+        exact = [
+            -CTX.cos(CTX.mpf(t)) if t < impact else upper_mp * CTX.cos(t - impact) - speed / 2 * CTX.sin(t - impact)
+            for t in times.tolist()
+        ]
+    errors = [abs(CTX.mpf(float(q)) - number) for q, number in zip(motion.position[:, 0], exact, strict=True)]
+    assert max(errors) < 2e-16
+    assert motion.error.max() < 1e-17
+
+
+def test_an_impact_at_an_instant_of_the_controller() -> None:
+    """The velocity that the controller reads is not determined; where it does not read it, the motion is."""
+    joint = Joint(velocity=1.0, controller=Controller(0, kd=1.0, target_velocity=1.0, rate=4.0), stops=Stops(None, 0.5, 0.5))
+    with pytest.raises(OutOfReach, match=r"at 0.5 s the joint meets a stop at an instant of its controller"):
+        follow(joint, [1.0])
+    free = replace(joint, controller=Controller(0, rate=4.0))
+    assert follow(free, [1.0]).position[0, 0] == 0.25
+    # One rounding beside it, the order is determined, by 1e-16 s.
+    for stop, velocity in ((np.nextafter(0.5, 0), -0.5 + 0.375), (np.nextafter(0.5, 1), -0.5 + 0.5 * 0 + 0.375 - 0.375)):
+        motion = follow(replace(joint, stops=Stops(None, float(stop), 0.5)), [0.75])
+        assert motion.velocity[0, 0] == pytest.approx(velocity, abs=1e-14)
+
+
+def test_a_controller_acts_at_its_instants_exactly() -> None:
+    """Instants are multiples of the inverse of the double of the rate, and tables jump at the doubles of their times."""
+    rate = 10.0
+    for time, begun in ((0.3, 3), (float(np.nextafter(0.3, 1)), 4), (float(np.nextafter(0.3, 0)), 3)):
+        # The double 0.3 is smaller than 3 / 10.
+        joint = Joint(controller=Controller(0, "effort", effort=Samples((0.0, time), (0.0, 1.0)), rate=rate))
+        assert follow(joint, [1.0]).velocity[0, 0] == pytest.approx(1 - begun / 10, rel=1e-15)
+
+
+def test_a_million_instants_are_the_limit() -> None:
+    joint = replace(HINGE, controller=replace(PD, rate=1e6))
+    with pytest.raises(OutOfReach, match="1000001 instants; at most 1000000"):
+        follow(joint, [1.000001])
+
+
+def test_a_start_on_a_stop_and_beyond() -> None:
+    """A start on a stop that moves outwards is an impact, after which a controller reads the velocity."""
+    joint = Joint(velocity=1.0, controller=Controller(0, kd=1.0, rate=1.0), stops=Stops(None, 0.0, 0.5))
+    motion = follow(joint, [0.0, 0.5])
+    assert motion.velocity[:, 0].tolist() == [1.0, -0.5 + 0.25]
+    with pytest.raises(OutOfReach, match="starts beyond one of its rigid stops"):
+        follow(replace(joint, start=0.1), [1.0])
+
+
+def test_a_chaotic_motion_is_refused_when_its_digits_are_lost() -> None:
+    """A sampled law that is unstable, within its limit of effort: neighbouring motions part by a factor each period."""
+    law = replace(PD, kp=60.0, kd=1.5, rate=50.0, effort_limit=3.0, target=Sine(1.0, 3.0))
+    joint = replace(HINGE, controller=law)
+    assert follow(joint, [1.0]).error[0] < 1e-17
+    with pytest.raises(Stopped, match="60 digits do not determine the motion at 20 s"):
+        follow(joint, [1.0, 20.0])
+
+
+def test_mechanisms_with_controllers_have_closed_forms() -> None:
+    body = JointedBody("arm", Tensor(1.0, ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01))))
+    pin = MechanismJoint("pin", "revolute", -1, 0, axis=(0.0, 0.0, 1.0), start=(0.0,), start_velocity=(0.0,))
+    for joint, controllers, name in (
+        (pin, (PD,), "driven joint"),
+        (pin, (replace(PD, rate=500.0),), "sampled law"),
+        (replace(pin, stops=Stops(-1.0, 1.0)), (), "joint between stops"),
+    ):
+        truth = mechanism_truth(Mechanism((body,), (joint,), (), 9.81, controllers=controllers), np.array([0.0, 0.1]))
+        assert truth.model == f"closed form: {name}"
+        assert truth.witnesses == ()
+        assert truth.bounds.error.max() < 1e-14
+    # Gravity has a moment about this axis, so that the equation is not linear.
+    tilted = Mechanism((replace(body, center_of_mass=(0.1, 0.0, 0.0)),), (replace(pin, axis=(0.0, 1.0, 0.0)),), (), 9.81)
+    assert form_of(tilted) is not None
+    assert form_of(replace(tilted, controllers=(PD,))) is None
+    with pytest.raises(NotModelled, match="controllers"):
+        mechanism_truth(replace(tilted, controllers=(PD,)), np.array([0.0, 0.1]))
