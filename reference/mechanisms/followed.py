@@ -153,8 +153,6 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
     widest, name, digits = arithmetic()
-    if sudden(mechanism):  # the Lagrangian has no controllers and stops
-        return None
     try:
         if widest is np.float64:
             motion = solution.follow_in_doubles(mechanism, times)
@@ -169,7 +167,7 @@ def require_modelled(mechanism: Mechanism) -> None:
     """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
     if mechanism.loops:
         raise NotModelled("closed loops")
-    _require_undriven(mechanism)
+    _require_drivable(mechanism)
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -245,7 +243,7 @@ def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors:
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
-    _require_undriven(mechanism)
+    _require_drivable(mechanism)
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
