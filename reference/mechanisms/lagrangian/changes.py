@@ -20,6 +20,9 @@ from bodycheck.reference.mechanisms.lagrangian.system import Modes, System, valu
 #: The numbers of roundings up to which forces in an integrated state are equal, and up to which velocities are zero.
 ROUNDINGS, STOPPED = 2.0**12, 2.0**5
 
+#: The number of roundings of the terms of a guard up to which it is zero.
+NOISE = 2.0**8
+
 #: The part of the bounds of a force, or of its inertia, within which doubles do not tell whether an element is held.
 DOUBTFUL = 1e-9
 
@@ -66,7 +69,7 @@ def _exact(value: Any) -> Number:
 
 
 def guard_values(system: System, modes: Modes, state: WideArray) -> dict[tuple[int, str], tuple[Any, float]]:
-    """The values of the guards of limits and stops in a state, and the sizes of their terms, by element and name."""
+    """The values of the guards of limits and stops in a state, and what may be rounding of each, by element and name."""
     chosen = {pair: node for pair, node in system.guards.items() if pair[1] not in ("high", "low", "rest")}
     if not chosen:
         return {}
@@ -74,7 +77,8 @@ def guard_values(system: System, modes: Modes, state: WideArray) -> dict[tuple[i
     arithmetic = ((lambda value: value if isinstance(value, np.floating) else rounded(MP.mpf(value), state)), np)
     values = values_of(system.structure, list(chosen.values()), state, parameters, arithmetic)
     sizes = values_of(system.structure, list(chosen.values()), state, parameters, (_Size.of, _Size))
-    return {pair: (value, size.value) for pair, value, size in zip(chosen, values, sizes, strict=True)}
+    rounding = NOISE * float(np.finfo(state.dtype).eps)
+    return {pair: (value, rounding * size.value) for pair, value, size in zip(chosen, values, sizes, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -154,9 +158,14 @@ def _with_forces(
 
 def signed(system: System, modes: Modes, state: WideArray) -> tuple[Modes, frozenset[tuple[int, str]]]:
     """The modes with the signs of guards in a state, -1 for a guard that is zero, and the guards that are zero."""
-    values = {pair: value for pair, (value, _) in guard_values(system, modes, state).items()}
-    signs = {pair: _sign(value) or -1 for pair, value in values.items() if pair[1] in switching(system.laws[pair[0]])}
-    return replace(modes, signs=signs), frozenset(pair for pair, value in values.items() if not value)
+    values = guard_values(system, modes, state)
+    signs = {pair: _sign(value) or -1 for pair, (value, _) in values.items() if pair[1] in switching(system.laws[pair[0]])}
+    return replace(modes, signs=signs), _zero(values)
+
+
+def _zero(values: dict[tuple[int, str], tuple[Any, float]]) -> frozenset[tuple[int, str]]:
+    """The guards that are zero up to rounding."""
+    return frozenset(pair for pair, (value, room) in values.items() if abs(value) <= room)
 
 
 def _decided(system: System, phase: Phase, state: list[Number], slack: Number) -> Phase:
@@ -191,14 +200,18 @@ def _leaving(before: Modes, after: Modes) -> frozenset[tuple[int, str]]:
     return frozenset((index, name) for index in moving for name in ("rest", "upper", "lower"))
 
 
-def switched(system: System, phase: Phase, guards: tuple[Guard, ...]) -> Phase:
-    """The phase after a change of guards. The phase that is passed has the time and the state of the change.
+def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any, state: WideArray) -> Phase:
+    """The phase after a change of guards at a time and in a state.
 
     Raises `OutOfReach` if rounding leaves the modes uncertain, or if rebounds from a stop accumulate.
     """
+    again = phase.begun if time == phase.time else frozenset()
+    phase = replace(phase, time=time, state=state, tested=phase.tested if time == phase.time else frozenset())
     for guard in guards:
         law, index = system.laws[guard.element], guard.element
         if guard.name in law.rigid:
+            if again & {(each.element, each.name) for each in guards}:
+                raise OutOfReach("rebounds from a stop accumulate, in the Lagrangian")
             return _hit(system, phase, [each for each in guards if each.name in system.laws[each.element].rigid])
         if guard.name == "rest":
             return _stopped(system, phase, index)
@@ -209,8 +222,9 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...]) -> Phase:
     pairs = frozenset((guard.element, guard.name) for guard in guards)
     if pairs & phase.tested:
         raise OutOfReach("rounding leaves undecided whether a limit or a stop acts, in the Lagrangian")
+    zero = _zero(guard_values(system, phase.modes, state))
     signs = phase.modes.signs | {pair: -phase.modes.signs[pair] for pair in pairs}
-    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs, tested=phase.tested | pairs)
+    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs | zero, tested=phase.tested | pairs)
 
 
 def _stopped(system: System, phase: Phase, index: int) -> Phase:
@@ -229,8 +243,6 @@ def _stopped(system: System, phase: Phase, index: int) -> Phase:
 
 def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     """The phase after impacts on rigid stops."""
-    if any((guard.element, guard.name) in phase.begun for guard in guards) and phase.tested:
-        raise OutOfReach("rebounds from a stop accumulate, in the Lagrangian")
     hits = {guard.element: 1 if guard.name == "upper" else -1 for guard in guards}
     exact, after = struck(system, exact_state(phase.state), phase.modes, hits)
     state = np.array([rounded(value, phase.state) for value in exact], phase.state.dtype)
@@ -238,3 +250,7 @@ def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     begun = zero | _leaving(phase.modes, modes) | {(guard.element, guard.name) for guard in guards}
     slack = MP.mpf(ROUNDINGS * float(np.finfo(state.dtype).eps))
     return _decided(system, Phase(phase.time, state, modes, begun), exact_state(state), slack)
+
+
+def _sign(value: Any) -> int:
+    return int(value > 0) - int(value < 0)
