@@ -98,10 +98,10 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
     _require_independent(mechanism)
-    _require_undriven(mechanism)
     form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
+    _require_drivable(mechanism)
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
@@ -114,12 +114,21 @@ def _require_independent(mechanism: Mechanism) -> None:
         raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
 
 
-def _require_undriven(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` for controllers and stops."""
-    if mechanism.controllers:
-        raise NotModelled("controllers of joints")
-    if any(joint.stops for joint in mechanism.joints):
-        raise NotModelled("stops of joints")
+def _require_drivable(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` for controllers and stops where they are not modelled."""
+    if not sudden(mechanism):
+        return
+    if mechanism.loops:
+        raise NotModelled("controllers and stops in a mechanism with loops")
+    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
+    joints = mechanism.joints
+    if rigid := [joints[index].name for index in sorted(coupled) if (stops := joints[index].stops) and stops.rigid]:
+        raise NotModelled(f"rigid stops of joints that follow others or are followed: {', '.join(rigid)}")
+
+
+def sudden(mechanism: Mechanism) -> bool:
+    """Return whether a mechanism has controllers or stops, by which its equations change at events."""
+    return bool(mechanism.controllers) or any(joint.stops for joint in mechanism.joints)
 
 
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
@@ -155,9 +164,10 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
 
 def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops."""
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
     if mechanism.loops:
         raise NotModelled("closed loops")
+    _require_drivable(mechanism)
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -233,6 +243,7 @@ def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors:
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
+    _require_drivable(mechanism)
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
@@ -353,9 +364,20 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
 def _measured(mechanism: Mechanism, times: Array) -> Measured:
     """The motion by the recursion in double precision, and the growth of an error, at the `growth_instants` of times (n,)."""
     t = growth_instants(times)
+    if sudden(mechanism):
+        return _measured_beside(mechanism, t)
     follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
     base = follow(mechanism, t)
     return Measured(base, growth(mechanism, follow, base, t))
+
+
+def _measured_beside(mechanism: Mechanism, t: Array) -> Measured:
+    """The same at ascending instants (m,), s, for a mechanism with controllers or stops, which only heyoka can follow."""
+    if arithmetic()[0] is np.float64:
+        raise OutOfReach("trees with controllers and stops are followed by heyoka, which is not installed")
+    from bodycheck.reference.mechanisms.hybrid.measuring import measured_growth
+
+    return Measured(*measured_growth(mechanism, t))
 
 
 def growth_instants(times: Array) -> Array:

@@ -91,9 +91,14 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
                 figures[name][rows] = np.maximum(figures[name][rows], each[name])
             if turned_only:
                 of_start[rows] = np.maximum(of_start[rows], each["error"])
-    capped = {name: np.minimum(np.maximum.accumulate(values), LARGEST * units[name]) for name, values in figures.items()}
-    of_any = np.max([capped[name] / units[name] for name in STATES], axis=0)
-    return Growth(t, capped, of_any, np.minimum(np.maximum.accumulate(of_start), LARGEST))
+    return capped(t, figures, units, of_start)
+
+
+def capped(t: Array, figures: dict[str, Array], units: dict[str, float], of_start: Array) -> Growth:
+    """Return the growth from measurements (m,) at the instants t, which may decrease and become arbitrarily large."""
+    largest = {name: np.minimum(np.maximum.accumulate(values), LARGEST * units[name]) for name, values in figures.items()}
+    of_any = np.max([largest[name] / units[name] for name in STATES], axis=0)
+    return Growth(t, largest, of_any, np.minimum(np.maximum.accumulate(of_start), LARGEST))
 
 
 def _nudges(mechanism: Mechanism, base: Motion, t: Array, units: dict[str, float]) -> Iterator[tuple[int, Mechanism, bool]]:

@@ -6,7 +6,7 @@ double precision.
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from bodycheck.reference.mechanisms.link_states import (
     Change,
     Course,
     Decision,
+    LinkStates,
     derivatives,
     in_arithmetic,
     links_of,
@@ -61,8 +62,8 @@ class JointStates:
     position: WideArray
     velocity: WideArray
     bodies: Trajectory
-    changes: tuple[Change, ...]
-    decisions: tuple[Decision, ...]
+    changes: tuple[Change, ...] = ()
+    decisions: tuple[Decision, ...] = ()
 
 
 def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> JointStates:
@@ -89,15 +90,21 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
     kind, whole, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
-    solve, count = solver(), len(instants)
+    solve = solver()
     courses = [solve(tree, instants, kind) for tree in whole.trees]
-    states = [course.links for course in courses]
+    states = joined(mechanism, [course.links for course in courses], instants, kind)
+    changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
+    decisions = tuple(decision for course in courses for decision in course.decisions)
+    return replace(states, changes=tuple(changes), decisions=decisions)
+
+
+def joined(mechanism: Mechanism, states: Sequence[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:
+    """The motion of a mechanism from the states of the links of its trees at instants (n,), s."""
+    whole, count = forest(mechanism), len(instants)
     links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]
     frames = poses.body_frames(whole, links, count, kind)
     position, velocity = poses.joints(mechanism, whole, states, frames, count, kind)
-    changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
-    decisions = tuple(decision for course in courses for decision in course.decisions)
-    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes), decisions)
+    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind))
 
 
 def require_regular(mechanism: Mechanism, duration: float, zero: float = ZERO) -> None:
@@ -153,10 +160,13 @@ def solver() -> Solver:
     try:
         from bodycheck.reference.mechanisms import tree_equations
         from bodycheck.reference.mechanisms.friction import stick_slip
+        from bodycheck.reference.mechanisms.hybrid import following
     except ImportError:
         return followed_by_dop853
 
     def followed_by_taylor(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+        if any(link.controller or link.stops for link in tree.links):
+            return following.followed(tree, times, kind)
         dry = any(link.friction for link in tree.links)
         return stick_slip.followed(tree, times, kind) if dry else tree_equations.followed(tree, times, kind)
 
@@ -169,10 +179,12 @@ def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     Raises
     ------
     OutOfReach
-        If the integration fails or takes too many steps, or a joint has dry friction.
+        If the integration fails or takes too many steps, or a joint has dry friction, a controller or stops.
     """
     if any(link.friction for link in tree.links):
         raise OutOfReach("joints with dry friction are followed by heyoka, which is not installed")
+    if any(link.controller or link.stops for link in tree.links):
+        raise OutOfReach("joints with controllers or stops are followed by heyoka, which is not installed")
     doubles = in_arithmetic(tree, float)
 
     def rates(_: float, state: Array) -> Array:

@@ -17,11 +17,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bodycheck.reference.exact.axes import principal_axes
-from bodycheck.reference.exact.inertia import MassProperties, joined
+from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, real, vector
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, matrix, multiply, scaled, unit
 from bodycheck.reference.mechanisms import exact, mimicry
 from bodycheck.reference.mechanisms.articulation.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.frames import (
     Moving,
     Place,
@@ -31,6 +32,7 @@ from bodycheck.reference.mechanisms.frames import (
     placed,
     rotated,
 )
+from bodycheck.reference.mechanisms.fusing import frame_of, fused
 from bodycheck.reference.mechanisms.joint_types import MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, breadth_first
 
@@ -53,6 +55,8 @@ class Link:
         The kind of its joint, and the index of its parent in the tree or `STILL`.
     follows
         The index of the link whose coordinate determines that of this link; None for a link that moves by itself.
+    controller, stops
+        The controller and the stops of its joint; None if it has none.
     constants, friction
         Its exact constants, and the dry friction of its joint (N m or N).
     joint, coordinate
@@ -80,6 +84,8 @@ class Link:
     rates: tuple[Real, ...]
     start: Moving
     follows: int | None = None
+    controller: Controller | None = None
+    stops: Stops | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,27 +159,32 @@ def forest(mechanism: Mechanism) -> Forest:
         index, joint = joints.get(body, (-1, None))
         if joint is not None and joint.type == "fixed":
             parent = draft.anchors[joint.parent]
-            draft.anchors[body] = Anchor(parent.tree, parent.link, parent.pose.then(_frame_of(joint)))
+            draft.anchors[body] = Anchor(parent.tree, parent.link, parent.pose.then(frame_of(joint)))
         elif joint is None or joint.type == "free":
             _add_free(draft, body, index, joint)
         else:
             _add_jointed(draft, body, index, joint)
     down = vector((0, 0, -mechanism.gravity))
     trees = tuple(
-        Tree(_leading(mechanism, links), base, _gravity(links, base, down), down)
+        Tree(_completed(mechanism, links), base, _gravity(links, base, down), down)
         for links, base in zip(draft.trees, draft.bases, strict=True)
     )
     return Forest(trees, tuple(draft.anchors[body] for body in range(len(mechanism.bodies))))
 
 
-def _leading(mechanism: Mechanism, links: Sequence[Link]) -> tuple[Link, ...]:
-    """The links of a tree, in which those of joints that follow others have the indices of the links that they follow."""
+def _completed(mechanism: Mechanism, links: Sequence[Link]) -> tuple[Link, ...]:
+    """The links of a tree, with controllers, stops, and the indices of the links that they follow."""
+    controllers = {controller.joint: controller for controller in mechanism.controllers}
     indices = {link.joint: index for index, link in enumerate(links)}
 
     def follows(joint: int) -> int | None:
         return indices[mimicry.rule(mechanism.joints, joint).leader] if joint >= 0 and mechanism.joints[joint].mimic else None
 
-    return tuple(replace(link, follows=follows(link.joint)) for link in links)
+    def completed(link: Link) -> Link:
+        stops = mechanism.joints[link.joint].stops if link.joint >= 0 else None
+        return replace(link, follows=follows(link.joint), controller=controllers.get(link.joint), stops=stops)
+
+    return tuple(completed(link) for link in links)
 
 
 def _gravity(links: Sequence[Link], base: Place, down: Vector3) -> Vector3:
@@ -182,35 +193,15 @@ def _gravity(links: Sequence[Link], base: Place, down: Vector3) -> Vector3:
     return vector(cleaned(rotated(conjugate(base.turn), down), abs(down[2])))
 
 
-def _frame_of(joint: Joint) -> Place:
-    return Place(exact.turn(joint.attitude), vector(joint.position))
-
-
-def _made(body: JointedBody) -> MassProperties:
-    inertia = exact.inertia(body)
-    return MassProperties(inertia.mass, inertia.centre, inertia.tensor)
-
-
-def _fused(mechanism: Mechanism, body: int) -> MassProperties:
-    """The mass properties of a body together with all bodies that are fixed to it, in its frame."""
-    parts, frames = [_made(mechanism.bodies[body])], [(body, Place())]
-    for carrier, pose in frames:
-        for joint in mechanism.joints:
-            if joint.parent == carrier and joint.type == "fixed":
-                frames.append((joint.child, pose.then(_frame_of(joint))))
-                parts.append(placed(_made(mechanism.bodies[joint.child]), frames[-1][1]))
-    return joined(parts) if len(parts) > 1 else parts[0]
-
-
 def _add_free(draft: _Draft, body: int, joint_index: int, joint: Joint | None) -> None:
     """Add a tree that begins with a free body, or with a body on a free joint."""
-    properties = _fused(draft.mechanism, body)
+    properties = fused(draft.mechanism, body)
     moments, axes = principal_axes(properties.tensor)
     centred_frame = Place(axes, properties.centre)
     if joint is None:
         socket, start = Place(), _body_start(draft.mechanism.bodies[body])
     else:
-        parent, socket = draft.moving(draft.anchors[joint.parent]), _frame_of(joint)
+        parent, socket = draft.moving(draft.anchors[joint.parent]), frame_of(joint)
         x, y, z, *turn = (MP.mpf(value) for value in joint.start)
         w, i, j, k = turn
         inner = Place(unit((w, i, j, k)), (x, y, z))
@@ -249,11 +240,11 @@ def _body_start(body: JointedBody) -> Moving:
 def _add_jointed(draft: _Draft, body: int, joint_index: int, joint: Joint) -> None:
     """Add the links of a joint that transmits forces."""
     anchor = draft.anchors[joint.parent]
-    tree, parent, socket = anchor.tree, anchor.link, anchor.pose.then(_frame_of(joint))
+    tree, parent, socket = anchor.tree, anchor.link, anchor.pose.then(frame_of(joint))
     if tree < 0:
         tree, parent = draft.tree_of(body, _base(joint, socket)), STILL
         socket = draft.bases[tree].inverse().then(socket)
-    links, properties = draft.trees[tree], _fused(draft.mechanism, body)
+    links, properties = draft.trees[tree], fused(draft.mechanism, body)
     below = Moving(draft.bases[tree]) if parent == STILL else links[parent].start
     if joint.type == "spherical":
         links.append(_ball(joint, joint_index, parent, socket, properties, below))

@@ -6,7 +6,7 @@ module raises `ImportError` if heyoka is not installed.
 """
 
 import functools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -117,8 +117,8 @@ def shape_of(tree: Tree) -> Shape:
     """Return the properties of a tree that its compiled equations depend on."""
     return Shape(
         tuple(forms_of(tree)),
-        tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),
-        tuple(_mark(part, ones=False) for part in tree.gravity),
+        tuple(tuple(each for each, _ in numbers(link.constants, _changing(link))) for link in tree.links),
+        tuple(mark(part, ones=False) for part in tree.gravity),
         tuple(index for index, link in enumerate(tree.links) if link.friction),
     )
 
@@ -132,7 +132,7 @@ def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]
     values: list[Real] = []
     for index, link in enumerate(tree.links):
         constants = with_mode(link, modes[index]) if link.friction else link.constants
-        values += [number for mark, number in _numbers(link, constants) if mark is None]
+        values += [number for each, number in numbers(constants, _changing(link)) if each is None]
     values += [part for part in tree.gravity if part]
     for index, mode in modes.items():
         values += [tree.links[index].friction, MP.mpf(mode)]
@@ -145,16 +145,20 @@ def with_mode(link: Link, mode: int) -> Constants:
     return replace(constants, force=constants.force - mode * link.friction, moves=MP.mpf(abs(mode)))
 
 
-def _numbers(link: Link, constants: Constants) -> Iterator[tuple[Mark, Real]]:
-    """The numbers of a link in order, with their marks."""
+def _changing(link: Link) -> tuple[str, ...]:
+    return _CHANGING if link.friction else ()
+
+
+def numbers(constants: Constants, changing: Collection[str]) -> Iterator[tuple[Mark, Real]]:
+    """The numbers of a link in order, with their marks. changing: the fields that are parameters whatever their values are."""
     for field in fields(Constants):
         value = getattr(constants, field.name)
-        changing = bool(link.friction) and field.name in _CHANGING
         for number in value if field.name in _SIZES else [value]:
-            yield None if changing else _mark(number, ones=field.name in _WITH_ONES), number
+            yield None if field.name in changing else mark(number, ones=field.name in _WITH_ONES), number
 
 
-def _mark(number: Real, *, ones: bool) -> Mark:
+def mark(number: Real, *, ones: bool) -> Mark:
+    """Return what is known of a number when the equations are written."""
     return int(number) if number == 0 or (ones and abs(number) == 1) else None
 
 
@@ -165,12 +169,12 @@ def written(shape: Shape) -> Written:
     def symbols(marks: Sequence[Mark]) -> list[Any]:
         nonlocal taken
         entries: list[Any] = []
-        for mark in marks:
-            entries.append(hy.par[taken] if mark is None else mark)
-            taken += mark is None
+        for each in marks:
+            entries.append(hy.par[taken] if each is None else each)
+            taken += each is None
         return entries
 
-    constants = [_named(symbols(marks)) for marks in shape.marks]
+    constants = [named(symbols(marks)) for marks in shape.marks]
     form = Form(shape.links, constants, symbols(shape.gravity))
     count = sum(sum(sizes(link)) for link in shape.links) + 6 * len(floating(shape.links))
     state = [hy.make_vars(f"x{index}") for index in range(count)]
@@ -186,7 +190,7 @@ def written(shape: Shape) -> Written:
     return Written(system, margins)
 
 
-def _named(symbols: list[Any]) -> Constants:
+def named(symbols: list[Any]) -> Constants:
     """The constants of a link from the symbols of all its numbers, in order."""
     values, taken = dict[str, Any](), 0
     for field in fields(Constants):

@@ -1,0 +1,253 @@
+"""The beginning of a phase: impacts, the instants of controllers, cells, and the joints that stay at rest."""
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach, Stopped
+from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray, exactly, real
+from bodycheck.reference.mechanisms.friction.sticking import sign
+from bodycheck.reference.mechanisms.hybrid.cells import elastic, saturation
+from bodycheck.reference.mechanisms.hybrid.closing import closed
+from bodycheck.reference.mechanisms.hybrid.equations import Shape
+from bodycheck.reference.mechanisms.hybrid.impacts import blow
+from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, joint_states, places, rates_in, wanted
+from bodycheck.reference.mechanisms.hybrid.sampled import Memory, computed, signals_at
+from bodycheck.reference.mechanisms.hybrid.signals import piece, signals
+from bodycheck.reference.mechanisms.link_states import start
+from bodycheck.reference.mechanisms.tree import Tree
+
+#: The time by which a motion is continued to find the cell that it enters from a border, as a part of the duration.
+AHEAD = 2.0**-30
+
+#: The number of roundings, relative to 1 or the place of a stop, up to which a joint is at its stop.
+AT_STOP = 2.0**10
+
+#: The time that all further rebounds take together, as a part of the duration, below which they accumulate.
+ACCUMULATED = 2.0**-20
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A tree, its shape, the floating-point type in which it is followed, and the duration (s)."""
+
+    tree: Tree
+    shape: Shape
+    kind: FloatType
+    duration: float
+
+    def joint(self, phase: Phase, index: int) -> tuple[Any, Any]:
+        """The coordinate and the velocity of a link's joint in the state of a phase, as they are stored."""
+        place = places(self.tree)[index]
+        return phase.state[place - 1], phase.state[place]
+
+    def limits(self, index: int) -> list[tuple[int, Real]]:
+        """The sides of a link's stops, -1 or 1, and their coordinates."""
+        stops = self.tree.links[index].stops
+        assert stops is not None
+        return [(side, MP.mpf(stop)) for side, stop in ((-1, stops.lower), (1, stops.upper)) if stop is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class Hit:
+    """An impact: the index of the link, its velocity before it, and the change (k,) of the state."""
+
+    link: int
+    speed: float
+    change: tuple[float, ...]
+    held: frozenset[int]
+
+
+def first_phase(problem: Problem) -> Phase:
+    """The state at t = 0, before impacts and before the first instants of controllers."""
+    tree, shape, kind = problem.tree, problem.shape, problem.kind
+    state = kind.array([*start(tree), *[MP.mpf(0)] * len(shape.integrals)])
+    sampled = [
+        index for index, link in enumerate(tree.links) if link.controller is not None and link.controller.rate is not None
+    ]
+    rest = {part.link: 1 for part in shape.parts if part.may_rest}
+    zero = 0.0 if kind.dtype is np.float64 else MP.mpf(0)
+    memories = {index: Memory(total=zero, acting=zero) for index in sampled}
+    return Phase(MP.mpf(0), state, rest, {}, {}, {}, {}, memories)
+
+
+def settled(problem: Problem, phase: Phase, eps: float, instant: Fraction | None = None) -> tuple[Phase, list[Hit]]:
+    """Return the phase that begins in a state, with all its modes, and the impacts at its beginning.
+
+    eps: the size of a rounding of the state; 0 if it is exact. instant: the time, if controllers with a rate compute their laws
+    or a piece of a signal ends.
+    """
+    phase, hits = _struck(problem, phase, eps)
+    if instant is not None or not phase.pieces:
+        phase = _computed(problem, phase, instant)
+    resting, moving = _resting(problem, phase)
+    phase = with_cells(problem, replace(phase, rest=moving))
+    modes = closed(problem.tree, problem.shape, phase, resting, eps)
+    sides = {index: side for index, side in resting.items() if side and not modes[index]}
+    phase = with_cells(problem, replace(phase, rest=modes, sides=sides))
+    begun = frozenset(index for index in resting if modes[index])
+    for hit in hits:
+        _require_rebounds_to_last(problem, phase, hit)
+    return replace(phase, begun=phase.begun | begun), hits
+
+
+def _struck(problem: Problem, phase: Phase, eps: float) -> tuple[Phase, list[Hit]]:
+    """Apply the impacts of all joints that move beyond their rigid stops; which of them comes first must not matter."""
+    hits = list[Hit]()
+    while outside := _outside(problem, phase, eps):
+        index = outside[0]
+        state = in_numbers(phase.state, real)
+        here = blow(problem.tree, state, index, phase.sides, real)
+        at = places(problem.tree)
+        for other in outside[1:]:
+            if here.change[at[other]]:
+                raise OutOfReach(
+                    f"two stops are reached at t = {float(phase.time):.6g} s, and the order of the impacts matters"
+                )
+        hits.append(Hit(index, float(state[at[index]]), tuple(float(part) for part in here.change), here.held))
+        changed = [value + part for value, part in zip(state, here.change, strict=False)] + state[len(here.change) :]
+        stops = problem.tree.links[index].stops
+        assert stops is not None
+        assert stops.restitution is not None
+        changed[at[index]] = -stops.restitution * state[at[index]]
+        for each in here.held:
+            changed[at[each]] = MP.mpf(0)
+        side = 1 if state[at[index]] > 0 else -1
+        changed[at[index] - 1] = dict(problem.limits(index))[side]
+        sides = {each: side for each, side in phase.sides.items() if each in here.held}
+        phase = replace(phase, state=problem.kind.array(changed), sides=sides)
+    return phase, hits
+
+
+def _outside(problem: Problem, phase: Phase, eps: float) -> list[int]:
+    """The links at a rigid stop that move beyond it."""
+    beyond = list[int]()
+    for part in problem.shape.parts:
+        if not part.rigid or part.link in phase.sides:
+            continue
+        q, v = (exactly(value) for value in problem.joint(phase, part.link))
+        for side, stop in problem.limits(part.link):
+            gap, near = side * (stop - q), AT_STOP * eps * (1 + abs(stop))
+            if gap < -near:
+                raise OutOfReach(f"a joint is beyond its stop at t = {float(phase.time):.6g} s")
+            if gap <= near and side * v > 0:
+                beyond.append(part.link)
+    return beyond
+
+
+def _computed(problem: Problem, phase: Phase, instant: Fraction | None) -> Phase:
+    """Let the controllers compute their laws that have an instant now, and begin new pieces of the signals of the others."""
+    pieces = {
+        index: tuple(piece(signal, phase.time) for signal in signals(link.controller))
+        for index, link in enumerate(problem.tree.links)
+        if link.controller is not None and link.controller.rate is None
+    }
+    memories = phase.memories if instant is None else memories_at(problem, phase, phase.state, instant)
+    return replace(phase, pieces=pieces, memories=memories)
+
+
+def memories_at(problem: Problem, phase: Phase, state: WideArray, instant: Fraction) -> dict[int, Memory]:
+    """What controllers remember after an instant at which some of them compute their laws from a state."""
+    memories, number = dict(phase.memories), float if problem.kind.dtype is np.float64 else real
+    joints = joint_states(problem.tree, in_numbers(state, number), number)
+    for index, memory in phase.memories.items():
+        controller = problem.tree.links[index].controller
+        assert controller is not None
+        assert controller.rate is not None
+        if memory.count / Fraction(controller.rate) == instant:
+            target, target_velocity, effort = (number(value) for value in signals_at(controller, real(instant)))
+            memories[index] = computed(controller, memory, (target, target_velocity, effort), *joints[index])
+    return memories
+
+
+def _resting(problem: Problem, phase: Phase) -> tuple[dict[int, int], dict[int, int]]:
+    """The sides of the links that are at rest and may be held, and the modes of all links if those at rest were held."""
+    resting, modes, number = dict[int, int](), dict[int, int](), problem.kind.number
+    for part in problem.shape.parts:
+        if not part.may_rest:
+            continue
+        q, v = problem.joint(phase, part.link)
+        modes[part.link] = sign(v) if part.dry else 1
+        if v != 0:
+            continue
+        limits = problem.limits(part.link) if part.rigid else []
+        sides = [side for side, stop in limits if q == number(stop)]
+        if sides or part.dry:
+            resting[part.link], modes[part.link] = sides[0] if sides else 0, 0
+    return resting, modes
+
+
+def with_cells(problem: Problem, phase: Phase) -> Phase:
+    """Choose the cells of continuous laws and elastic stops that the motion enters or is in."""
+    parts = [part for part in problem.shape.parts if part.continuous or part.elastic]
+    if not parts:
+        return phase
+    phase = _with_cells(problem, phase, None)
+    if any(part.margins or part.elastic for part in parts):
+        phase = _with_cells(problem, phase, AHEAD * problem.duration)
+    return phase
+
+
+def _with_cells(problem: Problem, phase: Phase, ahead: float | None) -> Phase:
+    """Choose cells from the state, or from the state that follows by its derivative after a short time `ahead` (s)."""
+    tree, shape = problem.tree, problem.shape
+    state, time = in_numbers(phase.state, real), phase.time
+    beyond = {
+        part.link: _beyond(problem, part.link, joint_states(tree, state, real)[part.link][0])
+        for part in shape.parts
+        if part.elastic
+    }
+    if ahead is not None:
+        rates = [real(rate) for rate in rates_in(tree, shape, phase, in_numbers(phase.state, float), time, float).state]
+        accelerations = joint_states_rates(tree, state, rates)
+        for index, (lower, upper) in beyond.items():
+            v, a = accelerations[index]
+            moved = ahead * v + ahead**2 / 2 * a
+            beyond[index] = lower - moved, upper + moved
+        state = [value + ahead * rate for value, rate in zip(state, rates, strict=True)]
+        time = time + ahead
+    laws, springs, joints = dict(phase.laws), dict(phase.springs), joint_states(tree, state, real)
+    for part in shape.parts:
+        q, v = joints[part.link]
+        controller, stops = tree.links[part.link].controller, tree.links[part.link].stops
+        if part.continuous and controller is not None:
+            laws[part.link] = saturation(controller, wanted(tree, shape, phase, part.link, state, q, v, time, real), v)
+        if part.elastic and stops is not None:
+            springs[part.link] = elastic(stops, beyond[part.link], v)
+    return replace(phase, laws=laws, springs=springs)
+
+
+def joint_states_rates(tree: Tree, state: list[Real], rates: list[Real]) -> list[tuple[Any, Any]]:
+    """The velocities and the accelerations of all joints with one coordinate."""
+    velocities = joint_states(tree, state, real)
+    at = places(tree)
+    leading = [(index if link.follows is None else link.follows) for index, link in enumerate(tree.links)]
+    shares = [MP.mpf(1) if link.follows is None else link.constants.ratio for link in tree.links]
+    return [
+        (velocity, share * rates[at[leader]] if velocity is not None else None)
+        for (_, velocity), leader, share in zip(velocities, leading, shares, strict=True)
+    ]
+
+
+def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
+    """How far a coordinate is beyond the lower and the upper stop of a link; -1 where there is no stop."""
+    limits = dict(problem.limits(index))
+    lower, upper = (side * (q - limits[side]) if side in limits else MP.mpf(-1) for side in (-1, 1))
+    return lower, upper
+
+
+def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
+    """Raise `Stopped` if the rebounds of a joint that has hit its stop end within a very short time."""
+    stops = problem.tree.links[hit.link].stops
+    assert stops is not None
+    assert stops.restitution is not None
+    if not 0 < stops.restitution < 1:
+        return
+    state = in_numbers(phase.state, float)
+    rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
+    speed, acceleration = state[place], rates[place]
+    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < (1 - stops.restitution) * ACCUMULATED * problem.duration:
+        time = float(phase.time)
+        raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)

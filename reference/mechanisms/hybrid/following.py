@@ -1,0 +1,242 @@
+"""The motion of trees with controllers and stops, from event to event, by Taylor's method (heyoka; Linux only).
+
+A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time at
+which a controller computes its law or a piece of a signal ends.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach, Stopped
+from bodycheck.reference.exact.numbers import FloatType, Real, WideArray, exactly, real
+from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
+from bodycheck.reference.mechanisms.friction.sticking import sign
+from bodycheck.reference.mechanisms.hybrid.beginning import Hit, Problem, first_phase, settled, with_cells
+from bodycheck.reference.mechanisms.hybrid.equations import Event, Shape, shape_of, written
+from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, parameters, places, rates_in
+from bodycheck.reference.mechanisms.hybrid.shadows import Shadow, after_event, after_instant, carried, nudged, shadow
+from bodycheck.reference.mechanisms.hybrid.signals import breaks
+from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, split
+from bodycheck.reference.mechanisms.tree import Tree
+from bodycheck.reference.mechanisms.tree_equations import most_steps
+from bodycheck.reference.trajectory import Array
+
+#: The largest number of events, and of those at one instant.
+MOST_EVENTS, MOST_AT_ONCE = 20_000, 100
+
+#: The first part of a step, as a fraction, in which the events of a joint that has just had one do not count: the functions are
+#: zero there except for rounding.
+JUST_BEGUN = 2.0**-20
+
+
+@dataclass(frozen=True, eq=False)
+class _Solver:
+    """heyoka's integrator, the list to which it appends the events and their times, and the parameters that it has now."""
+
+    solver: Any
+    crossings: list[tuple[Event, Any]]
+    present: list[Real] = field(default_factory=list)
+
+    def output(self, time: Any) -> WideArray:
+        """The state at a time within the last step."""
+        self.solver.update_d_output(time)
+        return np.array(self.solver.d_output)
+
+    def begin(self, kind: FloatType, time: Any, state: WideArray, values: list[Real]) -> None:
+        """Set the time, the state and the parameters, of which those that have not changed are not converted."""
+        self.solver.time, self.solver.state[:] = time, state
+        if not self.present:
+            self.present.extend([None] * len(self.solver.pars))
+        for index, (old, new) in enumerate(zip(self.present, values, strict=False)):
+            if new is not old and new != old:
+                self.solver.pars[index] = kind.number(new)
+                self.present[index] = new
+
+
+@functools.cache
+def _solver(shape: Shape, kind: FloatType) -> _Solver:
+    equations, crossings = written(shape), list[tuple[Event, Any]]()
+    events = [
+        hy.nt_event(
+            function,
+            _noting(crossings, event),
+            direction=hy.event_direction.any if event.kind == "turn" else hy.event_direction.negative,
+            fp_type=kind.dtype,
+        )
+        for event, function in equations.events
+    ]
+    return _Solver(compiled(equations.system, kind.dtype, kind.bits, large=shape.large, events=events), crossings)
+
+
+def _noting(crossings: list[tuple[Event, Any]], event: Event) -> Callable[[Any, Any, int], None]:
+    def note(_: Any, time: Any, __: int) -> None:
+        crossings.append((event, time))
+
+    return note
+
+
+def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+    """The motion of the links of a tree at times (n,) >= 0, s, in any order.
+
+    Raises `OutOfReach` if Taylor's method fails or takes too many steps, there are too many events, or an event is undecided.
+    """
+    instants, order = np.unique(np.append(0.0, times), return_inverse=True)
+    run = _followed(tree, instants, kind, [])
+    rows = np.array(run.rows)[:, : run.problem.shape.components]
+    return Course(split(tree, rows[order[1:]], times, kind), tuple(run.changes), tuple(run.decisions))
+
+
+def beside(tree: Tree, t: Array, nudges: Sequence[tuple[int, Array]], units: Array) -> tuple[Array, list[Shadow]]:
+    """The states (m, k) of a tree in double precision at ascending instants (m,), s, from 0 on, and nudged motions beside them.
+
+    nudges: for each, the index of the instant at which it begins, and its nudge (k,). units: the sizes of the components.
+    """
+    run = _followed(tree, t, FloatType(np.float64), [shadow(first, nudge, units, len(t)) for first, nudge in nudges])
+    return np.array(run.rows), run.shadows
+
+
+def _followed(tree: Tree, instants: WideArray, kind: FloatType, shadows: list[Shadow]) -> "_Run":
+    shape = shape_of(tree)
+    problem = Problem(tree, shape, kind, float(instants[-1]))
+    with integrator_lock:
+        run = _Run(problem, _solver(shape, kind), kind.array(instants), shadows)
+        _follow(run)
+    return run
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """An integration.
+
+    instants: ascending, the first of which is 0. shadows: nudged motions. rows: the states at the instants so far. changes,
+    decisions: of joints with dry friction.
+    """
+
+    problem: Problem
+    solver: _Solver
+    instants: WideArray
+    shadows: list[Shadow]
+    rows: list[WideArray] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+    decisions: list[Decision] = field(default_factory=list)
+
+    def change_shadows(self, change: Callable[[Shadow], Shadow]) -> None:
+        """Replace all nudged motions."""
+        self.shadows[:] = [change(each) for each in self.shadows]
+
+
+def _follow(run: _Run) -> None:
+    """Append the states at all instants."""
+    problem, kind, end = run.problem, run.problem.kind, run.instants[-1]
+    controllers = [link.controller for link in problem.tree.links if link.controller is not None]
+    ahead, start = breaks(controllers, exactly(end)), first_phase(problem)
+    instant = next(ahead, None)
+    now, instant = (instant, next(ahead, None)) if instant == 0 else (None, instant)
+    run.rows.append(start.state)
+    phase, _ = settled(problem, start, 0.0, now)
+    begun = replace(phase, memories=start.memories)
+    run.change_shadows(lambda each: nudged(problem, begun, phase.state, each, now) if each.first == 0 else each)
+    left, events = most_steps(run.solver.solver), 0
+    while len(run.rows) < len(run.instants):
+        until = end if instant is None else kind.number(real(instant))
+        first = len(run.rows)
+        event, time, state, left = _advanced(run, phase, until, left)
+        _carry_shadows(run, phase, range(first, len(run.rows)), time)
+        before = phase
+        if event is not None:
+            events += 1
+            if events > MOST_EVENTS:
+                raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
+            phase, hits = _after(problem, replace(phase, time=exactly(time), state=state, begun=frozenset({event.link})), event)
+            _lead_shadows(run, before, phase, event, hits, state)
+        elif instant is not None:
+            phase, _ = settled(problem, replace(phase, time=real(instant), state=state, begun=frozenset()), kind.eps, instant)
+            _update_shadows(run, before, phase, state, instant)
+            instant = next(ahead, None)
+
+
+def _carry_shadows(run: _Run, phase: Phase, rows: Sequence[int], end: Any) -> None:
+    """Follow the nudged motions through a phase."""
+    problem, inner = run.problem, run.solver.solver
+
+    def carry(each: Phase, state: Array, begin: float, times: Sequence[float]) -> list[Array]:
+        run.solver.begin(problem.kind, begin, state, parameters(problem.tree, problem.shape, each))
+        states = []
+        for time in times:
+            if time > inner.time:
+                inner.propagate_until(time)
+            states.append(np.array(inner.state))
+        return states
+
+    begin, here = float(phase.time), [(row, float(run.instants[row]), run.rows[row]) for row in rows]
+    run.change_shadows(lambda each: carried(problem, phase, each, begin, here, float(end), carry))
+
+
+def _lead_shadows(run: _Run, before: Phase, after: Phase, event: Event, hits: Sequence[Hit], base: Array) -> None:
+    """Lead the nudged motions through an event. base: the state of the motion before it."""
+    at = replace(before, time=after.time)
+    run.change_shadows(lambda each: after_event(run.problem, at, after, event, hits, base, each))
+
+
+def _update_shadows(run: _Run, before: Phase, after: Phase, base: Array, instant: Fraction) -> None:
+    """Let the controllers of the nudged motions compute their laws."""
+    run.change_shadows(lambda each: after_instant(run.problem, before, after, base, each, instant))
+
+
+def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | None, Any, WideArray, int]:
+    """Follow a phase to its end or to a time, and append the states at the instants in it.
+
+    Returns the event that ends the phase, or None, the time and the state there, and how many steps are left.
+    """
+    solver, inner, kind = run.solver, run.solver.solver, run.problem.kind
+    begin = kind.number(phase.time)
+    if not begin < until:
+        return None, until, phase.state, left
+    solver.begin(kind, begin, phase.state, parameters(run.problem.tree, run.problem.shape, phase))
+    first = True
+    while left > 0:
+        solver.crossings.clear()
+        begin = inner.time
+        outcome, step = inner.step(max_delta_t=until - begin, write_tc=True)
+        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            raise Stopped(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}", float(begin))
+        ignored = phase.begun if first else frozenset[int]()
+        crossings = [
+            each
+            for each in solver.crossings
+            if each[0].kind != "turn" and (each[0].link not in ignored or each[1] - begin > JUST_BEGUN * step)
+        ]
+        event, time = min(crossings, key=lambda each: each[1], default=(None, inner.time))
+        while len(run.rows) < len(run.instants) and run.instants[len(run.rows)] <= time:
+            run.rows.append(solver.output(run.instants[len(run.rows)]))
+        if event is not None:
+            return event, time, solver.output(time), left
+        if outcome == hy.taylor_outcome.time_limit:
+            return None, until, np.array(inner.state), left
+        first, left = False, left - 1
+    last = float(inner.time)
+    raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
+
+
+def _after(problem: Problem, phase: Phase, event: Event) -> tuple[Phase, list[Hit]]:
+    """Return the phase after an event, and the impacts in it."""
+    index, state = event.link, phase.state.copy()
+    place, eps = places(problem.tree)[index], problem.kind.eps
+    if event.kind in ("law", "elastic"):
+        return with_cells(problem, phase), []
+    if event.kind == "rest" and not phase.rest[index]:
+        # Its acceleration begins at zero, so that the modes of the other links do not change at this instant.
+        strain = rates_in(problem.tree, problem.shape, phase, in_numbers(state, float), phase.time, float).strains[index]
+        sides = {each: side for each, side in phase.sides.items() if each != index}
+        return replace(phase, rest={**phase.rest, index: sign(strain)}, sides=sides), []
+    if event.kind == "stop":
+        state[place - 1] = problem.kind.number(problem.limits(index)[event.index if len(problem.limits(index)) > 1 else 0][1])
+    else:
+        state[place] = state[place] * 0
+    return settled(problem, replace(phase, state=state), eps)
