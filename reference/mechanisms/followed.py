@@ -164,10 +164,9 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
 
 def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops."""
     if mechanism.loops:
         raise NotModelled("closed loops")
-    _require_drivable(mechanism)
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -243,7 +242,6 @@ def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors:
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
-    _require_drivable(mechanism)
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 
