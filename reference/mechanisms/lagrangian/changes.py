@@ -174,8 +174,8 @@ def _decided(system: System, phase: Phase, state: list[Number], slack: Number) -
     held = [index for index, mode in before.moves.items() if not mode]
     if not held or (slack != EXACT and _certain(system, before, phase.state, held)):
         return phase
-    modes = decided(system, state, before, slack)
-    return replace(phase, modes=modes, begun=phase.begun | _leaving(before, modes))
+    modes, begun = _leaving(before, decided(system, state, before, slack))
+    return replace(phase, modes=modes, begun=phase.begun | begun)
 
 
 def _certain(system: System, modes: Modes, state: WideArray, held: list[int]) -> bool:
@@ -194,10 +194,12 @@ def in_doubles(system: System, modes: Modes, state: WideArray) -> dict[int, Reac
     return reactions(system, [float(value) for value in state], system.with_modes(modes), float, math)
 
 
-def _leaving(before: Modes, after: Modes) -> frozenset[tuple[int, str]]:
-    """The guards of velocities and stops of the elements that begin to move."""
-    moving = [index for index, mode in after.moves.items() if mode and not before.moves[index]]
-    return frozenset((index, name) for index in moving for name in ("rest", "upper", "lower"))
+def _leaving(before: Modes, after: Modes) -> tuple[Modes, frozenset[tuple[int, str]]]:
+    """The modes with the signs of the velocities of elements that begin to move, and the guards that are zero with these."""
+    moving = {index: mode for index, mode in after.moves.items() if mode and not before.moves[index]}
+    signs = {(index, "forwards"): mode for index, mode in moving.items() if (index, "forwards") in after.signs}
+    begun = frozenset((index, name) for index in moving for name in ("rest", "upper", "lower", "forwards"))
+    return replace(after, signs=after.signs | signs), begun
 
 
 def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any, state: WideArray) -> Phase:
@@ -217,8 +219,9 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any,
             return _stopped(system, phase, index)
         if guard.name in ("high", "low"):
             moves = phase.modes.moves | {index: -1 if guard.name == "high" else 1}
-            modes = replace(phase.modes, moves=moves, sides=phase.modes.sides | {index: 0})
-            return replace(phase, modes=modes, begun=_leaving(phase.modes, modes), tested=frozenset())
+            free = replace(phase.modes, moves=moves, sides=phase.modes.sides | {index: 0})
+            modes, begun = _leaving(phase.modes, free)
+            return replace(phase, modes=modes, begun=begun, tested=frozenset())
     pairs = frozenset((guard.element, guard.name) for guard in guards)
     if pairs & phase.tested:
         raise OutOfReach("rounding leaves undecided whether a limit or a stop acts, in the Lagrangian")
@@ -237,8 +240,8 @@ def _stopped(system: System, phase: Phase, index: int) -> Phase:
         if each == index or velocity <= zero:
             state[system.velocity(each)], moving[each] = 0, 0
     before = replace(phase.modes, moves=moving)
-    modes = decided(system, exact_state(state), before, MP.mpf(ROUNDINGS * rounding))
-    return Phase(phase.time, state, modes, _leaving(before, modes))
+    modes, begun = _leaving(before, decided(system, exact_state(state), before, MP.mpf(ROUNDINGS * rounding)))
+    return Phase(phase.time, state, modes, begun)
 
 
 def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
@@ -247,7 +250,7 @@ def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     exact, after = struck(system, exact_state(phase.state), phase.modes, hits)
     state = np.array([rounded(value, phase.state) for value in exact], phase.state.dtype)
     modes, zero = signed(system, after, state)
-    begun = zero | _leaving(phase.modes, modes) | {(guard.element, guard.name) for guard in guards}
+    begun = zero | {(guard.element, guard.name) for guard in guards}
     slack = MP.mpf(ROUNDINGS * float(np.finfo(state.dtype).eps))
     return _decided(system, Phase(phase.time, state, modes, begun), exact_state(state), slack)
 
