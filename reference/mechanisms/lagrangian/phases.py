@@ -177,6 +177,8 @@ def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple
     for time, number in roots:
         guard = derived(system.structure).guards[number]
         index, law = guard.element, system.laws[guard.element]
+        if _same_as_rest(system, (index, guard.name)):
+            continue
         if guard.name in switching(law):
             before, pair = _effects(system, index, signs), (index, guard.name)
             signs[pair] = -signs[pair]
@@ -190,6 +192,11 @@ def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple
         elif (modes.moves[index] != 0) == (guard.name == "rest"):
             return _Change(time, (guard,)), flips
     return None, flips
+
+
+def _same_as_rest(system: System, pair: tuple[int, str]) -> bool:
+    """Return whether a guard is the velocity of an element with dry friction, which has the guard "rest"."""
+    return pair[1] == "forwards" and system.laws[pair[0]].dry
 
 
 def _together(course: _Course, roots: list[tuple[Any, int]], time: Any, number: int) -> list[Guard]:
@@ -233,6 +240,8 @@ def _overlooked(
     wrong = [guards[index, "rest"] for index in rest if (index, "rest") in guards]
     signs = modes.signs | {pair: sign for time, pair, sign in flips if time <= middle}
     for pair, (value, room) in changes.guard_values(system, modes, halfway).items():
+        if _same_as_rest(system, pair):
+            continue
         closed = pair[1] in system.laws[pair[0]].rigid
         sign = (0 if modes.sides[pair[0]] and not modes.moves[pair[0]] else -1) if closed else signs[pair]
         if sign * value < -room:
