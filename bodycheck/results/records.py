@@ -212,6 +212,7 @@ class CompletedRecord(RunRecord):
     interfaces: list[BorneRecord] | None = None
     rejected: Count | None = None
     evaluations: Count | None = None
+    efforts: Literal["", "between steps", "at stages"] = ""
 
 
 @dataclass(frozen=True)

@@ -133,6 +133,7 @@ class Writer:
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
                 record |= {"quaternion_norm_error": done.quaternion_norm_error}
                 record |= {"rejected": done.rejected, "evaluations": done.evaluations}
+                record |= {"efforts": done.efforts} if done.efforts else {}
                 if done.interfaces is not None:
                     record |= {"interfaces": [asdict(one) for one in done.interfaces]}
             case TimedOut(limit):
@@ -298,6 +299,7 @@ class Results:
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
                 work = {name: record.get(name) for name in ("rejected", "evaluations")}  # those of earlier versions have none
                 loads = truth_records.loads(record)
+                work["efforts"] = record.get("efforts", "")
                 done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads, **work)
                 return replace(run, outcome=done)
             case TimedOut.status:
