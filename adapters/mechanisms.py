@@ -1,17 +1,20 @@
 """Convert bodies on joints to the forms that engines take."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.links import Link, carried
 from bodycheck.reference.inertia import IDENTITY
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.control import Stops
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
-from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
 
@@ -124,3 +127,22 @@ def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:
             places += [joint.child for joint in mechanism.joints if joint.parent == parent]
         of_roots.append(tuple(places))
     return [tree for tree in of_roots if tree != (WORLD,)]
+
+
+def stops_of(joint: Joint, method: Method) -> Stops | None:
+    """Return the stops of a joint that the engine itself models; None if there are none, or if they are efforts."""
+    return None if method.option("limits") == "effort" else joint.stops
+
+
+def bounds(stops: Stops | None, far: float = math.inf) -> tuple[float, float]:
+    """Return the smallest and the largest coordinate (rad or m) of a joint; `far` is beyond all where there is no stop."""
+    lower, upper = (None, None) if stops is None else (stops.lower, stops.upper)
+    return -far if lower is None else lower, far if upper is None else upper
+
+
+def check_rebounds(mechanism: Mechanism, engine: str) -> None:
+    """Raise `SceneUnsupported` for rigid stops with a rebound, for an engine whose limits of joints have none."""
+    for joint in mechanism.joints:
+        if joint.stops is not None and joint.stops.restitution:
+            given = f"and {joint.name} has the restitution {joint.stops.restitution:g}"
+            raise SceneUnsupported(f"{engine}'s limits of joints have no rebound, {given}")

@@ -2,11 +2,14 @@
 
 Each joint is Drake's joint of the same type. The coordinates of a spherical joint are roll, pitch and yaw, whose rates are
 infinite at a pitch of a right angle. A body without a joint and a body on a free joint have Drake's quaternion joint. Springs
-are Drake's force elements. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and a constant effort
-is the input of such an actuator. Loops are Drake's ball constraints, and a joint that follows another one has Drake's coupler
-constraint; only the discrete plant has constraints. Drake has no dry friction."""
+are Drake's force elements. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and efforts are inputs
+of such an actuator. Loops are Drake's ball constraints, a joint that follows another one has Drake's coupler constraint, and
+stops are Drake's limits of coordinates, which have no rebound; only the discrete plant has constraints and limits. Drake has no
+dry friction.
+"""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,10 +33,21 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
+from bodycheck.adapters.drake.driving import Actuated, Inputs, follows
 from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, controlled, integrated, stepper
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mechanisms import centred, frames, in_body_axes, link_of, massless_parts, starts
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.mechanisms import (
+    bounds,
+    centred,
+    check_rebounds,
+    frames,
+    in_body_axes,
+    link_of,
+    massless_parts,
+    starts,
+    stops_of,
+)
+from bodycheck.adapters.stepping import Loop, Taking, TakingControl, TakingLaws
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -58,6 +72,8 @@ MODELS = frozenset(
         "point masses",
         "massless bodies",
         "mimic joints",
+        "controllers",
+        "rigid stops",
     }
 )
 
@@ -84,14 +100,23 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     def in_bodies(numbers: Array) -> Array:
         return rows(mechanism, numbers)
 
+    if method.accuracy is not None and not mechanism.driven:
+        return controlled(lambda: built(mechanism, method, approximations)[:2], method, in_bodies)
+    model, seen, joints = built(mechanism, method, approximations)
     if method.accuracy is not None:
-        return controlled(lambda: built(mechanism, method, approximations), method, in_bodies)
-    model, seen = built(mechanism, method, approximations)
-    return Loop(0, stepper(model, method.timestep), lambda _: seen(), in_bodies)
+        # Efforts change at the ends of steps of the one model, so that its steps end at samples too.
+        simulation = replace(controlled(lambda: (model, seen), method, in_bodies), between=None)
+        return TakingControl(simulation, joints.state, joints.apply)
+    loop = Loop(0, stepper(model, method.timestep), lambda _: seen(), in_bodies)
+    if not mechanism.driven:
+        return loop
+    if not follows(mechanism, method):
+        return Taking(loop, joints.state, joints.apply)
+    return TakingLaws(loop, joints.state, joints.apply, joints.obey)
 
 
-def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array]]:
-    """Return the model of a mechanism, and the function that `seer` returns. Raises `SceneUnsupported` as `prepare` does."""
+def check(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> None:
+    """Raise `SceneUnsupported` for what Drake lacks with a method: constraints, limits, and bodies without mass."""
     constrained = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
     if constrained and method.integrator not in CONSTRAINED:
         raise SceneUnsupported(
@@ -99,9 +124,24 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
         )
     if method.integrator == CENIC and (part := next(massless_parts(mechanism), None)) is not None:
         raise SceneUnsupported(f"cenic refuses the body {mechanism.bodies[part[0]].name}: composite for body has zero mass")
+    if any(stops_of(joint, method) for joint in mechanism.joints) and method.integrator not in approximations:
+        raise SceneUnsupported("Drake has limits of joints in its discrete plant only")
+    check_rebounds(mechanism, "Drake")
+
+
+def built(
+    mechanism: Mechanism, method: Method, approximations: tuple[str, ...]
+) -> tuple[Model, Callable[[], Array], Actuated]:
+    """Return the model of a mechanism, the function that `seer` returns, and the driven joints.
+
+    Raises `SceneUnsupported` as `prepare` does.
+    """
+    check(mechanism, method, approximations)
+    constrained = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
     config = configured(method, approximations)
     builder = DiagramBuilder()
-    in_diagram = method.integrator == CENIC or constrained
+    with_law = follows(mechanism, method)
+    in_diagram = method.integrator == CENIC or constrained or with_law
     if in_diagram:
         plant, _ = AddMultibodyPlant(config, builder)
     else:
@@ -109,8 +149,11 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
         ApplyMultibodyPlantConfig(config, plant)
     plant.set_name(PLANT)
     bodies = [add_link(plant, f"body {index}", link_of(body)) for index, body in enumerate(mechanism.bodies)]
-    joints = [add_joint(plant, bodies, joint, f"joint {index}") for index, joint in enumerate(mechanism.joints)]
-    actuators = [add_actuator(plant, drake_joint, joint) for drake_joint, joint in zip(joints, mechanism.joints, strict=True)]
+    joints = [add_joint(plant, bodies, joint, f"joint {index}", method) for index, joint in enumerate(mechanism.joints)]
+    moved = [n for n, joint in enumerate(mechanism.joints) if joint.armature or joint.effort or n in mechanism.driven]
+    for number in moved:
+        actuator = plant.AddJointActuator(joints[number].name(), joints[number])
+        actuator.set_default_rotor_inertia(mechanism.joints[number].armature)
     if mechanism.loops:
         add_loops(plant, bodies, mechanism)
     for joint, drake_joint in zip(mechanism.joints, joints, strict=True):
@@ -121,29 +164,42 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
         plant.Finalize()
     except RuntimeError as error:
         raise SceneUnsupported(f"Drake refuses the mechanism: {' '.join(str(error).split())}") from error
+    law = None
+    if with_law:
+        law = builder.AddSystem(Inputs(plant.num_multibody_states(), plant.num_actuators()))
+        builder.Connect(plant.get_state_output_port(), law.state)
+        builder.Connect(law.get_output_port(), plant.get_actuation_input_port())
     simulator = Simulator(builder.Build() if in_diagram else plant)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-    if plant.num_actuators():
-        efforts = [joint.effort for joint, actuator in zip(mechanism.joints, actuators, strict=True) if actuator is not None]
-        plant.get_actuation_input_port().FixValue(context, efforts)
+    port = (plant.get_actuation_input_port(), context)
+    if law is not None:
+        port = (law.held, law.GetMyMutableContextFromRoot(simulator.get_mutable_context()))
+    of_driven = [joints[number] for number in mechanism.driven]
+    constant = np.array([mechanism.joints[number].effort for number in moved])
+    driven = Actuated(plant, context, port, constant, of_driven, [moved.index(number) for number in mechanism.driven])
+    if moved:
+        driven.apply(np.zeros(len(of_driven)))
+    if law is not None:
+        law.joints = driven
     start(mechanism, plant, context, bodies, joints)
     integrated(simulator, method, continuous=method.integrator not in approximations)
     model = Model(simulator, plant, context)
-    return model, seer(model, bodies)
+    return model, seer(model, bodies), driven
 
 
-def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
-    """Add a joint with its damping and its spring to a plant, and return it."""
+def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str, method: Method) -> Any:
+    """Add a joint with its damping, its spring and its limits to a plant, and return it."""
     pose = RigidTransform(Quaternion(nearest_turn(joint.attitude)), joint.position)
     parent = plant.AddFrame(FixedOffsetFrame(name, _body(plant, bodies, joint.parent).body_frame(), pose))
     child = bodies[joint.child].body_frame()
+    limits = bounds(stops_of(joint, method))
     if joint.type == "revolute":
-        drake_joint = plant.AddJoint(RevoluteJoint(name, parent, child, nearest_axis(joint), joint.damping))
+        drake_joint = plant.AddJoint(RevoluteJoint(name, parent, child, nearest_axis(joint), *limits, joint.damping))
         if joint.stiffness:
             plant.AddForceElement(RevoluteSpring(drake_joint, joint.rest, joint.stiffness))
         return drake_joint
     if joint.type == "prismatic":
-        drake_joint = plant.AddJoint(PrismaticJoint(name, parent, child, nearest_axis(joint), damping=joint.damping))
+        drake_joint = plant.AddJoint(PrismaticJoint(name, parent, child, nearest_axis(joint), *limits, joint.damping))
         if joint.stiffness:
             plant.AddForceElement(PrismaticSpring(drake_joint, joint.rest, joint.stiffness))
         return drake_joint
@@ -153,15 +209,6 @@ def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
         return plant.AddJoint(BallRpyJoint(name, parent, child, joint.damping))
     kinds = {"universal": UniversalJoint, "planar": PlanarJoint, "free": QuaternionFloatingJoint}
     return plant.AddJoint(kinds[joint.type](name, parent, child))
-
-
-def add_actuator(plant: Any, drake_joint: Any, joint: Joint) -> Any | None:
-    """Add an actuator to a joint that has armature or effort, and return it; None without them."""
-    if not joint.armature and not joint.effort:
-        return None
-    actuator = plant.AddJointActuator(drake_joint.name(), drake_joint)
-    actuator.set_default_rotor_inertia(joint.armature)
-    return actuator
 
 
 def add_loops(plant: Any, bodies: list[Any], mechanism: Mechanism) -> None:

@@ -28,7 +28,7 @@ from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.stepping import Loop, several
+from bodycheck.adapters.stepping import Loop, Taking, several
 from bodycheck.adapters.touching import corners_of_brick, half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -121,18 +121,19 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     )
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Loop[None]:
+def jointed(mechanism: Mechanism, method: Method) -> Loop[None] | Taking:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     client = connected(mechanism.gravity, method)
-    parts, joints = mechanisms.built(client, mechanism, method), mechanisms.pushed(mechanism)
+    parts = mechanisms.built(client, mechanism, method)
+    joints = mechanisms.Pushed(client, mechanism, parts)
 
     def step(_: None) -> None:
-        mechanisms.push(client, parts, joints)
+        joints.push()
         pybullet.stepSimulation(physicsClientId=client)
 
     simulation = Loop(None, step, lambda _: mechanisms.seen(client, parts), in_body_axes)
     weakref.finalize(simulation, pybullet.disconnect, client)
-    return simulation
+    return Taking(simulation, joints.state, joints.apply) if mechanism.driven else simulation
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[World]:

@@ -3,7 +3,8 @@
 Each tree is a body of PyBullet, read from a URDF file: the tree on the world has a fixed base, and every free body is the base
 of another tree. Joints are Bullet's revolute, prismatic, spherical and fixed joints. Damping is given in the URDF file.
 PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
-applied together with the constant effort, as users do. Dry friction is PyBullet's velocity motor with the target zero and a
+applied together with the efforts in each step, as users do. Stops are the limits of the URDF file, which Bullet holds by an
+impulse without rebound. Dry friction is PyBullet's velocity motor with the target zero and a
 limited force. Loops are constraints between points. A joint that follows another one has Bullet's gear constraint, which holds
 its velocity: the offset of the rule is in the initial coordinates.
 """
@@ -16,7 +17,7 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method, SceneUnsupported
-from bodycheck.adapters.mechanisms import has_mass, link_of, starts, trees
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, has_mass, link_of, starts, stops_of, trees
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.urdf import angles, file_of, link_element, spaced
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
@@ -41,12 +42,17 @@ MODELS = frozenset(
         "point masses",
         "massless bodies",
         "mimic joints",
+        "controllers",
+        "rigid stops",
     }
 )
 
 
-#: A force (N or N m) that no gear constraint needs.
+#: A force (N or N m) that no gear constraint and no limit of a joint needs.
 UNLIMITED = 1e20
+
+#: A coordinate (rad or m) that no joint reaches, for the side on which a joint has no stop.
+FAR = 1e9
 
 
 @dataclass(frozen=True)
@@ -69,14 +75,15 @@ class Part:
 def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
     """Add a mechanism in its initial state to a physics server, and return its bodies in their order.
 
-    Raises `SceneUnsupported` for a free body without mass.
+    Raises `SceneUnsupported` for a free body without mass, and for stops with a rebound.
     """
+    check_rebounds(mechanism, "PyBullet")
     for root in mechanism.bodies:
         if root.start is not None and not has_mass(root):
             raise SceneUnsupported(f"the free body {root.name} without mass, which PyBullet would hold in place")
     by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
-        body = loaded(client, document(mechanism, tree), tree[0] == WORLD)
+        body = loaded(client, document(mechanism, tree, method), tree[0] == WORLD)
         pybullet.changeDynamics(body, BASE, physicsClientId=client, **switched_off(method))
         numbers = {f"body_{tree[0]}": BASE}
         for link in range(pybullet.getNumJoints(body, physicsClientId=client)):
@@ -88,6 +95,10 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
                 by_index[index] = Part(body, link, np.array([w, x, y, z]))
     parts = [by_index[index] for index in range(len(mechanism.bodies))]
     start(client, mechanism, parts)
+    for joint in mechanism.joints:
+        if stops_of(joint, method) is not None:
+            part = parts[joint.child]
+            pybullet.changeDynamics(part.tree, part.link, jointLimitForce=UNLIMITED, physicsClientId=client)
     for loop in mechanism.loops:
         close(client, mechanism, parts, loop)
     for joint in mechanism.joints:
@@ -188,19 +199,52 @@ def in_principal_frame(mechanism: Mechanism, parts: Sequence[Part], index: int, 
     return rotate(conjugate(parts[index].axes), np.array(point) - np.array(nearest_inertia(mechanism.bodies[index]).centre))
 
 
-def pushed(mechanism: Mechanism) -> list[Joint]:
-    """Return the joints in which a force must be applied in each step: joints with springs or efforts."""
-    return [joint for joint in mechanism.joints if joint.stiffness or joint.effort]
+@dataclass
+class Pushed:
+    """The joints in which a force must be applied in each step: joints with springs or efforts, and driven joints.
 
+    Parameters
+    ----------
+    client
+        The number of the connection to the server.
+    mechanism, parts
+        The mechanism and its bodies.
+    """
 
-def push(client: int, parts: Sequence[Part], joints: Sequence[Joint]) -> None:
-    """Apply the forces of springs at the current coordinates, and the constant efforts, for the next step."""
-    for joint in joints:
-        part, force = parts[joint.child], joint.effort
-        if joint.stiffness:
-            position = pybullet.getJointState(part.tree, part.link, physicsClientId=client)[0]
-            force -= joint.stiffness * (position - joint.rest)
-        pybullet.setJointMotorControl2(part.tree, part.link, pybullet.TORQUE_CONTROL, force=force, physicsClientId=client)
+    client: int
+    mechanism: Mechanism
+    parts: Sequence[Part]
+
+    def __post_init__(self) -> None:
+        self.driven = self.mechanism.driven
+        self.efforts = {index: joint.effort for index, joint in enumerate(self.mechanism.joints) if self._acts(index, joint)}
+
+    def _acts(self, index: int, joint: Joint) -> bool:
+        return bool(joint.stiffness or joint.effort or index in self.driven)
+
+    def push(self) -> None:
+        """Apply the forces of springs at the current coordinates, and the efforts, for the next step."""
+        for index, force in self.efforts.items():
+            joint, part = self.mechanism.joints[index], self.parts[self.mechanism.joints[index].child]
+            if joint.stiffness:
+                force -= joint.stiffness * (self._state(index)[0] - joint.rest)
+            pybullet.setJointMotorControl2(
+                part.tree, part.link, pybullet.TORQUE_CONTROL, force=force, physicsClientId=self.client
+            )
+
+    def state(self) -> tuple[Array, Array]:
+        """Return the coordinates and velocities (j,) of the driven joints."""
+        position, velocity = np.array([self._state(index)[:2] for index in self.driven]).T
+        return position, velocity
+
+    def apply(self, efforts: Array) -> None:
+        """Exert efforts (j,) on the driven joints from now on, in addition to the constant ones."""
+        for index, effort in zip(self.driven, efforts.tolist(), strict=True):
+            self.efforts[index] = self.mechanism.joints[index].effort + effort
+
+    def _state(self, index: int) -> tuple[float, ...]:
+        part = self.parts[self.mechanism.joints[index].child]
+        return tuple(pybullet.getJointState(part.tree, part.link, physicsClientId=self.client)[:2])
 
 
 def seen(client: int, parts: Sequence[Part]) -> Array:
@@ -225,8 +269,11 @@ def switched_off(method: Method) -> dict[str, float]:
     return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
 
 
-#: PyBullet's names of the types of joints. A lower limit above the upper limit means that a joint has no limits.
+#: PyBullet's names of the types of joints without limits, which for a slide are a lower limit above the upper limit.
 TYPES = {"revolute": "continuous", "prismatic": "prismatic", "spherical": "spherical", "fixed": "fixed"}
+
+#: The limits of a joint without limits.
+NO_LIMITS = (0.0, -1.0)
 
 #: The base of a tree that is fixed to the world.
 FIXED_BASE = (
@@ -234,24 +281,28 @@ FIXED_BASE = (
 )
 
 
-def document(mechanism: Mechanism, tree: Sequence[int]) -> str:
+def document(mechanism: Mechanism, tree: Sequence[int], method: Method) -> str:
     """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k, where k is the index of the body."""
     root, *others = tree
     parts = [FIXED_BASE if root == WORLD else link_element(f"body_{root}", link_of(mechanism.bodies[root]))]
     for index in others:
         joint = mechanism.joint_of[index]
         assert joint is not None  # only roots have none
-        parts += [link_element(f"body_{index}", link_of(mechanism.bodies[index])), joint_element(joint)]
+        parts += [link_element(f"body_{index}", link_of(mechanism.bodies[index])), joint_element(joint, method)]
     return "\n".join(['<?xml version="1.0"?>', '<robot name="mechanism">', *parts, "</robot>", ""])
 
 
-def joint_element(joint: Joint) -> str:
-    """Return the element of a joint with its damping."""
+def joint_element(joint: Joint, method: Method) -> str:
+    """Return the element of a joint with its damping and its limits."""
+    stops = stops_of(joint, method)
+    kind = TYPES[joint.type] if stops is None else joint.type
+    lower, upper = NO_LIMITS if stops is None else bounds(stops, FAR)
     parent = "world" if joint.parent == WORLD else f"body_{joint.parent}"
     return (
-        f'<joint name="joint_{joint.child}" type="{TYPES[joint.type]}">'
+        f'<joint name="joint_{joint.child}" type="{kind}">'
         f'<parent link="{parent}"/><child link="body_{joint.child}"/>'
         f'<origin xyz="{spaced(joint.position)}" rpy="{spaced(angles(nearest_turn(joint.attitude)))}"/>'
-        f'<axis xyz="{spaced(nearest_axis(joint))}"/><limit lower="0" upper="-1" effort="0" velocity="0"/>'
+        f'<axis xyz="{spaced(nearest_axis(joint))}"/>'
+        f'<limit lower="{spaced([lower])}" upper="{spaced([upper])}" effort="0" velocity="0"/>'
         f'<dynamics damping="{spaced([joint.damping])}" friction="0"/></joint>'
     )
