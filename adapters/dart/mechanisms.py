@@ -1,9 +1,10 @@
 """Mechanisms in DART: bodies on DART's joints, and the forces in these joints.
 
-Each joint is DART's joint of the same type, with DART's damping, spring and dry friction; a constant effort is the command of
-the joint. DART has no armature. Loops are ball joint constraints.
+Each joint is DART's joint of the same type, with DART's damping, spring and dry friction; an effort is the command of the joint.
+DART has no armature. Loops are ball joint constraints. Stops are DART's limits of positions, which are enforced without rebound.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import dartpy as dart
@@ -12,9 +13,10 @@ import numpy as np
 from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.contract import EngineDiverged, Method, Simulation
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
-from bodycheck.adapters.mechanisms import frames, in_body_axes, link_of, starts
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, in_body_axes, link_of, starts, stops_of
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop as Stepped
+from bodycheck.adapters.stepping import Taking
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
@@ -38,12 +40,15 @@ MODELS = frozenset(
         "loops",
         "point masses",
         "massless bodies",
+        "controllers",
+        "rigid stops",
     }
 )
 
 
 def prepare(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism."""
+    """Return the simulation of a mechanism. Raises `SceneUnsupported` for stops with a rebound."""
+    check_rebounds(mechanism, "DART")
     world = dart.simulation.World()
     world.setGravity([0.0, 0.0, -mechanism.gravity])
     world.setTimeStep(method.timestep)
@@ -51,7 +56,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
     sleeping.mEnabled = method.option("settings") == "engine"
     world.setDeactivationOptions(sleeping)
     skeleton = dart.dynamics.Skeleton("mechanism")
-    bodies = built(skeleton, mechanism)
+    bodies = built(skeleton, mechanism, method)
     world.addSkeleton(skeleton)
     for loop in mechanism.loops:
         world.getConstraintSolver().addConstraint(closing(bodies, loop))
@@ -61,10 +66,28 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
         if not skeleton.computeKineticEnergy() < LARGEST_ENERGY_J:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
-    return Stepped(None, step, lambda _: seen(bodies), in_body_axes)
+    loop = Stepped(None, step, lambda _: seen(bodies), in_body_axes)
+    return driven(loop, mechanism, bodies) if mechanism.driven else loop
 
 
-def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]:
+def driven(simulation: Simulation, mechanism: Mechanism, bodies: Sequence[Any]) -> Taking:
+    """Return a simulation of a mechanism whose joints take efforts, from the bodies in their order."""
+    driven_joints = [mechanism.joints[index] for index in mechanism.driven]
+    dart_joints = [bodies[joint.child].getParentJoint() for joint in driven_joints]
+
+    def state() -> tuple[Array, Array]:
+        motion = [(joint.getPosition(0), joint.getVelocity(0)) for joint in dart_joints]
+        position, velocity = np.array(motion).T
+        return position, velocity
+
+    def apply(efforts: Array) -> None:
+        for joint, dart_joint, effort in zip(driven_joints, dart_joints, efforts.tolist(), strict=True):
+            dart_joint.setCommand(0, joint.effort + effort)
+
+    return Taking(simulation, state, apply)
+
+
+def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism, method: Method) -> list[Any]:
     """Add the bodies and joints of a mechanism to a skeleton, in their initial state, and return the bodies in their order."""
     bodies: dict[int, Any] = {WORLD: None}
     for index, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
@@ -75,7 +98,7 @@ def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]
             joint.setVelocities([*rotate(turn, np.array(frame.angular_velocity)), *frame.velocity])
     of_joint = dict(zip([joint.name for joint in mechanism.joints], starts(mechanism), strict=True))
     for joint in kinematics.from_the_root(mechanism):
-        dart_joint, bodies[joint.child] = add_joint(skeleton, bodies[joint.parent], joint)
+        dart_joint, bodies[joint.child] = add_joint(skeleton, bodies[joint.parent], joint, method)
         dart_joint.setTransformFromParentBodyNode(pose(joint.position, exact.nearest_turn(joint.attitude)))
         position, velocity = in_dart(joint, *of_joint[joint.name])
         dart_joint.setPositions(position)
@@ -86,8 +109,11 @@ def built(skeleton: "dart.dynamics.Skeleton", mechanism: Mechanism) -> list[Any]
     return [bodies[index] for index in range(len(mechanism.bodies))]
 
 
-def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> tuple[Any, Any]:
-    """Add a joint, with the forces in it, and its child to a skeleton, and return both; the parent of a root is None."""
+def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint, method: Method) -> tuple[Any, Any]:
+    """Add a joint, with the forces in it and its limits, and its child to a skeleton, and return both.
+
+    The parent of a root is None.
+    """
     create = {
         "revolute": skeleton.createRevoluteJointAndBodyNodePair,
         "prismatic": skeleton.createPrismaticJointAndBodyNodePair,
@@ -113,6 +139,11 @@ def add_joint(skeleton: "dart.dynamics.Skeleton", parent: Any, joint: Joint) -> 
         dart_joint.setRestPosition(0, joint.rest)
         dart_joint.setCoulombFriction(0, joint.friction)
         dart_joint.setCommand(0, joint.effort)
+        if (stops := stops_of(joint, method)) is not None:
+            lower, upper = bounds(stops)
+            dart_joint.setPositionLowerLimit(0, lower)
+            dart_joint.setPositionUpperLimit(0, upper)
+            dart_joint.setLimitEnforcement(True)
     return dart_joint, body
 
 

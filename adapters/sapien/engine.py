@@ -17,7 +17,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simul
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
-from bodycheck.adapters.stepping import Loop, Normalised, several
+from bodycheck.adapters.stepping import Loop, Normalised, Taking, several
 from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
@@ -90,7 +90,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Normalised:
+def jointed(mechanism: Mechanism, method: Method) -> Normalised | Taking:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     system = new_system(mechanism.gravity, method)
     whole = sapien.Scene([system])
@@ -100,7 +100,11 @@ def jointed(mechanism: Mechanism, method: Method) -> Normalised:
         system.step()
         return whole  # the state keeps the scene, and with it the links, alive
 
-    return Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: at_centres(mechanism, seen)))
+    simulation = Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: at_centres(mechanism, seen)))
+    if not mechanism.driven:
+        return simulation
+    joints = mechanisms.Driven(mechanism, links)
+    return Taking(simulation, joints.state, joints.apply)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:

@@ -2,9 +2,9 @@
 
 Each tree is an articulation: the tree on the world has a fixed root, and every free body is the root of another articulation.
 Joints turn about, or slide along, the x axis of the joint's frame, so that frames are rotated to have the joint's axis along x.
-Damping and springs are PhysX's drive with the target `rest`, armature is a property of the joint, and a constant effort is set
-as the force of the coordinate. PhysX's joint friction is a coefficient of the force in the joint, not a constant force, so that
-dry friction is not modelled.
+Damping and springs are PhysX's drive with the target `rest`, armature is a property of the joint, and an effort is set as the
+force of the coordinate. Stops are the limits of the joint, which have no rebound. PhysX's joint friction is a coefficient of the
+force in the joint, not a constant force, so that dry friction is not modelled.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from sapien import Pose
 
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.links import Link, tensor
-from bodycheck.adapters.mechanisms import frames, from_x, link_of, starts, trees
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, from_x, link_of, starts, stops_of, trees
 from bodycheck.adapters.sapien.links import NO_LIMIT, place, switch_off
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
@@ -33,6 +33,8 @@ MODELS = frozenset(
         "joint damping",
         "joint springs",
         "joint efforts",
+        "controllers",
+        "rigid stops",
     }
 )
 
@@ -41,11 +43,15 @@ TYPES = {"revolute": "revolute_unwrapped", "prismatic": "prismatic", "fixed": "f
 
 
 def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
-    """Add a mechanism in its initial state to a scene of SAPIEN, and return the links of its bodies in their order."""
+    """Add a mechanism in its initial state to a scene of SAPIEN, and return the links of its bodies in their order.
+
+    Raises `SceneUnsupported` for stops with a rebound.
+    """
+    check_rebounds(mechanism, "PhysX")
     links_by_body: dict[int, Any] = {}
     first = kinematics.initial(mechanism)
     for tree in trees(mechanism):
-        articulation, links = articulated(whole, mechanism, tree)
+        articulation, links = articulated(whole, mechanism, tree, method)
         if method.option("settings") != "engine":
             switch_off(articulation)
         if tree[0] != WORLD:
@@ -58,7 +64,7 @@ def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
     return [links_by_body[number] for number in range(len(mechanism.bodies))]
 
 
-def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[Any, dict[int, Any]]:
+def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int], method: Method) -> tuple[Any, dict[int, Any]]:
     """Return the articulation of a tree, and its links keyed by the indices of their bodies."""
     builder = whole.create_articulation_builder()
     root, *others = tree
@@ -73,7 +79,7 @@ def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[
         assert joint is not None  # only roots have none
         builders[number] = builder.create_link_builder(builders[joint.parent])
         set_inertia(builders[number], link_of(mechanism.bodies[number]))
-        add_joint(builders[number], joint)
+        add_joint(builders[number], joint, method)
     for number, link_builder in builders.items():
         link_builder.set_name(f"body_{number}")
     articulation = builder.build(fix_root_link=root == WORLD)
@@ -90,12 +96,12 @@ def set_inertia(builder: Any, link: Link) -> None:
     builder.set_mass_and_inertia(link.mass, Pose(pose), moments)
 
 
-def add_joint(builder: Any, joint: Joint) -> None:
-    """Set the joint of a link to its parent."""
+def add_joint(builder: Any, joint: Joint, method: Method) -> None:
+    """Set the joint of a link to its parent, with its limits."""
     frame, turn = np.array(exact.nearest_turn(joint.attitude)), np.array([1.0, 0.0, 0.0, 0.0])
     if joint.type != "fixed":
         turn = from_x(np.array(exact.nearest_axis(joint)))
-    limits = [] if joint.type == "fixed" else [[-np.inf, np.inf]]
+    limits = [] if joint.type == "fixed" else [[*bounds(stops_of(joint, method))]]
     builder.set_joint_properties(
         TYPES[joint.type], limits, Pose(joint.position, multiply(frame, turn)), Pose((0.0, 0.0, 0.0), turn)
     )
@@ -131,3 +137,35 @@ def seen(links: Sequence[Any]) -> Array:
     for link in links:
         parts += [link.entity_pose.p, link.entity_pose.q, link.linear_velocity, link.angular_velocity]
     return np.concatenate(parts, dtype=np.float64)
+
+
+class Driven:
+    """The driven joints of a mechanism, whose forces are among those of all coordinates of articulations.
+
+    Parameters
+    ----------
+    mechanism, links
+        The mechanism, and the links of its bodies in their order.
+    """
+
+    def __init__(self, mechanism: Mechanism, links: Sequence[Any]) -> None:
+        self.places: list[tuple[Any, int]] = []
+        for number in mechanism.driven:
+            link = links[mechanism.joints[number].child]
+            articulation = link.articulation
+            names = [active.child_link.name for active in articulation.active_joints]
+            self.places.append((articulation, names.index(link.name)))
+        self.constant = [float(articulation.qf[index]) for articulation, index in self.places]
+
+    def state(self) -> tuple[Array, Array]:
+        """Return the coordinates and velocities (j,) of the joints."""
+        motion = [(articulation.qpos[index], articulation.qvel[index]) for articulation, index in self.places]
+        position, velocity = np.array(motion, dtype=np.float64).T
+        return position, velocity
+
+    def apply(self, efforts: Array) -> None:
+        """Exert efforts (j,) from now on, in addition to the constant ones."""
+        for (articulation, index), constant, effort in zip(self.places, self.constant, efforts.tolist(), strict=True):
+            forces = np.array(articulation.qf)
+            forces[index] = constant + effort
+            articulation.set_qf(forces)

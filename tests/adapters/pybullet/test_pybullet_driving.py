@@ -34,10 +34,11 @@ def test_a_limit_holds_a_slide(stops: Stops) -> None:
     assert abs(speed) < 1e-3
 
 
-def test_a_limit_holds_a_hinge() -> None:
+def test_a_limit_gives_back_a_fifth_of_the_speed_at_most() -> None:
+    """Bullet pushes out a fifth (`erp`) of a penetration in a step, and the last step before the stop penetrates by v h at most."""
     angle, rate = turned_against_a_stop(PYBULLET, "multibody", 0.001, Stops(-4.0, 0.1))
-    assert angle.max() < 0.103
-    assert abs(rate[-1]) < 1e-3
+    assert angle.max() < 0.1025
+    assert rate.min() > -0.2 * 2.25
 
 
 def test_a_rebound_is_refused() -> None:
