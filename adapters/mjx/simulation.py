@@ -21,10 +21,11 @@ from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
+from bodycheck.adapters.mujoco.driving import indices
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
-from bodycheck.adapters.stepping import InTurn
+from bodycheck.adapters.stepping import InTurn, Taking
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -67,7 +68,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
     )
 
 
-def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compiled | InTurn:
+def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compiled | InTurn | Taking:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision differs from the engine's.
@@ -77,17 +78,35 @@ def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compi
     return unjointed(engine, single_bodies(scenes), method)
 
 
-def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
+def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled | Taking:
     """Return the simulation of a mechanism. Raises as `prepare` does."""
     check_precision(engine)
-    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    mechanism, xml = described(mechanism, method)
     compiled = compiled_model(xml)
     model, data = handed_over(compiled)
     start = mujoco.MjData(compiled)
     begin(compiled, start, mechanism)
     initial_values = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
     states = seen_states(mechanism, xml)
-    return Compiled(TAKE_COORDINATES.one, model, data.replace(**initial_values), states, len(mechanism.bodies))
+    steps = Compiled(TAKE_COORDINATES.one, model, data.replace(**initial_values), states, len(mechanism.bodies))
+    return driven(steps, compiled, mechanism) if mechanism.driven else steps
+
+
+def driven(steps: Compiled, compiled: Any, mechanism: Mechanism) -> Taking:
+    """Return the simulation of a mechanism whose driven joints take efforts, from MuJoCo's model."""
+    in_q, in_v = indices(compiled, mechanism)
+    constant = np.array(steps.state.qfrc_applied)
+
+    def state() -> tuple[Array, Array]:
+        q, v = steps.state.qpos, steps.state.qvel
+        return np.array(q, dtype=np.float64)[in_q], np.array(v, dtype=np.float64)[in_v]
+
+    def apply(efforts: Array) -> None:
+        forces = constant.copy()
+        forces[in_v] += efforts
+        steps.state = steps.state.replace(qfrc_applied=jax.device_put(forces, jax.devices()[0]))
+
+    return Taking(steps, state, apply)
 
 
 def unjointed(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:

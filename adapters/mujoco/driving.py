@@ -8,9 +8,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.adapters.contract import Law
 from bodycheck.adapters.stepping import TakingLaws
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
 if TYPE_CHECKING:
@@ -59,3 +62,9 @@ def driven(stepper: "Stepper", names: Sequence[str]) -> TakingLaws:
         stepper.force = joints.force
 
     return TakingLaws(stepper, joints.state, joints.apply, follow)
+
+
+def indices(model: mujoco.MjModel, mechanism: Mechanism) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the indices of the driven joints of a mechanism in the coordinates and the velocities of a model."""
+    joints = [model.joint(mechanism.joints[index].name).id for index in mechanism.driven]
+    return np.array(model.jnt_qposadr[joints], dtype=np.int64), np.array(model.jnt_dofadr[joints], dtype=np.int64)
