@@ -8,12 +8,27 @@ import exudyn
 import numpy as np
 from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Kind, Method, Role, Simulation, Usage, choice
+from bodycheck.adapters.contract import (
+    ACCURACY,
+    KINDS,
+    Engine,
+    Integrator,
+    Kind,
+    Law,
+    Method,
+    Role,
+    SceneUnsupported,
+    Simulation,
+    Usage,
+    choice,
+)
 from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, jointed_bodies, kinematic_trees, stepping
+from bodycheck.adapters.exudyn.driving import Actuated, follows
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.exudyn.stepping import Stepper
 from bodycheck.adapters.links import Link, links_of, state_in
-from bodycheck.adapters.stepping import Controlled, Normalised
+from bodycheck.adapters.mechanisms import stops_of
+from bodycheck.adapters.stepping import Controlled, Normalised, Taking, TakingControl, TakingLaws
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
@@ -56,6 +71,8 @@ OF_MECHANISMS = frozenset(
         "loops",
         "massless bodies",
         "point masses",
+        "controllers",
+        "elastic stops",
     }
 )
 
@@ -226,9 +243,28 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     system = container.AddSystem()
     redundant = bool(mechanism.loops)
     if kinematic_trees.fits(mechanism):
-        seen, rows = kinematic_trees.add(system, mechanism, method.timestep)
-        return stepping.initialised(container, system, method, seen, rows, redundant)
+        seen, rows, joints = kinematic_trees.add(system, mechanism, method)
+        return driven(stepping.initialised(container, system, method, seen, rows, redundant), mechanism, method, joints)
+    if mechanism.driven or any(stops_of(joint, method) for joint in mechanism.joints):
+        only = "in its kinematic trees only, which begin at the world and have no balls"
+        raise SceneUnsupported(f"Exudyn has stops, and efforts that change, {only}")
     formulation = formulations.of_method(method)
     seen, rows = jointed_bodies.add(system, mechanism, formulation)
     stepper = stepping.initialised(container, system, method, seen, rows, redundant)
     return Normalised(stepper) if formulation is FORMULATIONS["EP"] else stepper
+
+
+def driven(simulation: Stepper | Controlled, mechanism: Mechanism, method: Method, joints: Actuated) -> Simulation:
+    """Return the simulation of a kinematic tree whose driven joints take efforts; as it is if none are driven."""
+    if not mechanism.driven:
+        return simulation
+    if isinstance(simulation, Controlled):
+        return TakingControl(simulation, joints.state, joints.apply)
+    if not follows(mechanism, method):
+        return Taking(simulation, joints.state, joints.apply)
+
+    def obey(law: Law) -> None:
+        joints.obey(law)
+        simulation.restart()
+
+    return TakingLaws(simulation, joints.state, joints.apply, obey)

@@ -3,7 +3,7 @@
 `ObjectKinematicTree` has turning and sliding joints along the axes of its links. The frames of the links are rotated so that
 the axis of every joint is z. A universal joint consists of two of these joints and a planar joint of three, with links without
 mass between them, as bodies without mass are. A body on a fixed joint is a part of the link that carries it, by Exudyn's own
-sum of inertias. Springs, damping and efforts are properties of the tree. Armature is the mass matrix of a second object on the
+sum of inertias. Springs, damping and efforts are properties of the tree; see `driving` for efforts that change, and for stops. Armature is the mass matrix of a second object on the
 coordinates of the tree. Dry friction is a connector of a coordinate, and is proportional to the velocity at low speeds; see
 `friction_zone`. A loop is a spherical joint between two markers, which needs an implicit solver.
 """
@@ -17,6 +17,8 @@ import numpy as np
 from exudyn import itemInterface, utilities
 from scipy.spatial.transform import Rotation
 
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.exudyn.driving import Actuated, add_stops, follows
 from bodycheck.adapters.links import tensor
 from bodycheck.adapters.mechanisms import from_z, has_mass, link_of, starts
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
@@ -108,14 +110,15 @@ def linked(mechanism: Mechanism) -> tuple[list[Link], list[Place]]:
 
 
 def add(
-    system: "exudyn.MainSystem", mechanism: Mechanism, timestep: float
-) -> tuple[Callable[[], Array], Callable[[Array], Array]]:
-    """Add a mechanism to a system for the given time step (s).
+    system: "exudyn.MainSystem", mechanism: Mechanism, method: Method
+) -> tuple[Callable[[], Array], Callable[[Array], Array], Actuated]:
+    """Add a mechanism to a system for a method.
 
     Returns
     -------
-    Two functions. The first returns the numbers (k,) that describe the current state of the system, which must be assembled.
-    The second converts the numbers (n, k) of n states to the states (n, bodies, 13) of the contract.
+    Two functions, and the driven coordinates. The first function returns the numbers (k,) that describe the current state of
+    the system, which must be assembled. The second converts the numbers (n, k) of n states to the states (n, bodies, 13) of the
+    contract.
     """
     links, places = linked(mechanism)
     node = system.AddNode(
@@ -126,9 +129,12 @@ def add(
             numberOfODE2Coordinates=len(links),
         )
     )
-    tree = system.AddObject(tree_of(mechanism, links, places, node))
+    joints = Actuated(system, [link.acting for link in links], mechanism)
+    force = joints.force if follows(mechanism, method) else 0
+    joints.tree = tree = system.AddObject(tree_of(mechanism, links, places, node, force))
     add_armature(system, links, node)
-    add_friction(system, mechanism, links, node, timestep)
+    add_friction(system, mechanism, links, node, method.timestep)
+    add_stops(system, [link.acting for link in links], node, method)
     for loop in mechanism.loops:
         markers = [marker(system, tree, mechanism, places, *end) for end in zip(loop.bodies, loop.points, strict=True)]
         system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=markers))
@@ -138,11 +144,11 @@ def add(
     def seen() -> Array:
         return np.concatenate([system.GetSensorValues(sensor) for sensor in sensors])
 
-    return seen, lambda numbers: rows(mechanism, places, numbers)
+    return seen, lambda numbers: rows(mechanism, places, numbers), joints
 
 
-def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place], node: Any) -> Any:
-    """Return Exudyn's tree, with the inertia of each link summed over the bodies on it."""
+def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place], node: Any, force: Any) -> Any:
+    """Return Exudyn's tree, with the inertia of each link summed over the bodies on it. force: its user function, or 0."""
     matrix = utilities.EulerParameters2RotationMatrix
     sums: list[Any] = [None] * len(links)
     for frame, body in zip(places, mechanism.bodies, strict=True):
@@ -168,6 +174,7 @@ def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place]
         jointVelocityOffsetVector=[0.0] * len(links),
         jointPControlVector=[link.acting.stiffness for link in links],
         jointDControlVector=[link.acting.damping for link in links],
+        forceUserFunction=force,
     )
 
 

@@ -72,6 +72,10 @@ class Stepper:
         iteration.endTime = (self.taken if adaptive else self.taken - 0.5) * self.timestep
         return self.solve()
 
+    def restart(self) -> None:
+        """Let the solver begin again at the initial state, for forces that have become known: it keeps initial accelerations."""
+        self.solver.InitializeSolver(self.system, self.settings)
+
     def solve(self) -> str | None:
         """Take steps until the end time of the solver. Return the solver's message if it fails, else None."""
         try:
