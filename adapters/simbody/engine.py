@@ -3,7 +3,7 @@
 import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import metadata
 from typing import Any
 
@@ -30,11 +30,11 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.simbody import INSTALLATION, mechanisms
+from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
 from bodycheck.adapters.simbody.models import DRAG, described, started
-from bodycheck.adapters.stepping import Controlled, Normalised, NormalisedControl
+from bodycheck.adapters.stepping import Controlled, Normalised, NormalisedControl, Taking, TakingControl
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -160,6 +160,8 @@ class Simbody:
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     taken
         The number of steps taken by `advance`.
+    earlier
+        The numbers of steps taken and rejected before the manager began anew.
     """
 
     manager: Any
@@ -168,6 +170,7 @@ class Simbody:
     seen: Callable[[Any], Array]
     rows: Callable[[Array], Array]
     taken: int = 0
+    earlier: tuple[int, int] = (0, 0)
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does.
@@ -241,6 +244,13 @@ class Simbody:
                 text = f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}"
                 raise EngineDiverged(text) from error
 
+    def begin(self, state: Any) -> None:
+        """Let the manager begin anew at a state, and keep the work before it."""
+        if self.method.accuracy is not None:
+            work = self.work()
+            self.earlier = work.steps, work.rejected or 0
+        self.manager.initialize(state)
+
     def controlled(self) -> Controlled:
         """Return the simulation of a method with error control."""
         return Controlled(self.method.timestep, self.at, self.rows, self.work, self.between)
@@ -248,7 +258,9 @@ class Simbody:
     def work(self) -> Work:
         """Return the work of the integrator so far."""
         taken, attempted, realizations = (told(self.manager, name) for name in (STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
-        return Work(taken, attempted - taken, realizations)
+        # A manager that begins anew counts its steps from zero, but not its realizations.
+        earlier_steps, earlier_rejected = self.earlier
+        return Work(earlier_steps + taken, earlier_rejected + attempted - taken, realizations)
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
@@ -266,11 +278,23 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
 
 def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
-    built = mechanisms.built(mechanism)
+    built = mechanisms.built(mechanism, method)
     state = mechanisms.started(mechanism, built, method.option("settings") != "engine")
-    seen = mechanisms.seer(mechanism, built)
+    first, seen = opensim.State(state), mechanisms.seer(mechanism, built)
     steps = Simbody(managed(built.model, state, method), built.model, method, seen, in_body_axes)
-    return steps if method.accuracy is None else steps.controlled()
+    if not mechanism.driven:
+        return steps if method.accuracy is None else steps.controlled()
+
+    def exert(efforts: Array) -> None:
+        steps.begin(driving.overridden(first, steps.manager.getState(), built.actuators, efforts))
+
+    def read() -> tuple[Array, Array]:
+        return driving.motion(steps.manager.getState(), built.driven)
+
+    if method.accuracy is None:
+        return Taking(steps, read, exert)
+    # Efforts change at the ends of steps of the one manager, so that its steps end at samples too.
+    return TakingControl(replace(steps.controlled(), between=None), read, exert)
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:

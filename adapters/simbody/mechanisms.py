@@ -1,8 +1,8 @@
 """Mechanisms in Simbody by OpenSim's joints and forces.
 
 OpenSim's pin turns about the z axis of the joint's frame, and its slider slides along the x axis, so that the frames are
-rotated to have the joint's axis there. Springs and damping are OpenSim's `SpringGeneralizedForce`, and an effort is an
-`ExpressionBasedCoordinateForce` with a constant. Loops are OpenSim's `PointConstraint`, and a joint that follows another one
+rotated to have the joint's axis there. Springs and damping are OpenSim's `SpringGeneralizedForce`, and a constant effort is an
+`ExpressionBasedCoordinateForce`; see `driving` for efforts that change, and for stops. Loops are OpenSim's `PointConstraint`, and a joint that follows another one
 has OpenSim's `CoordinateCouplerConstraint`. OpenSim has neither armature nor dry friction of joints, and its bushings damp the
 rates of angles instead of the angular velocity of a ball joint. It refuses a chain of two bodies without mass.
 """
@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 import opensim
 
-from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mechanisms import frames, from_x, from_z, link_of, starts
 from bodycheck.adapters.simbody.attitude import angles, use_quaternions
+from bodycheck.adapters.simbody.driving import add_actuator, add_stops
 from bodycheck.adapters.simbody.models import added
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact
@@ -42,6 +43,8 @@ MODELS = frozenset(
         "point masses",
         "massless bodies",
         "mimic joints",
+        "controllers",
+        "elastic stops",
     }
 )
 
@@ -72,14 +75,18 @@ class Built:
         The bodies, in the order of the mechanism.
     joints
         The joints of the bodies, in the same order.
+    driven, actuators
+        The coordinates of the driven joints, and their actuators.
     """
 
     model: Any
     bodies: Sequence[Any]
     joints: Sequence[Any]
+    driven: Sequence[Any]
+    actuators: Sequence[Any]
 
 
-def built(mechanism: Mechanism) -> Built:
+def built(mechanism: Mechanism, method: Method) -> Built:
     """Return OpenSim's model of a mechanism. Raises `SceneUnsupported`."""
     model = opensim.Model()
     model.setGravity(opensim.Vec3(0.0, 0.0, -mechanism.gravity))
@@ -94,6 +101,7 @@ def built(mechanism: Mechanism) -> Built:
         joints.append(engine_joint)
         if joint is not None:
             add_forces(model, joint, engine_joint)
+            add_stops(model, joint, engine_joint, method)
     for index, joint in enumerate(mechanism.joints):
         if joint.mimic is not None:
             coupled = joints[joint.child], joints[mechanism.joints[joint.mimic.joint].child]
@@ -104,7 +112,8 @@ def built(mechanism: Mechanism) -> Built:
         constraint = opensim.PointConstraint(one, here, other, there)
         constraint.setName(f"loop_{index}")
         model.addConstraint(constraint)
-    return Built(model, bodies, joints)
+    coordinates = [joints[mechanism.joints[index].child].get_coordinates(0) for index in mechanism.driven]
+    return Built(model, bodies, joints, coordinates, [add_actuator(model, each) for each in coordinates])
 
 
 def joint_of(joint: Joint, parent: Any, child: Any) -> Any:
