@@ -12,12 +12,13 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method,
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact, options
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.mechanism_xml import SOFT, document
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, seen_states
+from bodycheck.adapters.mujoco.driving import indices
+from bodycheck.adapters.mujoco.mechanism_xml import SOFT
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
 from bodycheck.adapters.mujoco_warp.drag import resist
-from bodycheck.adapters.stepping import InTurn, Loop
+from bodycheck.adapters.stepping import InTurn, Loop, Taking
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
@@ -81,7 +82,7 @@ calls = graphs.CALLS
 read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
 
 
-def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn | Taking:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Bodies that do not rotate have a separate model for each attitude. These models are stepped one after another.
@@ -176,9 +177,9 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     return np.array([normal.sum() for _ in range(steps) if graphs.replay(graph)], dtype=np.float64)
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
+def jointed(mechanism: Mechanism, method: Method) -> Loop[Any] | Taking:
     """Return the simulation of a mechanism, whose poses MuJoCo computes after a step. Raises `SceneUnsupported`."""
-    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    mechanism, xml = described(mechanism, method)
     compiled = compiled_model(xml)
     start = MjData(compiled)
     begin(compiled, start, mechanism)
@@ -190,4 +191,17 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[Any]:
     data = mjw.put_data(compiled, start)
     qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
     graph = graphs.record(lambda: mjw.step(model, data))
-    return Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), seen_states(mechanism, xml))
+    loop = Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), seen_states(mechanism, xml))
+    if not mechanism.driven:
+        return loop
+    in_q, in_v = indices(compiled, mechanism)
+    forces = data.qfrc_applied.numpy()  # a view too
+    constant = forces[0, in_v]
+
+    def state() -> tuple[Array, Array]:
+        return qpos[0, in_q].astype(np.float64), qvel[0, in_v].astype(np.float64)
+
+    def apply(efforts: Array) -> None:
+        forces[0, in_v] = constant + efforts
+
+    return Taking(loop, state, apply)
