@@ -19,6 +19,7 @@ from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
 from bodycheck.adapters.mujoco.models import inertial, welded
+from bodycheck.adapters.stepping import Taking
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
@@ -93,7 +94,7 @@ engine = Engine(
 read_robot = robots.read_robot
 
 
-def prepare(scenes: Sequence[AnyScene], method: Method) -> Compiled:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Compiled | Taking:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
     if isinstance(scenes[0], Mechanism):
         return mechanisms.prepare(engine, scenes[0], method)

@@ -1,13 +1,15 @@
 """Mechanisms in Brax's pipeline `generalized`, which computes in the coordinates of joints.
 
 The model is the XML of the adapter of MuJoCo. MuJoCo computes the poses of bodies from Brax's coordinates, which have the same
-layout as MuJoCo's. A constant effort is the input of a motor of the joint. Brax ignores the rest position of a spring, so the
-constant force that it adds is an input of the motor too. See `align_slides` for slides. Brax refuses ball joints, and has
+layout as MuJoCo's. An effort is the input of a motor of the joint. Brax ignores the rest position of a spring, so the constant
+force that it adds is an input of the motor too. Rigid stops are the limits of MuJoCo's XML, whose law Brax shares; its solver does not
+converge to elastic ones, in which MuJoCo's constraint is at its softest. See `align_slides` for slides. Brax refuses ball joints, and has
 neither loops nor dry friction. Bodies on fixed joints are not offered, for the same reason as several links; see
 `bodycheck.adapters.brax`.
 """
 
 import warnings
+from dataclasses import replace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -21,11 +23,12 @@ from jax import numpy as jnp
 from bodycheck.adapters.contract import Engine, Method, SceneUnsupported
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco.contact import numbers_written
-from bodycheck.adapters.mujoco.mechanism_xml import document
-from bodycheck.adapters.mujoco.mechanisms import begin, seen_states
+from bodycheck.adapters.mujoco.driving import indices
+from bodycheck.adapters.mujoco.mechanisms import begin, described, seen_states
 from bodycheck.adapters.mujoco.models import compiled_model
+from bodycheck.adapters.stepping import Taking
 from bodycheck.reference.kinematics import multiply, rotate
-from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
 #: The features of mechanisms that Brax models; see `Engine.models`.
@@ -41,27 +44,29 @@ MODELS = frozenset(
         "joint springs",
         "joint efforts",
         "massless bodies",
+        "controllers",
+        "rigid stops",
     }
 )
 
 
-def pushed(joint: Joint) -> bool:
-    """Return whether a constant force acts in a joint: an effort, or the part of a spring's force from its rest position."""
-    return bool(joint.effort or (joint.stiffness and joint.rest))
+def pushed(mechanism: Mechanism) -> list[int]:
+    """Return the joints with a motor: driven ones, and those with an effort or a spring that rests elsewhere than at zero."""
+    acting = [bool(joint.effort or (joint.stiffness and joint.rest)) for joint in mechanism.joints]
+    return [index for index, acts in enumerate(acting) if acts or index in mechanism.driven]
 
 
 def for_brax(xml: str, mechanism: Mechanism) -> str:
     """Return the XML of a mechanism for Brax. Raises `SceneUnsupported` for a slide on a body that turns.
 
-    The frames of bodies on slides have the axes of the world, each joint in which a constant force acts has a motor, and each
+    The frames of bodies on slides have the axes of the world, each joint in which an effort acts has a motor, and each
     body has a shape, because Brax needs one.
     """
     root = ElementTree.fromstring(xml)
     align_slides(root)
     actuators = ElementTree.SubElement(root, "actuator")
-    for joint in mechanism.joints:
-        if pushed(joint):
-            ElementTree.SubElement(actuators, "motor", joint=joint.name)
+    for index in pushed(mechanism):
+        ElementTree.SubElement(actuators, "motor", joint=mechanism.joints[index].name)
     for body in root.iter("body"):
         ElementTree.SubElement(body, "geom", type="sphere", size="0.1", contype="0", conaffinity="0")
     return ElementTree.tostring(root, encoding="unicode")
@@ -78,12 +83,12 @@ TAKE = strider(stepped, lambda state: jnp.concatenate([state.q, state.qd]))
 START = jax.jit(pipeline.init)
 
 
-def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
+def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled | Taking:
     """Return the simulation of a mechanism, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     check_precision(engine)
     if method.integrator != "generalized":
         raise SceneUnsupported(f"{method.integrator} holds joints by iterations, and only generalized has their coordinates")
-    xml = document(mechanism, method.timestep, "Euler", {})
+    _, xml = described(mechanism, replace(method, integrator="Euler"))
     plain = compiled_model(xml)
     with warnings.catch_warnings():
         # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
@@ -96,9 +101,30 @@ def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
         system = system.replace(mj_model=None)
         start = mujoco.MjData(plain)
         begin(plain, start, mechanism)
-        inputs = jnp.array([joint.effort + joint.stiffness * joint.rest for joint in mechanism.joints if pushed(joint)])
+        acting = [mechanism.joints[index] for index in pushed(mechanism)]
+        inputs = jnp.array([joint.effort + joint.stiffness * joint.rest for joint in acting])
         state = START(system, jnp.array(start.qpos), jnp.array(start.qvel))
-        return Compiled(TAKE.one, (system, inputs), state, seen_states(mechanism, xml), len(mechanism.bodies))
+        steps = Compiled(TAKE.one, (system, inputs), state, seen_states(mechanism, xml), len(mechanism.bodies))
+        return driven(steps, plain, mechanism) if mechanism.driven else steps
+
+
+def driven(steps: Compiled, plain: Any, mechanism: Mechanism) -> Taking:
+    """Return the simulation of a mechanism whose driven joints take efforts, from MuJoCo's model."""
+    in_q, in_v = indices(plain, mechanism)
+    system, inputs = steps.system
+    constant, acting = np.array(inputs), pushed(mechanism)
+    in_inputs = [acting.index(index) for index in mechanism.driven]
+
+    def state() -> tuple[Array, Array]:
+        q, v = np.array(steps.state.q, dtype=np.float64), np.array(steps.state.qd, dtype=np.float64)
+        return q[in_q], v[in_v]
+
+    def apply(efforts: Array) -> None:
+        given = constant.copy()
+        given[in_inputs] += efforts
+        steps.system = (system, jnp.array(given))
+
+    return Taking(steps, state, apply)
 
 
 UNTURNED = "1 0 0 0"
