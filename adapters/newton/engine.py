@@ -17,7 +17,7 @@ from bodycheck.adapters.newton.mechanisms import transform, twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.robots import step_robot as step_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
-from bodycheck.adapters.stepping import InTurn, Loop, Normalised
+from bodycheck.adapters.stepping import InTurn, Loop, Normalised, Taking
 from bodycheck.adapters.touching import corners_of_brick, lying_shape
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -72,7 +72,7 @@ def set_drag(drag: float, velocities: wp.array[wp.spatial_vector], forces: wp.ar
 drag_kernel = wp.kernel(set_drag)
 
 
-def prepare(scenes: Sequence[AnyScene], method: Method) -> Normalised | InTurn:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Normalised | InTurn | Taking:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
     if isinstance(scenes[0], Mechanism):
         return mechanisms.prepare(scenes[0], method)

@@ -1,8 +1,8 @@
 """Mechanisms in Newton: the bodies, joints and articulations of a model.
 
 Joints are Newton's revolute, prismatic, ball and fixed joints, and Newton's joint of six degrees of freedom for universal and
-planar joints. Damping, springs, armature and dry friction are properties of a joint, which not every solver models; a constant
-effort is a force of the control. Bodies without mass are links without mass, which MuJoCo's solvers and `XPBD` do not have.
+planar joints. Damping, springs, armature, dry friction and limits are properties of a joint, which not every solver models;
+efforts are forces of the control. Bodies without mass are links without mass, which MuJoCo's solvers and `XPBD` do not have.
 """
 
 import re
@@ -14,10 +14,10 @@ import warp as wp
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
 from bodycheck.adapters.links import Link, tensor, velocity_of
-from bodycheck.adapters.mechanisms import frames, link_of, starts
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, link_of, starts, stops_of
 from bodycheck.adapters.mujoco_warp import graphs
-from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, keeps_damping
-from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.newton.solvers import FAR, LIMIT_IMPEDANCE, OF_MUJOCO, SOFTEST, SOLVERS, STEEL_DAMPING, keeps_damping
+from bodycheck.adapters.stepping import Loop, Normalised, Taking
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
@@ -41,16 +41,21 @@ MODELS = frozenset(
         "joint friction",
         "joint efforts",
         "massless bodies",
+        "controllers",
+        "rigid stops",
+        "elastic stops",
     }
 )
 
 
-def prepare(mechanism: Mechanism, method: Method) -> Normalised:
+def prepare(mechanism: Mechanism, method: Method) -> Normalised | Taking:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     solver_of_method = SOLVERS[method.integrator]
     lacking = [name for name in of_mechanism(mechanism).names() if name in solver_of_method.lacks]
     if lacking:
         raise SceneUnsupported(f"Newton's solver {method.integrator} has no {', '.join(lacking)}")
+    check_rebounds(mechanism, "Newton")
+    check_stops(mechanism, method)
     model = built(mechanism, method)
     state, following, control = model.state(), model.state(), model.control()
     forces = control.joint_f.numpy()
@@ -75,9 +80,70 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised:
 
     graph = graphs.record(step)
     poses, twists = state.body_q.numpy(), state.body_qd.numpy()  # views of the arrays that are stepped
-    return Normalised(
+    simulation = Normalised(
         Loop(graph, graphs.replay, lambda _: np.hstack([poses, twists]).ravel(), lambda seen: rows(mechanism, seen))
     )
+    if not mechanism.driven:
+        return simulation
+    joints = Driven(model, state, control, mechanism)
+    return Taking(simulation, joints.state, joints.apply)
+
+
+class Driven:
+    """The driven joints of a model.
+
+    Solvers in maximal coordinates keep no coordinates of joints, which Newton computes from the poses of bodies; an angle is
+    then within half a turn, and is continued from the angle before.
+
+    Parameters
+    ----------
+    model, engine_state, control
+        Newton's model, the state that is stepped, and its control.
+    mechanism
+        The mechanism.
+    """
+
+    def __init__(self, model: Any, engine_state: Any, control: Any, mechanism: Mechanism) -> None:
+        self.model, self.engine_state = model, engine_state
+        order = [None if joint is None else joint.name for joint in in_order(mechanism)]
+        joints = [mechanism.joints[index] for index in mechanism.driven]
+        numbers_of_joints = [order.index(joint.name) for joint in joints]
+        self.in_q = model.joint_q_start.numpy()[numbers_of_joints]
+        self.in_v = model.joint_qd_start.numpy()[numbers_of_joints]
+        self.forces = control.joint_f.numpy()  # a view of the array that the solver reads
+        self.constant = self.forces[self.in_v].astype(np.float64)
+        self.turning = np.array([joint.type == "revolute" for joint in joints])
+        self.last = model.joint_q.numpy()[self.in_q].astype(np.float64)
+        self.q, self.v = wp.zeros_like(model.joint_q), wp.zeros_like(model.joint_qd)
+
+    def state(self) -> tuple[Array, Array]:
+        """Return the coordinates and velocities (j,) of the joints."""
+        newton.eval_ik(self.model, self.engine_state, self.q, self.v)
+        position = self.q.numpy()[self.in_q].astype(np.float64)
+        turns = np.round((self.last - position) / (2 * np.pi))
+        self.last = position + np.where(self.turning, 2 * np.pi * turns, 0.0)
+        return self.last.copy(), self.v.numpy()[self.in_v].astype(np.float64)
+
+    def apply(self, efforts: Array) -> None:
+        """Exert efforts (j,) from now on, in addition to the constant ones."""
+        self.forces[self.in_v] = self.constant + efforts
+
+
+def check_stops(mechanism: Mechanism, method: Method) -> None:
+    """Raise `SceneUnsupported` for stops that a solver of Newton does not have as they are."""
+    for joint in mechanism.joints:
+        stops = stops_of(joint, method)
+        if stops is None:
+            continue
+        if by_mujoco(method) and not stops.damping:
+            raise SceneUnsupported(f"Newton gives MuJoCo no limit without damping, and the stops of {joint.name} have none")
+        if method.integrator == "XPBD" and joint.type == "prismatic" and np.count_nonzero(joint.axis) > 1:
+            raise SceneUnsupported(f"XPBD limits each axis of a frame, so that {joint.name} would leave its oblique axis")
+
+
+def by_mujoco(method: Method) -> bool:
+    """Return whether a method passes the model to MuJoCo Warp."""
+    return method.integrator in [f"MuJoCo-{scheme}" for scheme in OF_MUJOCO]
 
 
 def in_order(mechanism: Mechanism) -> list[Joint | None]:
@@ -98,6 +164,8 @@ def built(mechanism: Mechanism, method: Method) -> Any:
     """Return Newton's model of a mechanism, whose default state is the initial state."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -mechanism.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
+    if by_mujoco(method):
+        newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
     first, number_of = frames(mechanism), numbers(mechanism)
     for index in depth_first(mechanism):
         frame, link = first[index], link_of(mechanism.bodies[index])
@@ -122,7 +190,7 @@ def built(mechanism: Mechanism, method: Method) -> Any:
             number = builder.add_joint_free(body)
             positions, velocities = [*transform(first[index].position, first[index].quaternion)], [*builder.body_qd[body]]
         else:
-            number = add_joint(builder, joint, (number_of[joint.parent], number_of[joint.child]))
+            number = add_joint(builder, joint, (number_of[joint.parent], number_of[joint.child]), method)
             positions, velocities = in_newton(joint, *values[index])
         tree.append(number)
         at, by = builder.joint_q_start[number], builder.joint_qd_start[number]
@@ -134,16 +202,22 @@ def built(mechanism: Mechanism, method: Method) -> Any:
     return builder.finalize(skip_validation_inertia=True)
 
 
-def add_joint(builder: Any, joint: Joint, between: tuple[int, int]) -> int:
+def add_joint(builder: Any, joint: Joint, between: tuple[int, int], method: Method) -> int:
     """Add a joint between two bodies of a builder, the parent first, and return its number."""
     ends: dict[str, Any] = {"parent_xform": transform(joint.position, exact.nearest_turn(joint.attitude))}
-    acting = {
+    acting: dict[str, Any] = {
         "armature": joint.armature,
         "damping": joint.damping,
         "stiffness": joint.stiffness,
         "rest_q": joint.rest,
         "friction": joint.friction,
     }
+    if (stops := stops_of(joint, method)) is not None:
+        acting |= dict(zip(("limit_lower", "limit_upper"), bounds(stops, FAR), strict=True))
+        if not stops.rigid:
+            acting |= {"limit_ke": stops.stiffness, "limit_kd": stops.damping}
+            if by_mujoco(method):
+                acting["custom_attributes"] = {LIMIT_IMPEDANCE: [SOFTEST]}
     if joint.type in ("revolute", "prismatic"):
         add = builder.add_joint_revolute if joint.type == "revolute" else builder.add_joint_prismatic
         return int(add(*between, **ends, axis=exact.nearest_axis(joint), **acting))

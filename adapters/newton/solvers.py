@@ -4,9 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 from newton import solvers
 
 from bodycheck.adapters.contract import KINDS, Kind, Method, Option, Range, choice
+
+#: A coordinate (rad or m) that no joint reaches, by which Newton says that a joint has no limit.
+FAR = 1e10
 
 #: The time-stepping schemes of the solver that passes a model to MuJoCo Warp, as Newton spells them.
 OF_MUJOCO = ("euler", "rk4", "implicit", "implicitfast", "discrete")
@@ -18,6 +22,10 @@ ONE_BODY: frozenset[Kind] = KINDS - {"mechanism"}
 
 #: The name of the attribute of a body that sets its damping for `SolverSteel`.
 STEEL_DAMPING = "steel:rigid_body_angular_damping"
+
+#: The attribute of a joint that sets the impedance of a limit for MuJoCo, and the smallest impedance that MuJoCo allows. With
+#: Newton's own impedance of 0.95 a limit would have the inertia of the joint twenty times while it pushes.
+LIMIT_IMPEDANCE, SOFTEST = "mujoco:solimplimit", (1e-4, 1e-4, 1e-3, 0.5, 1.0)
 
 
 @dataclass(frozen=True)
@@ -65,7 +73,7 @@ def mujoco(scheme: str) -> Solver:
     def make(model: Any, method: Method) -> Any:
         return solvers.SolverMuJoCo(model, integrator=scheme)
 
-    return Solver(make, stages, stages, collides=False, own_passive_forces=True)
+    return Solver(make, stages, stages, collides=False, own_passive_forces=True, lacks=frozenset({"rigid stops"}))
 
 
 def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
@@ -93,13 +101,19 @@ def xpbd(model: Any, method: Method) -> Any:
     return solvers.SolverXPBD(model, **chosen)
 
 
+def steel(model: Any, method: Method) -> Any:
+    """Return the solver Steel, with the limits of joints if there are any: by default it has none."""
+    limits = np.abs([model.joint_limit_lower.numpy(), model.joint_limit_upper.numpy()])
+    return solvers.SolverSteel(model, enable_joint_limits=bool((limits < FAR).any()))
+
+
 SOLVERS: dict[str, Solver] = {
     "SemiImplicit": Solver(
         lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
         kinds=ONE_BODY,
         options={"settings": choice("engine")},
     ),
-    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction"})),
+    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction", "rigid stops"})),
     "XPBD": Solver(
         xpbd,
         options={
@@ -108,13 +122,13 @@ SOLVERS: dict[str, Solver] = {
                 "a factor for the joints' impulses above 0 and at most 1", numbers=((Range(0, 1, above=True),),)
             ),
         },
-        lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction", "massless bodies"}),
+        lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction", "massless bodies", "elastic stops"}),
     ),
     "VBD": Solver(lambda model, method: solvers.SolverVBD(model), kinds=ONE_BODY),
     "Steel": Solver(
-        lambda model, method: solvers.SolverSteel(model),
+        steel,
         options={"settings": choice("engine")},
-        lacks=frozenset({"joint springs", "joint friction"}),
+        lacks=frozenset({"joint springs", "joint friction", "elastic stops"}),
     ),
     "Kamino-euler": kamino("euler", ONE_BODY),
     "Kamino-moreau": kamino("moreau", ON_PLANE, use_collision_detector=True),

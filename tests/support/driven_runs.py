@@ -11,6 +11,7 @@ from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.control import Controller, Sine, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from tests.support.driven_hinge import CONTINUOUS, PD, SAMPLED, SAMPLED_RATE, hinge
 from tests.support.jointed import body, trajectory
@@ -65,18 +66,26 @@ def arm_errors(adapter: Adapter, spelling: str, rate: float | None, steps: Seque
     return np.array([np.abs(run - truth.position[1]).max() for run in runs])
 
 
-def slide(stops: Stops, rate: float) -> Mechanism:
-    """Return a body of 2 kg that slides down along an oblique axis onto its lower stop, driven upwards too weakly to stay."""
-    joint = Joint("rail", "prismatic", WORLD, 0, axis=(0.0, 0.6, 0.8), start=(0.1,), start_velocity=(0.0,), stops=stops)
-    controllers = (Controller(0, law="effort", effort=4.0, rate=rate),)
+def slide(stops: Stops, axis: Vector = (0.0, 0.6, 0.8), driven: bool = True) -> Mechanism:
+    """Return a body of 2 kg that slides down along an axis onto its lower stop, driven upwards too weakly to stay, if driven."""
+    joint = Joint("rail", "prismatic", WORLD, 0, axis=axis, start=(0.1,), start_velocity=(0.0,), stops=stops)
+    controllers = (Controller(0, law="effort", effort=4.0, rate=100.0),) if driven else ()
     return Mechanism((body("block", 2.0, (0.01, 0.02, 0.03)),), (joint,), gravity=9.81, controllers=controllers)
 
 
-def landing(adapter: Adapter, spelling: str, timestep: float, stops: Stops) -> tuple[float, float, float]:
-    """Return how far (m) the body is beyond its lower stop at most and at the end, and its last speed (m/s), after 0.5 s."""
+def landing(
+    adapter: Adapter, spelling: str, timestep: float, mechanism: Stops | Mechanism
+) -> tuple[float, float, float]:
+    """Return how far (m) a body is beyond its lower stop at most and at the end, and its last speed (m/s), after 0.5 s.
+
+    mechanism: as `slide` returns it, or its stops.
+    """
+    falling = slide(mechanism) if isinstance(mechanism, Stops) else mechanism
+    stops = falling.joints[0].stops
+    assert stops is not None
     assert stops.lower is not None
     times = np.arange(0.0, 0.5, 0.005)
-    position, velocity = joints_after(adapter, slide(stops, 100.0), spelling, timestep, times.tolist())
+    position, velocity = joints_after(adapter, falling, spelling, timestep, times.tolist())
     beyond = stops.lower - position[:, 0]
     return float(beyond.max()), float(beyond[-1]), float(velocity[-1, 0])
 
