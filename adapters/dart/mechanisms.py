@@ -1,7 +1,7 @@
 """Mechanisms in DART: bodies on DART's joints, and the forces in these joints.
 
-Each joint is DART's joint of the same type, with DART's damping, spring and dry friction; an effort is the command of the joint.
-DART has no armature. Loops are ball joint constraints. Stops are DART's limits of positions, which are enforced without rebound.
+Each joint is DART's joint of the same type, with DART's damping, spring and dry friction; an effort is the command of the
+joint. DART has no armature. Loops are ball joint constraints. Stops are DART's limits of positions, enforced without rebound.
 """
 
 from collections.abc import Sequence
@@ -66,8 +66,8 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
         if not skeleton.computeKineticEnergy() < LARGEST_ENERGY_J:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
-    loop = Stepped(None, step, lambda _: seen(bodies), in_body_axes)
-    return driven(loop, mechanism, bodies) if mechanism.driven else loop
+    simulation = Stepped(None, step, lambda _: seen(bodies), in_body_axes)
+    return driven(simulation, mechanism, bodies) if mechanism.driven else simulation
 
 
 def driven(simulation: Simulation, mechanism: Mechanism, bodies: Sequence[Any]) -> Taking:

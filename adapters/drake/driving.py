@@ -1,7 +1,7 @@
 """Drive the joints of a plant in Drake: efforts are inputs of Drake's actuators.
 
-A law is a system that Drake evaluates wherever it evaluates forces, so that every integrator keeps its order; the discrete plant
-evaluates it at the start of each step.
+A law is a system that Drake evaluates wherever it evaluates forces, so that every integrator keeps its order; the discrete
+plant evaluates it at the start of each step.
 """
 
 from collections.abc import Sequence

@@ -129,9 +129,7 @@ def check(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
     check_rebounds(mechanism, "Drake")
 
 
-def built(
-    mechanism: Mechanism, method: Method, approximations: tuple[str, ...]
-) -> tuple[Model, Callable[[], Array], Actuated]:
+def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array], Actuated]:
     """Return the model of a mechanism, the function that `seer` returns, and the driven joints.
 
     Raises `SceneUnsupported` as `prepare` does.

@@ -73,7 +73,7 @@ class Stepper:
         return self.solve()
 
     def restart(self) -> None:
-        """Let the solver begin again at the initial state, for forces that have become known: it keeps initial accelerations."""
+        """Let the solver begin again at the initial state, whose accelerations it keeps, for forces that are new."""
         self.solver.InitializeSolver(self.system, self.settings)
 
     def solve(self) -> str | None:

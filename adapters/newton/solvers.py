@@ -113,7 +113,9 @@ SOLVERS: dict[str, Solver] = {
         kinds=ONE_BODY,
         options={"settings": choice("engine")},
     ),
-    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction", "rigid stops"})),
+    "Featherstone": Solver(
+        lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction", "rigid stops"})
+    ),
     "XPBD": Solver(
         xpbd,
         options={

@@ -2,7 +2,8 @@
 
 Rapier has bodies in reduced coordinates too, but cannot set their velocities. Joints turn about, or slide along, the x axis of
 the joint's frame, so that frames are rotated to have the joint's axis along x. Damping and springs are motors with Rapier's
-force-based model. A loop is a spherical joint. Rapier has no armature, no constant force and no dry friction in a joint.
+force-based model, and stops are limits of joints, which have no rebound. A loop is a spherical joint. Rapier has no armature, no
+effort and no dry friction in a joint: its motors pull to a position or a velocity.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from bodycheck.adapters.contract import EngineReset, SceneUnsupported
 from bodycheck.adapters.links import Link, tensor
-from bodycheck.adapters.mechanisms import frames, from_x, link_of
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, from_x, link_of
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -31,8 +32,12 @@ MODELS = frozenset(
         "joint damping",
         "joint springs",
         "loops",
+        "rigid stops",
     }
 )
+
+#: A coordinate (rad or m) that no joint reaches, for the side on which a joint has no stop.
+FAR = 1e6
 
 #: The identity quaternion (w, x, y, z).
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
@@ -43,6 +48,7 @@ def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> 
 
     `unlimited` removes from the builder of a body the limits that a method switches off. Raises `SceneUnsupported`.
     """
+    check_rebounds(mechanism, "Rapier")
     first = kinematics.initial(mechanism)
     handles = {WORLD: world.add_body(rapier3d.RigidBody.fixed())}
     for index, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
@@ -91,8 +97,10 @@ def joint_of(joint: Joint) -> Any:
         .local_frame1(rapier3d.Isometry3(joint.position, rapier3d.Rotation3(*attitude.tolist())))
         .local_frame2(rapier3d.Isometry3((0.0, 0.0, 0.0), rapier3d.Rotation3(*turn.tolist())))
     )
+    axis = rapier3d.JointAxis.ANG_X if joint.type == "revolute" else rapier3d.JointAxis.LIN_X
+    if joint.stops is not None:
+        builder = builder.limits(axis, *bounds(joint.stops, FAR))
     if joint.stiffness or joint.damping:
-        axis = rapier3d.JointAxis.ANG_X if joint.type == "revolute" else rapier3d.JointAxis.LIN_X
         builder = builder.motor_model(axis, rapier3d.MotorModel.FORCE_BASED)
         builder = builder.motor_position(axis, joint.rest, joint.stiffness, joint.damping)
     return builder

@@ -67,15 +67,13 @@ def arm_errors(adapter: Adapter, spelling: str, rate: float | None, steps: Seque
 
 
 def slide(stops: Stops, axis: Vector = (0.0, 0.6, 0.8), driven: bool = True) -> Mechanism:
-    """Return a body of 2 kg that slides down along an axis onto its lower stop, driven upwards too weakly to stay, if driven."""
+    """Return a body of 2 kg that slides down along an axis onto its lower stop; if driven, upwards, but too weakly to stay."""
     joint = Joint("rail", "prismatic", WORLD, 0, axis=axis, start=(0.1,), start_velocity=(0.0,), stops=stops)
     controllers = (Controller(0, law="effort", effort=4.0, rate=100.0),) if driven else ()
     return Mechanism((body("block", 2.0, (0.01, 0.02, 0.03)),), (joint,), gravity=9.81, controllers=controllers)
 
 
-def landing(
-    adapter: Adapter, spelling: str, timestep: float, mechanism: Stops | Mechanism
-) -> tuple[float, float, float]:
+def landing(adapter: Adapter, spelling: str, timestep: float, mechanism: Stops | Mechanism) -> tuple[float, float, float]:
     """Return how far (m) a body is beyond its lower stop at most and at the end, and its last speed (m/s), after 0.5 s.
 
     mechanism: as `slide` returns it, or its stops.
