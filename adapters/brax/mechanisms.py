@@ -2,9 +2,9 @@
 
 The model is the XML of the adapter of MuJoCo. MuJoCo computes the poses of bodies from Brax's coordinates, which have the same
 layout as MuJoCo's. An effort is the input of a motor of the joint. Brax ignores the rest position of a spring, so the constant
-force that it adds is an input of the motor too. See `align_slides` for slides. Rigid stops are the limits of MuJoCo's XML, whose
-law Brax shares; it exerts no force at elastic ones, which need the smallest impedance. Brax refuses ball joints, and has neither
-loops nor dry friction. Bodies on fixed joints are not offered, for the same reason as several links; see
+force that it adds is an input of the motor too. See `align_slides` for slides. Rigid stops are the limits of MuJoCo's XML,
+whose law Brax shares; it exerts no force at elastic ones, which need the smallest impedance. Brax refuses ball joints, and has
+neither loops nor dry friction. Bodies on fixed joints are not offered, for the same reason as several links; see
 `bodycheck.adapters.brax`.
 """
 

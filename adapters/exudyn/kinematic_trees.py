@@ -4,9 +4,9 @@
 the axis of every joint is z. A universal joint consists of two of these joints and a planar joint of three, with links without
 mass between them, as bodies without mass are. A body on a fixed joint is a part of the link that carries it, by Exudyn's own
 sum of inertias. Springs, damping and efforts are properties of the tree; see `driving` for efforts that change, and for stops.
-Armature is the mass matrix of a second object on the coordinates of the tree. Dry friction is a connector of a coordinate, and is
-proportional to the velocity at low speeds; see `friction_zone`. A loop is a spherical joint between two markers, which needs an
-implicit solver.
+Armature is the mass matrix of a second object on the coordinates of the tree. Dry friction is a connector of a coordinate, and
+is proportional to the velocity at low speeds; see `friction_zone`. A loop is a spherical joint between two markers, which needs
+an implicit solver.
 """
 
 from collections.abc import Callable, Sequence

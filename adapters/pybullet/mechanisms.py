@@ -5,9 +5,9 @@ of another tree. Joints are Bullet's revolute, prismatic, spherical and fixed jo
 PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
 applied together with the efforts in each step, as users do. Dry friction is PyBullet's velocity motor with the target zero and
 a limited force. Loops are constraints between points. A joint that follows another one has Bullet's gear constraint, which
-holds its velocity: the offset of the rule is in the initial coordinates. Stops are the limits of the URDF file, where an impulse
-takes the velocity away; in the next step Bullet pushes out a fifth of the penetration, and with it gives back up to a fifth of
-the velocity.
+holds its velocity: the offset of the rule is in the initial coordinates. Stops are the limits of the URDF file, where an
+impulse takes the velocity away; in the next step Bullet pushes out a fifth of the penetration, and with it gives back up to a
+fifth of the velocity.
 """
 
 import math

@@ -2,8 +2,8 @@
 
 Rapier has bodies in reduced coordinates too, but cannot set their velocities. Joints turn about, or slide along, the x axis of
 the joint's frame, so that frames are rotated to have the joint's axis along x. Damping and springs are motors with Rapier's
-force-based model, and stops are limits of joints, which have no rebound. A loop is a spherical joint. Rapier has no armature, no
-effort and no dry friction in a joint: its motors pull to a position or a velocity.
+force-based model, and stops are limits of joints, which have no rebound. A loop is a spherical joint. Rapier has no armature,
+no effort and no dry friction in a joint: its motors pull to a position or a velocity.
 """
 
 from collections.abc import Callable, Sequence

@@ -3,8 +3,8 @@
 Each tree is an articulation: the tree on the world has a fixed root, and every free body is the root of another articulation.
 Joints turn about, or slide along, the x axis of the joint's frame, so that frames are rotated to have the joint's axis along x.
 Damping and springs are PhysX's drive with the target `rest`, armature is a property of the joint, and an effort is set as the
-force of the coordinate. Stops are the limits of the joint, which have no rebound. PhysX's joint friction is a coefficient of the
-force in the joint, not a constant force, so that dry friction is not modelled.
+force of the coordinate. Stops are the limits of the joint, which have no rebound. PhysX's joint friction is a coefficient of
+the force in the joint, not a constant force, so that dry friction is not modelled.
 """
 
 from collections.abc import Sequence

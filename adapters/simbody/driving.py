@@ -1,8 +1,8 @@
 """Drive the joints of an OpenSim model by actuators whose efforts are set, and stop them by OpenSim's elastic limits.
 
 An effort is the overriding value of a `CoordinateActuator`, which is a part of the state: the manager begins anew at the state
-with the new effort. A limit is a `CoordinateLimitForce`, whose stiffness begins within the smallest transition, and whose damper
-also pulls a joint that returns; a stop of a case never pulls.
+with the new effort. A limit is a `CoordinateLimitForce`, whose stiffness begins within the smallest transition, and whose
+damper also pulls a joint that returns; a stop of a case never pulls.
 """
 
 import math

@@ -2,9 +2,10 @@
 
 OpenSim's pin turns about the z axis of the joint's frame, and its slider slides along the x axis, so that the frames are
 rotated to have the joint's axis there. Springs and damping are OpenSim's `SpringGeneralizedForce`, and a constant effort is an
-`ExpressionBasedCoordinateForce`; see `driving` for efforts that change, and for stops. Loops are OpenSim's `PointConstraint`, and a joint that follows another one
-has OpenSim's `CoordinateCouplerConstraint`. OpenSim has neither armature nor dry friction of joints, and its bushings damp the
-rates of angles instead of the angular velocity of a ball joint. It refuses a chain of two bodies without mass.
+`ExpressionBasedCoordinateForce`; see `driving` for efforts that change, and for stops. Loops are OpenSim's `PointConstraint`,
+and a joint that follows another one has OpenSim's `CoordinateCouplerConstraint`. OpenSim has neither armature nor dry friction
+of joints, and its bushings damp the rates of angles instead of the angular velocity of a ball joint. It refuses a chain of two
+bodies without mass.
 """
 
 from collections.abc import Callable, Sequence

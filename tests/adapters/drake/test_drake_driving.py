@@ -1,4 +1,4 @@
-"""Driven joints in Drake: efforts as inputs of actuators, laws at the stages of integrators, and limits of the discrete plant."""
+"""Driven joints in Drake: efforts as inputs of actuators, laws at the stages of integrators, and the limits of plants."""
 
 import numpy as np
 import pytest

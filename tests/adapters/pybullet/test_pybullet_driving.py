@@ -35,7 +35,7 @@ def test_a_limit_holds_a_slide(stops: Stops) -> None:
 
 
 def test_a_limit_gives_back_a_fifth_of_the_speed_at_most() -> None:
-    """Bullet pushes out a fifth (`erp`) of a penetration in a step, and the last step before the stop penetrates by v h at most."""
+    """Bullet pushes out a fifth of a penetration in a step, and a step penetrates by its own way at most."""
     angle, rate = turned_against_a_stop(PYBULLET, "multibody", 0.001, Stops(-4.0, 0.1))
     assert angle.max() < 0.1025
     assert rate.min() > -0.2 * 2.25
