@@ -27,6 +27,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truths import Truth
 from bodycheck.robots.touching_copy import copied
 from bodycheck.running.engines import home
 from bodycheck.running.robot_readings import MJCF_ENGINE
@@ -36,6 +37,12 @@ if TYPE_CHECKING:
 
 #: Time limit (s) of the truth of one robot, and of the search for its contacts.
 TIME_LIMIT_S = 300.0
+
+#: The sampling of runs that are sampled at the instants of the case (`Method.sampling`).
+AT_INSTANTS = 0.0
+
+#: The samplings where no runs are planned.
+NO_SAMPLINGS: Mapping[str, Iterable[float]] = {}
 
 #: What a robot is without, by the words of `ignore` that say something else.
 WITHOUT = {"mimic": "mimic joints", "gravity_compensation": "gravity compensation"}
@@ -55,10 +62,13 @@ class Robots:
     departures
         The last instant (s) at which neither limits nor contacts have acted, by the name of the case; cases in which they do
         not act are missing.
+    truths
+        Truths that were computed for these sentences, by the name of the case and by sampling (`Method.sampling`).
     """
 
     sentences: Mapping[str, Sequence[str]] = field(default_factory=dict)
     departures: Mapping[str, float] = field(default_factory=dict)
+    truths: Mapping[str, Mapping[float, Truth]] = field(default_factory=dict)
 
 
 #: The sentences where there are no robots.
@@ -67,10 +77,11 @@ NO_ROBOTS = Robots()
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """The motion of a robot: the limits that it passes, and its states; None where they are not needed."""
+    """The motion of a robot: the limits that it passes, its states (None where they are not needed), and truths by sampling."""
 
     passings: "tuple[Passing, ...]"
     states: "States | None"
+    truths: Mapping[float, Truth]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,14 +110,18 @@ def as_loaded(cases: Sequence[Case]) -> Robots:
     return Robots({case.name: _said(case.robot, ()) for case in cases if case.robot is not None})
 
 
-def of(cases: Sequence[Case], jobs: int) -> Robots:
-    """Return what is said of cases, and from when on limits and contacts would act in them. jobs: the number of processes."""
+def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]] = NO_SAMPLINGS) -> Robots:
+    """Return what is said of cases, and from when on limits and contacts would act in them.
+
+    jobs: the number of processes. samplings: those of the runs of cases (`Method.sampling`), by the name of the case, whose
+    truths are computed in the same process, since they share the integrations.
+    """
     concerned = [case for case in cases if case.robot is not None and (case.robot.ranges or case.robot.touching)]
     if not concerned:
         return as_loaded(cases)
     moved: dict[str, Moved | str] = {}
     with pool.Workers(_moved, jobs, TIME_LIMIT_S, home=lambda _: home(None)) as workers:
-        for case, answer in workers.map(concerned):
+        for (case, _), answer in workers.map([(case, tuple(samplings.get(case.name, ()))) for case in concerned]):
             moved[case.name] = answer.reason if isinstance(answer, Crashed | TimedOut) else answer
     touching = _touching(concerned, moved, jobs)
     sentences, departures = {}, {}
@@ -117,7 +132,7 @@ def of(cases: Sequence[Case], jobs: int) -> Robots:
         sentences[case.name] = _said(case.robot, acting.sentences())
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
-    return Robots(sentences, departures)
+    return Robots(sentences, departures, {name: motion.truths for name, motion in moved.items() if isinstance(motion, Moved)})
 
 
 def described(case: Case) -> str:
@@ -147,28 +162,32 @@ def _listed(words: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
-def _moved(case: Case) -> Moved | str:
-    """Return the motion of a case, or why there is no truth of it."""
+def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
+    """Return the motion of a case and its truths for runs with some samplings, or why there is no truth of it."""
     from bodycheck.reference.mechanisms.ranges import passed
     from bodycheck.running import truths
 
+    case, samplings = asked
     scene, robot = case.scene, case.robot
     assert isinstance(scene, Mechanism)
     assert robot is not None
+    looked_at = robot.touching and robot.path is not None
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
         passings = passed(scene, [each for each in robot.ranges if each.joint in single], case.duration) if robot.ranges else ()
-        if not robot.touching or robot.path is None:
-            return Moved(passings, None)
-        truth = truths.truth(case)
+        batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
+        known = truths.of_runs(case, batches[0]) if batches else {}
     except (NotModelled, OutOfReach) as error:
         return str(error)
+    if not looked_at:
+        return Moved(passings, None, known)
+    truth = known[AT_INSTANTS]
     assert truth.joints is not None  # the truth of a mechanism has joints
     motions = by_name(scene, truth.joints)
     joints = {joint.name: _in_world(joint, motions[joint.name]["position"]) for joint in scene.joints if joint.type != "fixed"}
     massive = [(index, body.name) for index, body in enumerate(bodies(scene)) if body.mass]
     centres = {name: truth.trajectory.body(index).position for index, name in massive}
-    return Moved(passings, States(truth.trajectory.t, joints, centres))
+    return Moved(passings, States(truth.trajectory.t, joints, centres), known)
 
 
 def _in_world(joint: Joint, positions: Array) -> Array:

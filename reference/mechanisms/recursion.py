@@ -6,7 +6,7 @@ double precision.
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -88,10 +88,33 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     """
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
-    kind, whole, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
-    solve, count = solver(), len(instants)
-    courses = [solve(tree, instants, kind) for tree in whole.trees]
-    states = [course.links for course in courses]
+    kind, instants = FloatType(dtype, bits), np.asarray(times, dtype=float)
+    courses = [solver()(tree, instants, kind) for tree in forest(mechanism).trees]
+    return _of_joints(mechanism, courses, instants, kind)
+
+
+def follow_in_parts(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[JointStates]:
+    """Yield the motion in double precision at ascending times, part by part. Each part is followed when it is asked for.
+
+    Taylor's method follows a part from the end of the one before if there is no dry friction. Otherwise each part is followed
+    from t = 0. Raises as `follow` does.
+    """
+    trees, kind = forest(mechanism).trees, FloatType(np.float64)
+    if solver() is followed_by_dop853 or any(link.friction for tree in trees for link in tree.links):
+        for count, part in enumerate(parts, 1):
+            whole, rows = follow(mechanism, np.concatenate(parts[:count]), np.float64), slice(-len(part), None)
+            bodies = whole.bodies.part(rows)
+            yield replace(whole, position=whole.position[rows], velocity=whole.velocity[rows], bodies=bodies)
+        return
+    from bodycheck.reference.mechanisms import tree_equations
+
+    for part, *courses in zip(parts, *(tree_equations.in_parts(tree, parts, kind) for tree in trees), strict=True):
+        yield _of_joints(mechanism, courses, part, kind)
+
+
+def _of_joints(mechanism: Mechanism, courses: Sequence[Course], instants: Array, kind: FloatType) -> JointStates:
+    """The motion of joints and bodies from the motions of trees at instants (n,), s."""
+    whole, count, states = forest(mechanism), len(instants), [course.links for course in courses]
     links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]
     frames = poses.body_frames(whole, links, count, kind)
     position, velocity = poses.joints(mechanism, whole, states, frames, count, kind)
