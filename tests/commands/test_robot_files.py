@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import bodycheck as interface
-from bodycheck.running import robot_notices
+from bodycheck.running import robot_notices, truths
 from tests.support.commands import bodycheck
 
 #: A weight that falls freely along a rail: after t it is at t^2 g / 2. The rail ends at 0.1 m.
@@ -77,6 +77,19 @@ def test_a_contact_is_found_between_two_samples(calls_here: None, tmp_path: Path
     assert robots.sentences["low"][0] == "floor touches ball at the start: this is the robot without its contacts."
     without = interface.load(path, ignore=["contacts"])
     assert robot_notices.of([without], 1).departures == {}
+
+
+def test_the_truth_of_the_notices_is_that_of_the_runs(
+    calls_here: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = interface.load(written(tmp_path, "ball.xml", BALL.replace("EXTRA", "")))
+    known = robot_notices.of([case], 1, {"ball": (0.002,)}).truths["ball"]
+    for sampling, truth in truths.of_runs(case, (0.0, 0.002)).items():
+        assert (known[sampling].trajectory.position == truth.trajectory.position).all()
+    calls, of_runs = [], truths.of_runs
+    monkeypatch.setattr(truths, "of_runs", lambda *given: calls.append(given) or of_runs(*given))
+    bodycheck("run", tmp_path / "ball.xml", "--engine", "mujoco", "--integrator", "RK4", "--timestep", "0.002")
+    assert len(calls) == 1
 
 
 def test_contacts_that_cannot_be_looked_for_are_told(calls_here: None, tmp_path: Path) -> None:
