@@ -236,8 +236,8 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
     measured = growth_instants(times)
 
     def follow(nudged: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-        begun = loops.closed_start(nudged)
-        return _in_parts(lambda times: _motion_of(solution.follow(begun, times, np.float64), times), parts)
+        closed = loops.closed_start(nudged)
+        return _in_parts(lambda times: _motion_of(solution.follow(closed, times, np.float64), times), parts)
 
     try:
         (base,) = follow(mechanism, [measured])
@@ -352,9 +352,8 @@ def _measured(mechanism: Mechanism, times: Array) -> Measured:
 @functools.lru_cache(maxsize=4)
 def _measured_until(mechanism: Mechanism, end: float) -> Measured:
     """The measurement from 0 to `end` (s), which the search for limits of joints and the truth share."""
-    t = growth_instants(np.array([end]))
     follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
-    (base,) = follow(mechanism, [t])
+    (base,) = follow(mechanism, [t := growth_instants(np.array([end]))])
     return Measured(base, growth(mechanism, follow, base, t))
 
 
@@ -398,4 +397,4 @@ def _motion_of(motion: WideMotion, times: Array) -> Motion:
 
 
 def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-    return (_motion_in_joints(states) for states in recursion.follow_in_parts(mechanism, parts))
+    return map(_motion_in_joints, recursion.follow_in_parts(mechanism, parts))
