@@ -103,7 +103,7 @@ def _groups(parts: Border) -> list[list[int]]:
 
 def _part(parts: Border, indices: list[int]) -> Border:
     """Some elements of a mechanism, without those of other groups."""
-    at = {index: place for place, index in enumerate(indices)}
+    at = {index: position for position, index in enumerate(indices)}
     elements = [parts.elements[index] for index in indices]
     chosen = [replace(each, parent=None if each.parent is None else at[each.parent]) for each in elements]
     return replace(parts, elements=tuple(chosen))
