@@ -55,12 +55,14 @@ LATER: dict[str, dict[str, dict[str, str]]] = {
 class StoredCase(TypedDict):
     """A case in the header of a results folder: its name, and the text of its file when it was run.
 
-    file: the path that was given; empty for a shipped case. Results of earlier versions lack it.
+    file: the path that was given; empty for a shipped case. Results of earlier versions lack it. packages: the folders of
+    packages that the user named, if any, in which a robot's file finds others.
     """
 
     name: str
     text: str
     file: NotRequired[str]
+    packages: NotRequired[list[str]]
 
 
 class StoredUnchecked(TypedDict):

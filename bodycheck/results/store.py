@@ -59,7 +59,9 @@ class Writer:
         files: Mapping[str, Path] = NO_FILES,
     ) -> None:
         _refuse_other_things(folder)
-        texts = [{"name": case.name, "text": case.text, "file": _shown(files.get(case.name))} for case in cases]
+        texts = [
+            {"name": case.name, "text": case.text, "file": _shown(files.get(case.name)), **_packages(case)} for case in cases
+        ]
         contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked], "revisions": REVISIONS}
         self.folder = folder
         self.journal = journal.resume(
@@ -205,6 +207,12 @@ class Results:
     def files(self) -> dict[str, str]:
         """The paths from which cases were read, as they were given, by the name of the case; shipped cases have none."""
         return {entry["name"]: file for entry in self.header["cases"] if (file := entry.get("file", ""))}
+
+    @property
+    def packages(self) -> dict[str, tuple[Path, ...]]:
+        """The folders of packages in which files of robots were found, by the name of the case, where the user named any."""
+        named = {entry["name"]: tuple(map(Path, entry.get("packages", ()))) for entry in self.header["cases"]}
+        return {name: packages for name, packages in named.items() if packages}
 
     @cached_property
     def unchecked(self) -> tuple[Unchecked, ...]:
@@ -363,6 +371,12 @@ def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequen
 def _shown(file: Path | None) -> str:
     """Return a path as text; empty if there is none, or if it cannot be printed."""
     return str(file) if file is not None and str(file).isprintable() else ""
+
+
+def _packages(case: Case) -> dict[str, list[str]]:
+    """Return the folders of packages of a case as an entry of the header; without the entry if there are none."""
+    packages = [] if case.robot is None else [shown for folder in case.robot.packages if (shown := _shown(folder))]
+    return {"packages": packages} if packages else {}
 
 
 def _refuse_other_things(folder: Path) -> None:

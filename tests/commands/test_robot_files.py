@@ -1,5 +1,6 @@
 """Commands take a robot's file where they take a case, and say what of the file is left out and from when on it would act."""
 
+import html
 import json
 import math
 import shlex
@@ -206,6 +207,20 @@ def test_a_robots_file_has_no_place_for_expectations(tmp_path: Path) -> None:
     done = bodycheck("expect", path := written(tmp_path, "rail.urdf", RAIL))
     assert done.returncode == 2
     assert f"bodycheck new NAME --model {path}" in done.stderr
+
+
+def test_a_report_has_the_commands_that_reproduce_runs_of_a_robot(calls_here: None, tmp_path: Path) -> None:
+    path, parts, out = written(tmp_path, "rail.urdf", RAIL), tmp_path / "the parts", tmp_path / "out"
+    options = ("--package-path", parts, "--ignore", "limits", "--ignore", "damping")
+    assert bodycheck("run", path, *METHODS, *options, "--out", out).returncode == 0
+    again = shlex.join(
+        ["bodycheck", "run", str(path), "--package-path", str(parts), "--ignore", "limits", "--engine", "mujoco"]
+    )
+    assert html.escape(f"{again} --integrator Euler", quote=False) in (out / "report.html").read_text("utf-8").replace(
+        "&#39;", "'"
+    )
+    done = bodycheck("ensemble", path, "--ignore", "limits")
+    assert "bodycheck new NAME --model FILE" in done.stderr
 
 
 def test_studies_take_a_robots_file(calls_here: None, tmp_path: Path) -> None:
