@@ -228,5 +228,11 @@ def test_studies_take_a_robots_file(calls_here: None, tmp_path: Path) -> None:
     found = interface.run(path, engine="mujoco", integrator="RK4", timestep=0.01)
     assert found.passed
     assert "slide passes its upper limit" in " ".join(found.findings)
+    found = interface.run(path, engine="mujoco", integrator="RK4", timestep=0.01, ignore=["limits"], package_path=tmp_path)
+    assert found.findings[-1].startswith("rail: of the robot without its limits")
+    with pytest.raises(interface.BadInput, match="read 'limit'; allowed: actuators"):
+        interface.run(path, ignore="limit")
+    with pytest.raises(interface.BadInput, match="is an argument of bodycheck"):
+        interface.run(interface.load(path), ignore="limits")
     script = bodycheck("export", path, "--engine", "mujoco", "--integrator", "RK4")
     assert (script.returncode, "slide" in script.stdout) == (0, True)
