@@ -246,7 +246,7 @@ class Touch:
 
 @dataclass(frozen=True)
 class Touches:
-    """What a search for contacts in states of a robot has found.
+    """The result of a search for contacts in states of a robot.
 
     Attributes
     ----------

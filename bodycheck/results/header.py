@@ -1,6 +1,9 @@
 """The header of results: the versions, the machine and the command that they were made with."""
 
+from pathlib import Path
 from typing import Annotated, NotRequired, TypedDict, get_type_hints
+
+from bodycheck.casefile.content import Case
 
 
 class Header(TypedDict):
@@ -63,6 +66,18 @@ class StoredCase(TypedDict):
     text: str
     file: NotRequired[str]
     packages: NotRequired[list[str]]
+
+
+def stored_case(case: Case, file: Path | None) -> StoredCase:
+    """Return a case as it is stored. file: the path that was given; None for a shipped case."""
+    stored = StoredCase(name=case.name, text=case.text, file=_shown(file))
+    packages = [] if case.robot is None else [shown for folder in case.robot.packages if (shown := _shown(folder))]
+    return StoredCase(**stored, packages=packages) if packages else stored
+
+
+def _shown(file: Path | None) -> str:
+    """Return a path as text; empty if there is none, or if it cannot be printed."""
+    return str(file) if file is not None and str(file).isprintable() else ""
 
 
 class StoredUnchecked(TypedDict):

@@ -224,10 +224,10 @@ def _touches(search: Search) -> Touches | str:
         for index in range(len(states.t))
     ]
     try:
-        found: Touches = collisions.touches(search.copy.file, at, states.centres, search.copy.absent)
+        touches: Touches = collisions.touches(search.copy.file, at, states.centres, search.copy.absent)
     except ModelRefused as error:
         return str(error)
-    return found
+    return touches
 
 
 @dataclass(frozen=True)
