@@ -195,7 +195,8 @@ def run(
         allow_missing=allow_missing,
     )
     command = arguments.command(
-        *("run", each),
+        "run",
+        each,
         engine=engines,
         integrator=integrators,
         timestep=timesteps,

@@ -53,8 +53,8 @@ def scene_of_robot(
     try:
         return parse(whole, str(path))
     except CaseFaults as error:  # the case has no file, so that lines and keys in it say nothing
-        read = f"read {quoted(path.name)}; "
-        raise CaseFaults(tuple(Fault(str(path), fault.message.removeprefix(read)) for fault in error.faults)) from error
+        start = f"read {quoted(path.name)}; "
+        raise CaseFaults(tuple(Fault(str(path), fault.message.removeprefix(start)) for fault in error.faults)) from error
 
 
 def text_of_robot(

@@ -143,7 +143,8 @@ def ensemble(
     source = drawing.drawn(loaded, size) if table is None else drawing.tabled(loaded, table, size)
     drawing.check(loaded, source)
     command = arguments.command(
-        *("ensemble", (case,)),
+        "ensemble",
+        (case,),
         members=size,
         engine=named,
         integrator=methods[0],

@@ -149,7 +149,8 @@ def recommend(
     planned = study.prepare(loaded, engines.records, spellings, figure, wanted)
     earlier = arguments.path("--reuse", reuse)
     command = arguments.command(
-        *("recommend", (case,)),
+        "recommend",
+        (case,),
         error=wanted,
         quantity=figure,
         engine=named,

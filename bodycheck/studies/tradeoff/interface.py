@@ -118,7 +118,8 @@ def tradeoff(
     )
     sizes = batch_sizes("--batch", map(str, (batch,) if isinstance(batch, int | str) else batch))
     command = arguments.command(
-        *("tradeoff", each),
+        "tradeoff",
+        each,
         engine=engines,
         integrator=integrators,
         timestep=timesteps,
