@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bodycheck.adapters.robot_reading import ModelRefused, RobotFile, Touch
+from bodycheck.adapters.robot_reading import ModelRefused, Touch, Touches
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.robot_notes import RobotNotes
 from bodycheck.errors import BadInput
@@ -28,7 +28,7 @@ from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
-from bodycheck.robots.touching_copy import copied
+from bodycheck.robots.touching_copy import TouchingCopy, copied
 from bodycheck.running.engines import home
 from bodycheck.running.robot_readings import MJCF_ENGINE
 
@@ -101,7 +101,7 @@ class Search:
     """A search for contacts: a copy of the file, and the states in which it looks for them."""
 
     case: str
-    file: RobotFile
+    copy: TouchingCopy
     states: States
 
 
@@ -198,10 +198,10 @@ def _in_world(joint: Joint, positions: Array) -> Array:
     return np.hstack([np.array(joint.position) + rotate(turn, positions[:, :3]), multiply(turn, positions[:, 3:])])
 
 
-def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touch | str | None]:
-    """Return the first contact in each case whose motion is known, None if there is none, or why it was not looked for."""
-    answers: dict[str, Touch | str | None] = {}
-    with temporary_folder() as folder, pool.Workers(_first_touch, jobs, TIME_LIMIT_S, group=_mujoco, home=home) as workers:
+def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touches | str]:
+    """Return what was found of contacts in each case whose motion is known, or why they were not looked for."""
+    answers: dict[str, Touches | str] = {}
+    with temporary_folder() as folder, pool.Workers(_touches, jobs, TIME_LIMIT_S, group=_mujoco, home=home) as workers:
         searches = []
         for index, case in enumerate(cases):
             motion, robot = moved[case.name], case.robot
@@ -232,8 +232,8 @@ def _mujoco(_: Search) -> str:
     return MJCF_ENGINE
 
 
-def _first_touch(search: Search) -> Touch | str | None:
-    """Return the first contact in the states of a search, or why MuJoCo has not looked for it."""
+def _touches(search: Search) -> Touches | str:
+    """Return what was found of contacts in the states of a search, or why MuJoCo has not looked for them."""
     # The adapter of MuJoCo is imported in the worker process of MuJoCo.
     from bodycheck.adapters.mujoco import collisions
 
@@ -243,10 +243,10 @@ def _first_touch(search: Search) -> Touch | str | None:
         for index in range(len(states.t))
     ]
     try:
-        touch: Touch | None = collisions.first_touch(search.file, at, states.centres)
+        touches: Touches = collisions.touches(search.copy.file, at, states.centres, search.copy.absent)
     except ModelRefused as error:
         return str(error)
-    return touch
+    return touches
 
 
 @dataclass(frozen=True)
@@ -259,20 +259,25 @@ class _Acting:
         The case.
     moved
         Its motion, or why it has no truth; None if nothing can act in it.
-    touch
-        The first contact; None if there is none; or why it was not looked for.
+    touches
+        What was found of contacts, or why they were not looked for; None if nothing can touch.
     """
 
     case: Case
     moved: Moved | str | None
-    touch: Touch | str | None
+    touches: Touches | str | None
+
+    @property
+    def touch(self) -> Touch | None:
+        """The first contact, as far as is known."""
+        return self.touches.first if isinstance(self.touches, Touches) else None
 
     def departure(self) -> float | None:
         """Return the last instant (s) at which nothing has acted; None if nothing acts, as far as is known."""
         instants = []
         if isinstance(self.moved, Moved):
             instants += [passing.time - passing.error for passing in self.moved.passings[:1]]
-        if isinstance(self.touch, Touch):
+        if self.touch is not None:
             instants.append(self.between(self.touch)[0])
         return max(min(instants), 0.0) if instants else None
 
@@ -289,11 +294,18 @@ class _Acting:
         acting = []
         if self.moved is not None and self.moved.passings:
             acting.append((self.moved.passings[0].time, self._of_limits(self.moved.passings)))
-        if isinstance(self.touch, Touch):
+        if self.touch is not None:
             acting.append((self.between(self.touch)[1], self._of_contacts(self.touch)))
         yield from (sentence for _, sentence in sorted(acting))
-        if isinstance(self.touch, str):
-            yield f"Contacts were not looked for: {self.touch}."
+        if isinstance(self.touches, str):
+            yield f"Contacts were not looked for: {self.touches}."
+        elif self.touches is not None and self.touches.unseen:
+            yield self._of_unseen(self.touches.unseen)
+
+    def _of_unseen(self, unseen: Mapping[str, str]) -> str:
+        names, reason = list(unseen), next(iter(unseen.values()))
+        listed = _listed([*names[:MOST_NAMED], *([f"{more} more bodies"] if (more := len(names) - MOST_NAMED) > 0 else [])])
+        return f"Contacts of {listed} were looked for without the shapes whose meshes cannot be read, such as {reason}."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
         assert isinstance(self.case.scene, Mechanism)

@@ -28,6 +28,10 @@ class Files(Protocol):
         ...
 
 
+#: The number of a keyframe that stands for the first one, or for the zeros of the joints if the file has none.
+FIRST_IF_ANY = -1
+
+
 @dataclass(frozen=True)
 class Choice:
     """The way in which a robot's file is read: the keys of `[model]`.
@@ -41,7 +45,7 @@ class Choice:
     base
         "free" if the root link floats, "fixed" if it is as the file says.
     keyframe
-        The name or the number of the keyframe at which the joints start; None for their zeros.
+        The name or the number of the keyframe at which the joints start, or `FIRST_IF_ANY`; None for their zeros.
     """
 
     files: Files

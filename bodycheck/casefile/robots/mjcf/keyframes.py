@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from bodycheck.casefile.robots.mjcf.joints import SIZES, JointOfFile
 from bodycheck.casefile.robots.numbers import many
+from bodycheck.casefile.robots.reading import FIRST_IF_ANY
 from bodycheck.errors import BadInput
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean, first_names
@@ -17,11 +18,13 @@ def keyframe_names(root: Element) -> tuple[str, ...]:
 def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile]) -> None:
     """Let joints begin at a keyframe, given by its name or its number; None for the pose of the file.
 
+    `FIRST_IF_ANY` is allowed as a number.
+
     joints: the joints of the file that move, in its order.
 
     Raises `BadInput` if there is no such keyframe, or it does not fit the joints.
     """
-    if keyframe is None:
+    if keyframe is None or (keyframe == FIRST_IF_ANY and not _keys(root)):
         return
     key = _chosen(root, keyframe)
     for attribute, keys, which in (("qpos", POSITIONS, 0), ("qvel", VELOCITIES, 1)):
@@ -59,6 +62,8 @@ def _keys(root: Element) -> list[Element]:
 
 def _chosen(root: Element, keyframe: str | int) -> Element:
     keys, known = _keys(root), keyframe_names(root)
+    if keyframe == FIRST_IF_ANY:
+        return keys[0]
     if isinstance(keyframe, int) and 0 <= keyframe < len(keys):
         return keys[keyframe]
     if isinstance(keyframe, str) and keyframe and keyframe in known:

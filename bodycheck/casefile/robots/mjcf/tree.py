@@ -32,7 +32,7 @@ from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.exact.rotations import ORIGIN
 from bodycheck.robots.elements import Element, quoted, refuse
-from bodycheck.robots.mjcf_assembly import own
+from bodycheck.robots.mjcf_assembly import own, tops_of
 from bodycheck.robots.orientations import turned_inertia
 
 #: The mass properties of a body without mass.
@@ -219,13 +219,7 @@ def _float(root: Element) -> Element | None:
 
     Raises `BadInput` if there is no such body, or several, or it has other joints.
     """
-    tops = [
-        element
-        for world in root.all("worldbody")
-        for element in own(world)
-        if element.tag == "body"
-        and any(inner.tag in ("joint", "freejoint", "inertial", "geom") for inner in element.everything())
-    ]
+    tops = tops_of(root)
     listed = ", ".join(quoted(body.attributes["name"]) for body in tops[:20])
     if len(tops) != 1:
         raise BadInput(f"{root.file}: has {len(tops) or 'no'} bodies in the world, {listed}; one that is alone there can float")

@@ -11,7 +11,7 @@ from typing import Any
 from bodycheck.casefile.robot_notes import JointRange
 from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
-from bodycheck.casefile.robots.reading import Choice, Read
+from bodycheck.casefile.robots.reading import FIRST_IF_ANY, Choice, Read
 from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, turned, unique
 from bodycheck.casefile.robots.urdf.features import features
 from bodycheck.errors import BadInput
@@ -102,7 +102,7 @@ def _parts(root: Element, choice: Choice) -> Parts:
     about = about_file(root)
     read = parts(root, about)
     faults = [fault.text for fault in about.faults if fault.quantity != "effort_limit"]
-    if choice.keyframe is not None:
+    if choice.keyframe not in (None, FIRST_IF_ANY):
         faults.append(f"{root.file}: has no keyframes, as it is a URDF; leave keyframe out")
     if read is None or faults:
         raise BadInput("\n".join(faults))
