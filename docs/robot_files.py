@@ -129,9 +129,6 @@ def terms(case: Case, file: NamedFile, folder: Path, ignored: Sequence[Ignored])
         return "parity has no model"
     assert isinstance(case.scene, Mechanism)
     own, model = bare(robot_model(case.scene, "robot")), bare(other.model)
-    floating = [{joint.name: joint for joint in each.joints if joint.type == "floating"} for each in (own, model)]
-    if any(not np.array_equal(joint.rotation, floating[1][name].rotation) for name, joint in floating[0].items()):
-        return "not compared: the frame of the free base is turned"
     names = {joint.name for joint in own.joints if VELOCITIES[joint.type]}
     try:
         states = seeded_states(model, STATES, 1)
@@ -162,8 +159,13 @@ def taken(state: RobotState, model: RobotModel) -> RobotState:
 
 
 def bare(model: RobotModel) -> RobotModel:
-    """Return a model without rules by which joints follow others, which leave the terms of its tree as they are."""
-    return replace(model, joints=tuple(replace(joint, mimic=None, friction=0.0) for joint in model.joints))
+    """Return a model without friction and rules by which joints follow others, which leave the terms of its tree as they are.
+
+    Its free bases have the axes of the world as the frame of their coordinates: each reader may have chosen another one.
+    """
+    joints = [replace(joint, mimic=None, friction=0.0) for joint in model.joints]
+    world = {"position": np.zeros(3, np.longdouble), "rotation": np.eye(3, dtype=np.longdouble)}
+    return replace(model, joints=tuple(replace(joint, **world) if joint.type == "floating" else joint for joint in joints))
 
 
 def order(path: Path, folder: Path, ignored: Sequence[Ignored]) -> str:

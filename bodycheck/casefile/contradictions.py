@@ -175,7 +175,8 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
     rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
     if len(rows) != 3 or not all(rows):
         return None
-    if not np.allclose(tensor := np.array(rows), np.transpose(rows), rtol=1e-12, atol=0):
+    tensor = np.array(rows)
+    if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
         return "the tensor must be symmetric"
     return impossible_tensor(tensor, mass, zero_allowed)
 

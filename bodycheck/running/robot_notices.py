@@ -157,7 +157,8 @@ def _moved(case: Case) -> Moved | str:
     assert robot is not None
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
-        passings = passed(scene, [each for each in robot.ranges if each.joint in single], case.duration) if robot.ranges else ()
+        ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
+        passings = passed(scene, ranges, case.duration) if ranges else ()
         if not robot.touching or robot.path is None:
             return Moved(passings, None)
         truth = truths.truth(case)
@@ -277,8 +278,7 @@ class _Acting:
             yield f"Contacts were not looked for: {self.touch}."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
-        assert isinstance(self.case.scene, Mechanism)
-        first, names = passings[0], [self.case.scene.joints[passing.joint].name for passing in passings]
+        first, names = passings[0], [passing.name for passing in passings]
         start = sum(passing.time == 0 for passing in passings)
         later = len(passings) - max(start, 1)
         more = f", and {later} more {'limits are' if later > 1 else 'limit is'} passed later" if later else ""

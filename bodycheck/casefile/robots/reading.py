@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from bodycheck.casefile.robot_notes import Ignored as Ignored
-from bodycheck.casefile.robot_notes import JointRange
+from bodycheck.casefile.robot_notes import JointRange, TendonRange
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.reference.scene import Vector
 
@@ -88,7 +88,7 @@ class Read:
     features
         The parts that are no mechanics, in the order of the file, those that are ignored on purpose included.
     ranges
-        The limits of joints.
+        The limits of joints and of fixed tendons.
     touching
         Whether the file has shapes that may touch each other.
     welded
@@ -104,7 +104,7 @@ class Read:
     tables: Tables
     base: str | None = None
     features: tuple[Feature, ...] = ()
-    ranges: tuple[JointRange, ...] = ()
+    ranges: tuple[JointRange | TendonRange, ...] = ()
     touching: bool = False
     welded: bool = False
     keyframes: tuple[str, ...] = ()

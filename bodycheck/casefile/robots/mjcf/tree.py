@@ -24,6 +24,7 @@ from bodycheck.casefile.robots.mjcf.options import options
 from bodycheck.casefile.robots.mjcf.parts import Part, classes_of, parts_of, pose_of
 from bodycheck.casefile.robots.mjcf.settings import TRUTHS, settings, word
 from bodycheck.casefile.robots.mjcf.springs import set_springs
+from bodycheck.casefile.robots.mjcf.tendons import add_tendons
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, unique
@@ -55,6 +56,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     moving = [joint for joint in read.joints if joint.kind != "fixed"]
     start_at(root, choice.keyframe, [joint for joint in moving if joint.element is not base])
     ranges = () if "limit" in of_file.off else tuple(_ranges(moving, read))
+    of_tendons = add_tendons(root, read)
     loops = loops_of(root, read)
     floating = [joint.name for joint in moving if joint.table["type"] == "free"]
     return Read(
@@ -65,7 +67,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
         },
         base=floating[0] if len(floating) == 1 else None,
         features=features.all(),
-        ranges=ranges,
+        ranges=(*ranges, *of_tendons),
         touching="contact" not in of_file.off and _touching(root, read),
         welded=any(joint.kind == "fixed" and joint.table["parent"] == world for joint in read.joints),
         keyframes=keyframe_names(root),
