@@ -39,8 +39,8 @@ class JointRange:
 class TendonRange:
     """The limits of a fixed tendon that its file states, and that the mechanics of the case does not have.
 
-    name: its name after the word "tendon". terms: the joints whose coordinates its length sums up, by their names, each with its
-    coefficient. lower, upper: limits of the length; None where the file states none.
+    name: its name after the word "tendon". terms: the joints whose coordinates its length sums up, by their names, each with
+    its coefficient. lower, upper: limits of the length; None where the file states none.
     """
 
     name: str

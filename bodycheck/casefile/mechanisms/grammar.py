@@ -274,6 +274,9 @@ class ModelTable(Table):
     keyframe: Keyframe | None = Field(
         default=None, description="of MJCF, by its name or its number from 0, at which the joints start"
     )
+    upright: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="of MJCF: the axes of the world are turned so that the gravity of the file is along -z"
+    )
     stored: StoredTable | None = Field(default=None, description="what was read of it; bodycheck writes it")
 
 

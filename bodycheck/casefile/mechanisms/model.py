@@ -137,6 +137,7 @@ def choice(table: Mapping[str, Any]) -> dict[str, Any]:
         "ignore": frozenset(word for word in IGNORED if word in ignore) if isinstance(ignore, list) else frozenset(),
         "base": "free" if table.get("base") == "free" else "fixed",
         "keyframe": keyframe if isinstance(keyframe, str) or (type(keyframe) is int and keyframe >= 0) else None,
+        "upright": table.get("upright") is True,
     }
 
 

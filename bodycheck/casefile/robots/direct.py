@@ -82,7 +82,7 @@ def text_of_robot(
         The file cannot be read as a case, with a line for each reason.
     """
     words: tuple[Ignored, ...] = tuple(word for word in IGNORED if word in set(ignore))
-    read, keyframe = _read(path, packages, base, frozenset(words))
+    read, keyframe, upright = _read(path, packages, base, frozenset(words))
     lines = [
         "format = 2",
         f"name = {in_line(name or case_name(path))}",
@@ -92,11 +92,12 @@ def text_of_robot(
         f"file = {in_line(path.name)}",
         f"base = {in_line(base)}  # fixed: as the file says; free: the root link floats",
         f"ignore = {in_line(list(words))}  # what is left out on purpose, of: {', '.join(IGNORED)}",
+        *(["upright = true  # the world is turned so that the gravity of the file is along -z"] if upright else []),
         *([] if keyframe is None else [f"keyframe = {in_line(keyframe)}  # the states below replace its states"]),
         *_starts(read),
         "",
         "[scene]",
-        f"gravity = {in_line(_gravity(read, path.name))}  # m/s^2, along -z",
+        f"gravity = {in_line(_gravity(read))}  # m/s^2, along -z",
         "",
         "[run]",
         f"duration = {in_line(DURATION)}  # s",
@@ -116,17 +117,25 @@ def case_name(path: Path) -> str:
 
 def _read(
     path: Path, packages: Sequence[Path], base: Literal["fixed", "free"], ignore: frozenset[Ignored]
-) -> tuple[Read, str | int | None]:
-    """Return the result of reading a file, and its first keyframe, by its name or number; None if it has none."""
+) -> tuple[Read, str | int | None, bool]:
+    """Return the result of reading a file, its first keyframe by name or number, None if it has none, and `upright`."""
     files = ModelFiles(path, packages, follow=True)
     text = files.texts[path.name]
     read = model_reading.read(text, path.name, Choice(files, ignore, base))
-    if not read.keyframes:
-        return read, None
-    first = read.keyframes[0]
-    keyframe: str | int = first if first and read.keyframes.count(first) == 1 else 0
+    x, y, z = read.gravity or (0.0, 0.0, 0.0)
+    upright, keyframe = bool(x or y or z > 0), _first_keyframe(read)
+    if not upright and keyframe is None:
+        return read, None, False
     again = ModelFiles(path, packages, follow=True)
-    return model_reading.read(text, path.name, Choice(again, ignore, base, keyframe)), keyframe
+    return model_reading.read(text, path.name, Choice(again, ignore, base, keyframe, upright)), keyframe, upright
+
+
+def _first_keyframe(read: Read) -> str | int | None:
+    """Return the first keyframe of a file, by its name or number; None if it has none."""
+    if not read.keyframes:
+        return None
+    first = read.keyframes[0]
+    return first if first and read.keyframes.count(first) == 1 else 0
 
 
 def _starts(read: Read) -> list[str]:
@@ -149,12 +158,6 @@ def _listed(value: float | Sequence[float]) -> float | list[float]:
     return value if isinstance(value, int | float) else list(value)
 
 
-def _gravity(read: Read, file: str) -> float:
-    """Return the gravitational acceleration of a file (m/s^2). Raises `BadInput` if it is not along -z."""
-    if read.gravity is None:
-        return GRAVITY
-    x, y, z = read.gravity
-    if x or y or z > 0:
-        listed = " ".join(f"{part:g}" for part in read.gravity)
-        raise BadInput(f"{quoted(file)[1:-1]}: has the gravity {listed} m/s^2; a case has gravity along -z only")
-    return abs(z)
+def _gravity(read: Read) -> float:
+    """Return the gravitational acceleration of a file (m/s^2), which is along -z in the world of the case."""
+    return GRAVITY if read.gravity is None else abs(read.gravity[2])

@@ -42,12 +42,15 @@ class Choice:
         "free" if the root link floats, "fixed" if it is as the file says.
     keyframe
         The name or the number of the keyframe at which the joints start; None for their zeros.
+    upright
+        Whether the axes of the world are turned so that the gravity of the file is along -z.
     """
 
     files: Files
     ignore: frozenset[Ignored] = frozenset()
     base: Literal["fixed", "free"] = "fixed"
     keyframe: str | int | None = None
+    upright: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ class Read:
     keyframes
         The names of the keyframes of the file, in its order; empty texts for keyframes without a name.
     gravity
-        The gravitational acceleration of the file, world (m/s^2); None if it states none.
+        The gravitational acceleration of the file, in the world of the case (m/s^2); None if it states none.
     timestep
         The time step (s) that the file states; None if it states none.
     """

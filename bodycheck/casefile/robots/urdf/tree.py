@@ -108,6 +108,8 @@ def _parts(root: Element, choice: Choice) -> Parts:
     faults = [fault.text for fault in about.faults if fault.quantity != "effort_limit"]
     if choice.keyframe is not None:
         faults.append(f"{root.file}: has no keyframes, as it is a URDF; leave keyframe out")
+    if choice.upright:
+        faults.append(f"{root.file}: has no gravity, as it is a URDF; leave upright out")
     if read is None or faults:
         raise BadInput("\n".join(faults))
     return read
