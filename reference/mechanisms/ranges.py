@@ -177,7 +177,7 @@ def _limits(mechanism: Mechanism, ranges: Sequence[Range]) -> Iterator[_Limit]:
             raise ValueError(f"{each.name} is no revolute or prismatic joint of the mechanism")
         starts = [mimicry.start(mechanism.joints, index) for index, _ in terms]
         begin, velocity = (
-            sum((Fraction(factor) * of[part] for (_, factor), of in zip(terms, starts, strict=True)), Fraction(0))
+            sum((Fraction(factor) * pair[part] for (_, factor), pair in zip(terms, starts, strict=True)), Fraction(0))
             for part in (0, 1)
         )
         for sign, value in ((-1, each.lower), (1, each.upper)):
