@@ -174,7 +174,8 @@ def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     looked_at = robot.touching and robot.path is not None
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
-        passings = passed(scene, [each for each in robot.ranges if each.joint in single], case.duration) if robot.ranges else ()
+        ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
+        passings = passed(scene, ranges, case.duration) if ranges else ()
         batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
         known = truths.of_runs(case, batches[0]) if batches else {}
     except (NotModelled, OutOfReach) as error:
@@ -308,8 +309,7 @@ class _Acting:
         return f"Contacts of {listed} were looked for without the shapes whose meshes cannot be read, such as {reason}."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
-        assert isinstance(self.case.scene, Mechanism)
-        first, names = passings[0], [self.case.scene.joints[passing.joint].name for passing in passings]
+        first, names = passings[0], [passing.name for passing in passings]
         start = sum(passing.time == 0 for passing in passings)
         later = len(passings) - max(start, 1)
         more = f", and {later} more {'limits are' if later > 1 else 'limit is'} passed later" if later else ""

@@ -22,6 +22,15 @@ RAIL = """<robot name="rail">
 </robot>"""
 PASSED = math.sqrt(2 * 0.1 / 9.81)
 
+#: Two sliders that fall beside each other, and a tendon whose length is the sum of their ways.
+TENDON = """<mujoco>
+  <worldbody>
+    <body name="one"><joint name="a" type="slide" axis="0 0 -1"/><geom size="0.1" contype="0" conaffinity="0"/></body>
+    <body name="two"><joint name="b" type="slide" axis="0 0 -1"/><geom size="0.1" contype="0" conaffinity="0"/></body>
+  </worldbody>
+  <tendon><fixed name="sum" range="-1 0.2"><joint joint="a" coef="1"/><joint joint="b" coef="1"/></fixed></tendon>
+</mujoco>"""
+
 #: A ball of radius 0.1 m whose centre falls from 0.3 m above the floor.
 BALL = """<mujoco>
   <worldbody>
@@ -72,6 +81,17 @@ def test_a_limit_acts_from_the_instant_on_at_which_it_is_passed(calls_here: None
     assert "slide passes its upper limit at 0.1428 s" in report
     assert "up to 0.143 s" in report
     assert "rail: up to 0.1428 s, the largest attitude error is " in done.stdout
+
+
+def test_the_limit_of_a_fixed_tendon_acts_from_the_instant_on_at_which_it_is_passed(calls_here: None, tmp_path: Path) -> None:
+    """Both sliders have fallen 0.1 m then, as the slider of the rail has."""
+    case = interface.load(written(tmp_path, "two.xml", TENDON))
+    robots = robot_notices.of([case], 1)
+    assert robots.departures == {"two": pytest.approx(PASSED, abs=1e-12)}
+    said = "tendon sum passes its upper limit at 0.1428 s: from there on this is the robot without its limits."
+    assert robots.sentences["two"][0] == said
+    assert "1 tendon (line 6) acts only at its limits." in robots.sentences["two"][-1]
+    assert robot_notices.of([interface.load(tmp_path / "two.xml", ignore=["limits"])], 1).departures == {}
 
 
 def test_a_contact_is_found_between_two_samples(calls_here: None, tmp_path: Path) -> None:

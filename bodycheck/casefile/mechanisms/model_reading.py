@@ -8,6 +8,7 @@ from typing import Any
 from bodycheck.casefile.mechanisms import model_sentences as sentences
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.mechanisms.model_files import ModelFiles, NoFiles
+from bodycheck.casefile.robot_notes import JointRange, TendonRange
 from bodycheck.casefile.robots.mjcf import tree as mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.urdf import tree as urdf_tree
@@ -48,20 +49,23 @@ def read(text: str, file: str, choice: Choice) -> Read:
 
 def stored(result: Read, choice: Choice, file: str) -> dict[str, Any]:
     """Return the table `[model.stored]` for the result of reading a file, without the files that were read."""
+    limits = () if "limits" in choice.ignore else result.ranges
     table = {
         "base": result.base,
         "timestep": result.timestep,
         "without": list(sentences.without(result, choice.ignore)),
         "notices": list(sentences.notices(result, choice.ignore, file)),
         "touching": result.touching and "contacts" not in choice.ignore,
-        "ranges": [] if "limits" in choice.ignore else [_range(each) for each in result.ranges],
+        "ranges": [_range(each) for each in limits if isinstance(each, JointRange)],
+        "tendons": [_range(each) for each in limits if isinstance(each, TendonRange)],
         **{name: result.tables.get(name, []) for name in ("bodies", "joints", "loops")},
     }
     return {name: value for name, value in table.items() if value not in (None, [], False)}
 
 
-def _range(limits: Any) -> dict[str, Any]:
-    return {name: value for name, value in vars(limits).items() if value is not None}
+def _range(limits: JointRange | TendonRange) -> dict[str, Any]:
+    table = {name: value for name, value in vars(limits).items() if value is not None}
+    return table | {"terms": [list(term) for term in limits.terms]} if isinstance(limits, TendonRange) else table
 
 
 def stored_of_file(path: Path, packages: Sequence[Path], follow: bool, **keys: Any) -> dict[str, Any]:

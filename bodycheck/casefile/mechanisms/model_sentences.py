@@ -10,6 +10,7 @@ from bodycheck.casefile.robots.reading import Feature, Ignored, Read
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
     "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
+    "they": "it",
 }  # fmt: skip
 
 #: Most lines, or ranges of lines, that a sentence lists; more are given as one range from the first to the last.

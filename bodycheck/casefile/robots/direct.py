@@ -1,6 +1,7 @@
 """The case that a robot's file is by itself: the scene of the file, with its keyframe or zero, its gravity, and one second."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -97,6 +98,12 @@ def _read(
     """Return the files of a robot, the way in which they are read, and the result, whose joints start at the first keyframe."""
     files = ModelFiles(path, packages, follow=True)
     choice = Choice(files, frozenset(ignore), base, FIRST_IF_ANY)
+    read = model_reading.read(files.texts[path.name], path.name, choice)
+    x, y, z = read.gravity or (0.0, 0.0, 0.0)
+    if not (x or y or z > 0):
+        return files, choice, read
+    files = ModelFiles(path, packages, follow=True)
+    choice = replace(choice, files=files, upright=True)
     return files, choice, model_reading.read(files.texts[path.name], path.name, choice)
 
 
@@ -113,11 +120,12 @@ def _text(path: Path, choice: Choice, read: Read, name: str | None) -> str:
         f"file = {in_line(path.name)}",
         f"base = {in_line(choice.base)}  # fixed: as the file says; free: the root link floats",
         f"ignore = {in_line(words)}  # what is left out on purpose, of: {', '.join(IGNORED)}",
+        *(["upright = true  # the world is turned so that the gravity of the file is along -z"] if choice.upright else []),
         *([] if keyframe is None else [f"keyframe = {in_line(keyframe)}  # the states below replace its states"]),
         *_starts(read),
         "",
         "[scene]",
-        f"gravity = {in_line(_gravity(read, path.name))}  # m/s^2, along -z",
+        f"gravity = {in_line(_gravity(read))}  # m/s^2, along -z",
         "",
         "[run]",
         f"duration = {in_line(DURATION)}  # s",
@@ -154,12 +162,6 @@ def _listed(value: float | Sequence[float]) -> float | list[float]:
     return value if isinstance(value, int | float) else list(value)
 
 
-def _gravity(read: Read, file: str) -> float:
-    """Return the gravitational acceleration of a file (m/s^2). Raises `BadInput` if it is not along -z."""
-    if read.gravity is None:
-        return GRAVITY
-    x, y, z = read.gravity
-    if x or y or z > 0:
-        listed = " ".join(f"{part:g}" for part in read.gravity)
-        raise BadInput(f"{quoted(file)[1:-1]}: has the gravity {listed} m/s^2; a case has gravity along -z only")
-    return abs(z)
+def _gravity(read: Read) -> float:
+    """Return the gravitational acceleration of a file (m/s^2), which is along -z in the world of the case."""
+    return GRAVITY if read.gravity is None else abs(read.gravity[2])
