@@ -74,6 +74,7 @@ class CaseRecord:
     name: Name
     text: str
     file: Printable = ""
+    packages: list[Printable] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
