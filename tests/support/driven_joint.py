@@ -19,7 +19,7 @@ CTX.dps = 60
 
 #: The order of the series, the time by which a branch looks ahead relative to a step, the speed below which no joint rebounds,
 #: and the number of bisections.
-ORDER, AHEAD, SLOWEST, HALVINGS = 34, CTX.mpf(10) ** -22, CTX.mpf(10) ** -22, 110
+ORDER, AHEAD, SLOWEST, HALVINGS = 34, CTX.mpf(10) ** -27, CTX.mpf(10) ** -19, 110
 
 Number = Any
 State = tuple[Number, Number, Number]

@@ -248,8 +248,10 @@ def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
     mp = joint.mp
     moved = flown(course.phase.linear, z, series.duration)
     end = begun + series.duration
-    while (index := len(course.records)) < len(course.times) and course.times[index] <= end:
-        elapsed = mp.mpf(course.times[index]) - begun
+    for time in course.times[len(course.records) :]:
+        elapsed = time - begun
+        if elapsed >= series.duration:
+            break
         since, q, v = rebounds.before(mp, series, elapsed)
         state = [q, v, *flown(course.phase.linear, z, since)[VELOCITY + 1 :]]
         phase = modes.phase_of(joint, modes.mode_of(joint, state))
