@@ -5,7 +5,7 @@ later along the motion. The step ends where another branch holds. Events that be
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -388,7 +388,3 @@ def states(joint: Joint, times: Sequence[float], step: float) -> list[tuple[Numb
     """The coordinates and velocities at ascending times."""
     judge = Judge(joint)
     return [judge.run(time, step)[:2] for time in times]
-
-
-#: A function that changes a joint, to plant a fault.
-Change = Callable[[Joint], Joint]

@@ -26,8 +26,8 @@ from tests.support.driven_joint import CTX, Joint, states
 PD = Controller(0, kp=20.0, kd=0.4, target=1.0)
 HINGE = Joint(inertia=0.01, controller=PD)
 SINE = Sine(0.7, 9.0, 0.3, 0.1)
-RAMP = Samples((-0.1, 0.05, 0.21, 0.3), (0.0, 0.4, -0.3, 0.9), "linear")
-HELD = Samples((0.05, 0.2, 0.301), (0.5, -0.4, 1.0))
+RAMP = Samples((-0.1, 0.05, 0.11, 0.3), (0.0, 0.4, -0.3, 0.9), "linear")
+HELD = Samples((0.05, 0.12, 0.301), (0.5, -0.4, 1.0))
 
 #: One joint of each kind, and the length (s) of steps of the judge.
 JOINTS: dict[str, tuple[Joint, float]] = {
@@ -74,7 +74,7 @@ RESTLESS: dict[str, tuple[Joint, float]] = {
     ),
 }
 
-TIMES = (0.003, 0.1, 0.2)
+TIMES = (0.003, 0.1, 0.15)
 
 
 def follow(joint: Joint, times: Sequence[float] | Array = TIMES) -> JointForm:
