@@ -383,12 +383,10 @@ def begins(joint: DrivenJoint, mode: Mode, z: State) -> bool:
 
 
 def _candidates(joint: DrivenJoint, z: State) -> Iterator[Mode]:
-    """Yield the modes that the signs of the coordinate beyond a stop, and of the velocity, allow."""
+    """Yield the modes that the direction of the velocity and the coordinate beyond a stop allow."""
     controller = joint.continuous
     cuts = (0, 1, -1) if controller is not None and controller.effort_limit is not None else (0,)
-    speeds = edges(joint)
-    bands = [n for n in range(len(speeds) + 1) if (not n or z[VELOCITY] >= speeds[n - 1])]
-    bands = [n for n in bands if n == len(speeds) or z[VELOCITY] <= speeds[n]]
+    bands = range(len(edges(joint)) + 1)
     slips: tuple[int | None, ...] = (None,)
     if joint.plant.friction:
         slips = (int(joint.mp.sign(z[VELOCITY])),) if z[VELOCITY] else (0, 1, -1)
@@ -402,7 +400,7 @@ def _contacts(joint: DrivenJoint, z: State) -> Iterator[tuple[Contact, int]]:
         if stops_of(joint).rigid:
             if not depth and not z[VELOCITY]:
                 yield "closed", side
-        elif depth >= 0:
+        elif depth >= -zero(joint.mp) * (abs(z[POSITION]) + abs(place_of(joint, side))):
             yield "pushing", side
             yield "slack", side
     yield "free", 0
