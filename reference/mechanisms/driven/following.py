@@ -12,6 +12,7 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Real
 from bodycheck.reference.mechanisms.driven import modes, rebounds, signals
+from bodycheck.reference.mechanisms.driven.decisions import mode_of
 from bodycheck.reference.mechanisms.driven.events import clear, first_end
 from bodycheck.reference.mechanisms.driven.linear import Linear, State, advanced, flown, terms, value, zero
 from bodycheck.reference.mechanisms.driven.modes import POSITION, VELOCITY, DrivenJoint, Mode, Phase
@@ -192,7 +193,7 @@ def _ended(joint: DrivenJoint, series: Sequence[State], part: Real) -> list[Real
 
 def _settle(course: Course) -> None:
     """Change the phase to the one that follows from the state."""
-    mode = modes.mode_of(course.joint, course.z)
+    mode = mode_of(course.joint, course.z)
     if mode != course.phase.mode:
         _count_event(course)
     course.phase = modes.phase_of(course.joint, mode)
@@ -254,7 +255,7 @@ def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
             break
         since, q, v = rebounds.before(mp, series, elapsed)
         state = [q, v, *flown(course.phase.linear, z, since)[VELOCITY + 1 :]]
-        phase = modes.phase_of(joint, modes.mode_of(joint, state))
+        phase = modes.phase_of(joint, mode_of(joint, state))
         course.records.append(_within_step(phase.linear, state, elapsed - since))
     course.z = [series.stop, mp.zero, *moved[VELOCITY + 1 :]]
     course.time = end
