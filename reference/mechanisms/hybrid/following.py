@@ -55,7 +55,7 @@ class _Solver:
         if not self.present:
             self.present.extend([None] * len(self.solver.pars))
         for index, (old, new) in enumerate(zip(self.present, values, strict=False)):
-            if new is not old and new != old:
+            if new is not old and (old is None or new != old):
                 self.solver.pars[index] = kind.number(new)
                 self.present[index] = new
 
