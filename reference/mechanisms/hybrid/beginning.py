@@ -1,5 +1,6 @@
 """The beginning of a phase: impacts, the instants of controllers, cells, and the joints that stay at rest."""
 
+import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -10,9 +11,9 @@ from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.mechanisms.friction.sticking import sign
 from bodycheck.reference.mechanisms.hybrid.cells import elastic, saturation
-from bodycheck.reference.mechanisms.hybrid.closing import closed
+from bodycheck.reference.mechanisms.hybrid.closing import CLEAR, closed
 from bodycheck.reference.mechanisms.hybrid.equations import Shape
-from bodycheck.reference.mechanisms.hybrid.impacts import blow
+from bodycheck.reference.mechanisms.hybrid.impacts import blow, restitution
 from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, joint_states, places, rates_in, wanted
 from bodycheck.reference.mechanisms.hybrid.sampled import Memory, computed, signals_at
 from bodycheck.reference.mechanisms.hybrid.signals import piece, signals
@@ -73,8 +74,17 @@ def first_phase(problem: Problem) -> Phase:
     return Phase(MP.mpf(0), state, rest, {}, {}, {}, {}, memories)
 
 
-def settled(problem: Problem, phase: Phase, eps: float, instant: Fraction | None = None) -> tuple[Phase, list[Hit]]:
-    """Return the phase that begins in a state, with all its modes, and the impacts at its beginning.
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """A phase with all its modes, the impacts at its beginning, and how far another decision about joints at rest is."""
+
+    phase: Phase
+    hits: tuple[Hit, ...] = ()
+    room: float = math.inf
+
+
+def settled(problem: Problem, phase: Phase, eps: float, instant: Fraction | None = None) -> Begun:
+    """Return the phase that begins in a state.
 
     eps: the size of a rounding of the state; 0 if it is exact. instant: the time, if controllers with a rate compute their laws
     or a piece of a signal ends.
@@ -84,39 +94,34 @@ def settled(problem: Problem, phase: Phase, eps: float, instant: Fraction | None
         phase = _computed(problem, phase, instant)
     resting, moving = _resting(problem, phase)
     phase = with_cells(problem, replace(phase, rest=moving))
-    modes = closed(problem.tree, problem.shape, phase, resting, eps)
+    decided = closed(problem.tree, problem.shape, phase, resting, exact=not eps)
+    modes = decided.modes
     sides = {index: side for index, side in resting.items() if side and not modes[index]}
     phase = with_cells(problem, replace(phase, rest=modes, sides=sides))
     begun = frozenset(index for index in resting if modes[index])
+    watched = frozenset(index for index in resting if not modes[index] and decided.room <= CLEAR)
     for hit in hits:
         _require_rebounds_to_last(problem, phase, hit)
-    return replace(phase, begun=phase.begun | begun), hits
+    return Begun(replace(phase, begun=phase.begun | begun, watched=watched), tuple(hits), decided.room)
 
 
 def _struck(problem: Problem, phase: Phase, eps: float) -> tuple[Phase, list[Hit]]:
     """Apply the impacts of all joints that move beyond their rigid stops; which of them comes first must not matter."""
-    hits = list[Hit]()
+    hits, tree, at = list[Hit](), problem.tree, places(problem.tree)
     while outside := _outside(problem, phase, eps):
-        index = outside[0]
+        index, *others = outside
         state = in_numbers(phase.state, real)
-        here = blow(problem.tree, state, index, phase.sides, real)
-        at = places(problem.tree)
-        for other in outside[1:]:
-            if here.change[at[other]]:
-                raise OutOfReach(
-                    f"two stops are reached at t = {float(phase.time):.6g} s, and the order of the impacts matters"
-                )
+        here = blow(tree, state, index, phase.sides, others, real)
         hits.append(Hit(index, float(state[at[index]]), tuple(float(part) for part in here.change), here.held))
         changed = [value + part for value, part in zip(state, here.change, strict=False)] + state[len(here.change) :]
-        stops = problem.tree.links[index].stops
-        assert stops is not None
-        assert stops.restitution is not None
-        changed[at[index]] = -stops.restitution * state[at[index]]
-        for each in here.held:
-            changed[at[each]] = MP.mpf(0)
         side = 1 if state[at[index]] > 0 else -1
         changed[at[index] - 1] = dict(problem.limits(index))[side]
-        sides = {each: side for each, side in phase.sides.items() if each in here.held}
+        changed[at[index]] = -restitution(tree, index) * state[at[index]]
+        for each in here.held:
+            changed[at[each]] = MP.mpf(0)
+        sides = {each: phase.sides[each] for each in here.held}
+        if not restitution(tree, index):
+            sides[index] = side
         phase = replace(phase, state=problem.kind.array(changed), sides=sides)
     return phase, hits
 
@@ -240,14 +245,12 @@ def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
 
 def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     """Raise `Stopped` if the rebounds of a joint that has hit its stop end within a very short time."""
-    stops = problem.tree.links[hit.link].stops
-    assert stops is not None
-    assert stops.restitution is not None
-    if not 0 < stops.restitution < 1:
+    kept = restitution(problem.tree, hit.link)
+    if not 0 < kept < 1:
         return
     state = in_numbers(phase.state, float)
     rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
     speed, acceleration = state[place], rates[place]
-    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < (1 - stops.restitution) * ACCUMULATED * problem.duration:
+    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < (1 - kept) * ACCUMULATED * problem.duration:
         time = float(phase.time)
         raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)

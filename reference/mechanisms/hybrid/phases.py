@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, WideArray, exactly, real
 from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.hybrid.cells import Cell, Margin
@@ -15,6 +16,10 @@ from bodycheck.reference.mechanisms.hybrid.signals import Piece
 from bodycheck.reference.mechanisms.link_states import Form, Rates, derivatives, in_arithmetic, links_of, places_of_rates
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import numbers
+
+#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause, and
+#: the least size of these terms in SI units.
+MISSED, SMALL = 1e-9, 1e-3
 
 #: The cell of a joint without a continuous law or without elastic stops.
 NO_CELL = Cell(())
@@ -41,6 +46,8 @@ class Phase:
         What controllers with a rate remember.
     begun
         The links with an event at the beginning.
+    watched
+        The links that are held within rounding at the beginning, where heyoka may not find the end of it.
     """
 
     time: Real
@@ -52,6 +59,7 @@ class Phase:
     pieces: dict[int, tuple[Piece, ...]]
     memories: dict[int, Memory]
     begun: frozenset[int] = frozenset()
+    watched: frozenset[int] = frozenset()
 
 
 #: A function that converts numbers to an arithmetic.
@@ -189,6 +197,28 @@ def margins_of(tree: Tree, phase: Phase, part: Part) -> list[Margin]:
         limits = ((1, stops.lower), (-1, stops.upper))
         margins += [Margin() if limit is None or not free else Margin(slope, MP.mpf(limit)) for slope, limit in limits]
     return margins
+
+
+def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray, time: Any) -> None:
+    """Raise `OutOfReach` if the state at the end of a step contradicts the modes of its phase, since an event was missed."""
+    if not any(part.margins or part.elastic or part.rigid or part.dry for part in shape.parts):
+        return
+    numbers, joints = state.astype(float).tolist(), joint_states(tree, state.astype(float).tolist(), float)
+    for part in shape.parts:
+        q, v = joints[part.link]
+        w = wanted(tree, shape, phase, part.link, numbers, q, v, real(float(time)), float) if part.margins else 0.0
+        for number, margin in enumerate(margins_of(tree, phase, part)):
+            slope, place, rate, speed = (float(value) for value in (margin.slope, margin.place, margin.rate, margin.speed))
+            x = w if number < part.margins else q
+            size = abs(slope) * (SMALL + abs(x) + abs(place)) + abs(rate) * (SMALL + abs(v) + abs(speed))
+            if slope * (x - place) + rate * (v - speed) < -MISSED * size:
+                raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s")
+        if part.dry and phase.rest[part.link] * v < -MISSED * (
+            SMALL + max(abs(each) for _, each in joints if each is not None)
+        ):
+            raise OutOfReach(
+                f"rounding leaves undecided whether a joint with dry friction slips before t = {float(time):.6g} s"
+            )
 
 
 def _padded(margins: Sequence[Margin], size: int) -> list[Margin]:

@@ -141,7 +141,9 @@ def _advanced(course: _Course, phase: Phase, until: Any, most: int) -> tuple[_Ch
         begin, roots = time, stepper.step(until)
         time = stepper.time
         early = begin + BEGINNING * (time - begin) if begin == phase.time else begin
-        change, flips = _first(course, phase, [root for root in roots if not (root[0] <= early and _begun(course, phase, root))])
+        change, flips = _first(
+            course, phase, [root for root in roots if not (root[0] <= early and _begun(course, phase, root))]
+        )
         span = begin, time if change is None else change.time
         if wrong := _overlooked(course, phase, watching, span, flips):
             change = _Change(begin, wrong)
@@ -225,9 +227,7 @@ def _watched(system: System, phase: Phase, state: WideArray) -> list[int]:
     return near
 
 
-def _overlooked(
-    course: _Course, phase: Phase, watching: bool, span: tuple[Any, Any], flips: list[_Flip]
-) -> tuple[Guard, ...]:
+def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, Any], flips: list[_Flip]) -> tuple[Guard, ...]:
     """The guards that contradict the modes in a span of a step without a change: they had roots at its beginning.
 
     In the middle of the span, no velocity is zero because an element is about to come to rest.

@@ -176,7 +176,9 @@ class Stepper:
             return high
         root = float(brentq(along, low, high, xtol=1e-15 * max(1.0, abs(high)), rtol=8.9e-16))
         nudge = max((high - low) * 1e-4, 1e-12)
-        slope = (along(min(root + nudge, high)) - along(max(root - nudge, low))) / (min(root + nudge, high) - max(root - nudge, low))
+        slope = (along(min(root + nudge, high)) - along(max(root - nudge, low))) / (
+            min(root + nudge, high) - max(root - nudge, low)
+        )
         for _ in range(REFINEMENTS):
             value = self._values(self.at(root))[guard]
             root = min(max(root - value / slope, low), high) if slope else root

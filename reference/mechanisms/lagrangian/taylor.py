@@ -120,9 +120,7 @@ def stepper(structure: Structure, dtype: Any) -> Stepper:
     """The compiled integrator of a structure with its guards as events."""
     equations, roots = derived(structure), list[tuple[Any, int]]()
     variables, rates, guards = system(structure, [guard.node for guard in equations.guards])
-    events = [
-        hy.nt_event(guard + _ABOVE_ZERO, _noting(roots, number), fp_type=dtype) for number, guard in enumerate(guards)
-    ]
+    events = [hy.nt_event(guard + _ABOVE_ZERO, _noting(roots, number), fp_type=dtype) for number, guard in enumerate(guards)]
     inner, length = compiled(variables, rates, dtype, len(equations.used), events)
     return Stepper(inner, roots, list(equations.used), most_steps(length, structure))
 

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
-from bodycheck.reference.mechanisms.driven import form, modes
+from bodycheck.reference.mechanisms.driven import form
 from bodycheck.reference.mechanisms.forms.motion import JointForm
 from bodycheck.reference.mechanisms.forms.oscillator import Oscillator
 from tests.support.driven_joint import CTX, Joint, states
