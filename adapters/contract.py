@@ -146,7 +146,7 @@ class Driven(Simulation, Protocol):
         ...
 
     def apply(self, efforts: Array) -> None:
-        """Exert efforts (j,) from now on, in addition to the constant efforts of the joints, until the next call."""
+        """Exert efforts (j,) from now on, in addition to all other efforts in the joints, until the next call."""
         ...
 
 

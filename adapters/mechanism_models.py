@@ -55,8 +55,11 @@ def lacking(mechanism: Mechanism, model: str) -> str | None:
             return "a body has no mass"
         if any(joint.mimic for joint in joints):
             return "a joint follows another"
-        acting = any(joint.armature or joint.damping or joint.stiffness or joint.friction or joint.effort for joint in joints)
-        return "something acts on its joints" if acting else None
+        acting = any(
+            joint.armature or joint.damping or joint.stiffness or joint.friction or joint.effort or joint.stops
+            for joint in joints
+        )
+        return "something acts on its joints" if acting or mechanism.controllers else None
     return None
 
 

@@ -26,6 +26,9 @@ FORMER_SPELLINGS = {
 }
 
 
+#: The values of options that are never spelled.
+DEFAULTS = {"control": "effort", "limits": "engine"}
+
 #: The value of the option `accuracy` that stands for all accuracies, in tables and charts over them.
 ANY = "any"
 
@@ -51,7 +54,7 @@ class Method:
 
     @classmethod
     def parse(cls, spelling: str, timestep: float) -> "Method":
-        """Return the method with this spelling and time step (s); the options may be in any order.
+        """Return the method with this spelling and time step (s); the options may be in any order, and have no `DEFAULTS`.
 
         Raises `BadInput` for text that is not a spelling of a method, and for a spelling of an earlier version.
         """
@@ -70,6 +73,7 @@ class Method:
             options[key] = " ".join(map(_shortest, value.split()))
             if key == "accuracy" and not (ACCURACY.accepts(value) or value == ANY):
                 raise BadInput(f"{spelling!r}: read {value!r}; allowed: {ACCURACY.allowed}")
+        options = {key: value for key, value in options.items() if DEFAULTS.get(key) != value}
         if not integrator:
             raise BadInput(f"{spelling!r} names no integrator; allowed: INTEGRATOR or INTEGRATOR:KEY=VALUE,KEY=VALUE")
         return cls(checked_name(integrator, "integrator"), timestep, tuple(sorted(options.items())))
@@ -232,6 +236,13 @@ def choice(*words: str, kinds: frozenset[Kind] = KINDS) -> Option:
     """Return an option whose value must be one of the given words."""
     return Option(" or ".join(filter(None, (", ".join(words[:-1]), words[-1]))), words, kinds=kinds)
 
+
+#: The options of mechanisms whose joints are driven or have stops, in every engine that takes efforts at joints: who computes
+#: the laws of controllers (bodycheck, which gives the engine efforts), and the stops (the engine, or bodycheck by efforts).
+DRIVEN = {
+    "control": choice("effort", kinds=frozenset({"mechanism"})),
+    "limits": choice("engine", "effort", kinds=frozenset({"mechanism"})),
+}
 
 #: The option of integrators with error control: the relative tolerance of the error of a step. Without it, steps are fixed.
 ACCURACY = Option("a relative tolerance above 0 and at most 1", numbers=((Range(0, 1, above=True),),))

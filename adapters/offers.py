@@ -5,7 +5,7 @@ which parts of a method it does not know, and which requirements of a scene it d
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from bodycheck.adapters.contract import (
     Adapter,
@@ -19,7 +19,9 @@ from bodycheck.adapters.contract import (
     kind_of,
     single_bodies,
 )
+from bodycheck.adapters.method import DRIVEN
 from bodycheck.adapters.roles import ALIASES, resolved
+from bodycheck.adapters.scheduling import driven
 from bodycheck.adapters.stepping import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -83,6 +85,11 @@ def integrator_of(engine: Engine, method: Method) -> Integrator | None:
     return next((integrator for integrator in engine.integrators if integrator.name == method.integrator), None)
 
 
+def options_of(engine: Engine, integrator: Integrator) -> Mapping[str, Option]:
+    """Return the options of an integrator: its own, and those of driven mechanisms if the engine takes efforts at joints."""
+    return {**integrator.options, **(DRIVEN if "controllers" in engine.models else {})}
+
+
 def knows(engine: Engine, spelling: str) -> bool:
     """Return whether an engine has the integrator of a method and accepts its options and their values."""
     try:
@@ -100,12 +107,13 @@ def check(engine: Engine, method: Method) -> None:
         names = [*(each.name for each in engine.integrators), *ALIASES]
         meant = did_you_mean(method.integrator, names)
         raise BadInput(f"{engine.name} has no integrator {method.integrator!r}; there are: {', '.join(spellings)}{meant}")
+    options = options_of(engine, integrator)
     for key, value in method.options:
-        if key not in integrator.options:
-            allowed = ", ".join(integrator.options) or "none"
-            meant = did_you_mean(key, integrator.options)
+        if key not in options:
+            allowed = ", ".join(options) or "none"
+            meant = did_you_mean(key, options)
             raise BadInput(f"{engine.name} {integrator.name} has no option {key!r}; allowed: {allowed}{meant}")
-        _check_value(engine, integrator.options[key], f"{integrator.name}:{key}={value}", value)
+        _check_value(engine, options[key], f"{integrator.name}:{key}={value}", value)
 
 
 def _check_value(engine: Engine, option: Option, written: str, value: str) -> None:
@@ -127,21 +135,30 @@ def not_offered_for(engine: Engine, kind: Kind, method: Method) -> str | None:
     integrator = integrator_of(engine, method)
     if integrator is None or kind not in integrator.kinds:
         return f"has no integrator {method.name!r} for this scene"
-    idle = [f"{key}={value}" for key, value in method.options if kind not in integrator.options[key].kinds]
+    options = options_of(engine, integrator)
+    idle = [f"{key}={value}" for key, value in method.options if kind not in options[key].kinds]
     return f"has no option {', '.join(idle)} of {integrator.name!r} for this scene" if idle else None
 
 
-def not_modelled(engine: Engine, scene: AnyScene) -> str | None:
-    """Return which requirement of a scene an engine does not model; None if it models all of them.
+def not_modelled(engine: Engine, scene: AnyScene, method: Method) -> str | None:
+    """Return which requirement of a scene an engine does not model with a method; None if it models all of them.
 
     The text is a predicate whose subject is the engine: "does not model drag".
     """
-    required = missing(scene, engine.models)
+    models = engine.models
+    if method.option("limits") == "effort":
+        stops = [joint.stops for joint in scene.joints if joint.stops is not None] if isinstance(scene, Mechanism) else []
+        if not stops:
+            return f"has no use of the option limits={method.option('limits')} for a scene without limits"
+        if any(each.rigid for each in stops):
+            return "does not model rigid stops by efforts (limits=effort): efforts model elastic ones"
+        models = models | {"elastic stops"}
+    required = missing(scene, models)
     return f"does not model {required}" if required is not None else None
 
 
 def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Simulation:
-    """Return one simulation of one or more scenes.
+    """Return one simulation of one or more scenes; controllers drive the joints of a mechanism.
 
     An engine with batching steps several single bodies together if they differ only in their initial states and in the
     properties that `Engine.varies` names, and have the same requirements. All other scenes are stepped one after another.
@@ -153,10 +170,10 @@ def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Sim
         raise SceneUnsupported("mechanisms and bodies that touch are simulated one by one")
     groups = _groups(adapter.engine, scenes)
     for group in groups:
-        if (lacking := not_modelled(adapter.engine, scenes[group[0]])) is not None:
+        if (lacking := not_modelled(adapter.engine, scenes[group[0]], method)) is not None:
             raise SceneUnsupported(f"{adapter.engine.name} {lacking}")
     if len(groups) == 1:
-        return adapter.prepare(scenes, method)
+        return driven(adapter.prepare(scenes, method), scenes[0], method)
     return InTurn([(group, adapter.prepare([scenes[index] for index in group], method)) for group in groups])
 
 

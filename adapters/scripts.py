@@ -4,6 +4,11 @@ import inspect
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from bodycheck.adapters import control_laws, driving
+from bodycheck.adapters.contract import Method
+from bodycheck.reference.mechanisms import control
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+
 #: The names of the columns that a script prints: time (s), then the columns of `Simulation.advance`.
 COLUMNS = "t,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 
@@ -87,6 +92,77 @@ def source(*functions: Callable[..., Any]) -> str:
     A script that begins with `FUTURE` does not evaluate their annotations.
     """
     return "\n\n".join(inspect.getsource(function) for function in functions)
+
+
+#: The lines of a script that define what drives the joints of a mechanism.
+CONTROLS = """
+import math
+from bisect import bisect_right
+from collections import deque
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+SLACK = {slack!r}
+
+
+{source}
+
+
+# Pairs of the number of a driven joint, and its controller or its elastic stops.
+CONTROLLERS = {controllers}
+STOPS = {stops}
+controls = Controls({count}, CONTROLLERS, STOPS, True)
+"""
+
+#: The lines of a script that take the steps to the next sample of a driven mechanism.
+DRIVEN_ADVANCE = """\
+while done < step:
+    controls.exert(done * Fraction(TIMESTEP), {state}, joints.apply)
+    following = controls.following(done, step, TIMESTEP)
+{advance}
+    done = following"""
+
+
+def controls_of(mechanism: Mechanism, method: Method) -> str:
+    """Return the lines that define the object `controls` of a simulation that obeys laws at its stages; empty if none drive it.
+
+    The lines of the engine need an object `joints` with the methods of `bodycheck.adapters.contract.Staged`.
+    """
+    controls = driving.controls_of(mechanism, method, staged=True)
+    if not controls.samplers and not controls.continuous:
+        return ""
+    sampled = [(each.index, each.controller) for each in controls.samplers]
+    controllers = [*sampled, *((each.index, each.controller) for each in controls.followers)]
+    laws = (
+        control_laws.value_of,
+        control_laws.integral_of,
+        control_laws.saturated,
+        control_laws.effort_of,
+        control_laws.push_of,
+    )
+    return CONTROLS.format(
+        slack=driving.SLACK,
+        source=source(
+            *(control.Sine, control.Samples, control.Controller, control.Stops),
+            *(*laws, driving.Sampler, driving.Follower, driving.Controls),
+        ),
+        controllers=f"[{', '.join(map(repr, controllers))}]",
+        stops=f"[{', '.join(map(repr, controls.stops))}]",
+        count=controls.count,
+    )
+
+
+def driven_advance(advance: str, state: str = "joints.state") -> str:
+    """Return the lines that take the steps of a driven mechanism to the next sample.
+
+    Parameters
+    ----------
+    advance
+        Lines that take `following - done` steps.
+    state
+        An expression for the function that returns the state of the driven joints.
+    """
+    return DRIVEN_ADVANCE.format(advance=indented(advance), state=state)
 
 
 #: The first statement of a script.

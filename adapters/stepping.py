@@ -6,7 +6,17 @@ from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, ErrorControlled, Normalising, Signals, Simulation, Strides, Work, single
+from bodycheck.adapters.contract import (
+    EngineDiverged,
+    ErrorControlled,
+    Law,
+    Normalising,
+    Signals,
+    Simulation,
+    Strides,
+    Work,
+    single,
+)
 from bodycheck.reference.trajectory import Array
 
 State = TypeVar("State")
@@ -196,6 +206,79 @@ class NormalisedControl(Normalised):
     def reach(self, times: Array) -> Array:
         """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
         return self._normalised_of(lambda: self.simulation.reach(times))
+
+    def finish(self, time: float) -> None:
+        """Step to a time (s), as `ErrorControlled.finish` does."""
+        self.simulation.finish(time)
+
+    @property
+    def work(self) -> Work:
+        """The work of the engine since the start."""
+        return self.simulation.work
+
+
+@dataclass
+class Taking:
+    """A simulation of one mechanism whose joints take efforts, as `bodycheck.adapters.contract.Driven`.
+
+    Parameters
+    ----------
+    simulation
+        The simulation of the engine.
+    read
+        Returns the coordinates and velocities (j,) of the driven joints.
+    exert
+        Exerts efforts (j,) on them from now on.
+    """
+
+    simulation: Simulation
+    read: Callable[[], tuple[Array, Array]]
+    exert: Callable[[Array], None]
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        return self.simulation.advance(strides)
+
+    def state(self) -> tuple[Array, Array]:
+        """Return the coordinates and velocities (j,) of the driven joints."""
+        return self.read()
+
+    def apply(self, efforts: Array) -> None:
+        """Exert efforts (j,) from now on."""
+        self.exert(efforts)
+
+    @property
+    def quaternion_norm_error(self) -> float:
+        """The largest deviation from 1 of the norm of a quaternion, as in `Normalising`; zero if the engine normalises them."""
+        return self.simulation.quaternion_norm_error if isinstance(self.simulation, Normalising) else 0.0
+
+
+@dataclass
+class TakingLaws(Taking):
+    """A simulation of one mechanism that obeys laws at its stages, as `bodycheck.adapters.contract.Staged`.
+
+    Parameters
+    ----------
+    follow
+        Exerts from now on the efforts of a law, in addition to those of `exert`.
+    """
+
+    follow: Callable[[Law], None]
+
+    def obey(self, law: Law) -> None:
+        """Exert from now on the efforts of a law, evaluated at each stage."""
+        self.follow(law)
+
+
+@dataclass
+class TakingControl(Taking):
+    """A simulation of one mechanism with error control whose joints take efforts."""
+
+    simulation: ErrorControlled
+
+    def reach(self, times: Array) -> Array:
+        """Return the states (1, n, bodies, 13) at times (n,), as `ErrorControlled.reach` does."""
+        return self.simulation.reach(times)
 
     def finish(self, time: float) -> None:
         """Step to a time (s), as `ErrorControlled.finish` does."""

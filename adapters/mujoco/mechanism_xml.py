@@ -13,14 +13,16 @@ the attitude of the body's frame in the file. A joint of the file becomes:
 
 A body without mass between two joints is no body of MuJoCo: both joints are joints of the body behind it; see `massless`.
 
-Armature, damping, stiffness with `springref`, and `frictionloss` are attributes of a joint. A loop is a `connect` between two
-sites, and the rule of a joint that follows another one is an equality `joint`. Both are soft constraints. Angles are in
-radians, and `balanceinertia` is off, so that MuJoCo refuses inertias that it cannot use instead of changing them.
+Armature, damping, stiffness with `springref`, and `frictionloss` are attributes of a joint; `limits` has those of stops. A loop
+is a `connect` between two sites, and the rule of a joint that follows another one is an equality `joint`. Both are soft
+constraints. Angles are in radians, and `balanceinertia` is off, so that MuJoCo refuses inertias that it cannot use instead of
+changing them.
 
 An option that is not given is not written into the XML, and keeps the default of the installed MuJoCo. The keys are:
 
 - solref, solimp: the stiffness and the softness of the constraints that close loops and that make joints follow others.
 - solreffriction, solimpfriction: the stiffness and the softness of the dry friction of joints.
+- solreflimit, solimplimit: the stiffness and the softness of the limits of joints.
 - noslip: the number of iterations of MuJoCo's noslip solver, which acts on dry friction.
 - eulerdamp: with `disable`, `Euler` computes the damping of joints from the velocity before the step, else from the velocity
   after the step.
@@ -28,12 +30,14 @@ An option that is not given is not written into the XML, and keeps the default o
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
+from bodycheck.adapters.mujoco.limits import attributes, limited
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 
@@ -50,6 +54,8 @@ OPTIONS: dict[str, Option] = {
     },
     "solreffriction": replace(contact.OPTIONS["solref"], kinds=JOINTED),
     "solimpfriction": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
+    "solreflimit": replace(contact.OPTIONS["solref"], kinds=JOINTED),
+    "solimplimit": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
 }
 
 #: The requirements of mechanisms that are soft constraints, and the options of their softness.
@@ -57,6 +63,8 @@ SOFT = {
     "loops": "solref, solimp",
     "mimic joints": "solref, solimp",
     "joint friction": "solreffriction, solimpfriction",
+    "rigid stops": "solreflimit, solimplimit",
+    "elastic stops": "solreflimit, solimplimit",
 }
 
 #: The options of `Euler` for a mechanism.
@@ -74,11 +82,20 @@ PARTS: dict[str, tuple[tuple[str, str], ...]] = {
     "planar": (("slide", "x"), ("slide", "y"), ("hinge", "z")),
 }
 
+#: The attributes of joints beyond those of their own numbers, by the names of the joints.
+More = Mapping[str, Mapping[str, str]]
+
 #: The three hinges that replace a ball.
 THREE_HINGES = (("hinge", "x"), ("hinge", "y"), ("hinge", "z"))
 
 
-def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> str:
+def document(
+    mechanism: Mechanism,
+    timestep: float,
+    integrator: str,
+    chosen: Mapping[str, str],
+    inverse_inertias: Mapping[str, float] = MappingProxyType({}),
+) -> str:
     """Return the XML of a mechanism.
 
     Parameters
@@ -89,6 +106,8 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
         The time step (s) and MuJoCo's name of the integrator.
     chosen
         The options of the method, keyed by their names.
+    inverse_inertias
+        `dof_invweight0` of joints by their names; elastic stops of other joints have the softness for 1.
 
     Raises
     ------
@@ -105,15 +124,21 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     option = {"timestep": repr(timestep), "integrator": integrator, "gravity": numbers_written(0, 0, -mechanism.gravity)}
     if "noslip" in chosen:
         option["noslip_iterations"] = chosen["noslip"]
-    flags = {"contact": "disable"} if constrained(mechanism) else {"contact": "disable", "constraint": "disable"}
+    limits = {
+        joint.name: attributes(joint, timestep, chosen, inverse_inertias.get(joint.name, 1.0))
+        for joint in limited(mechanism, chosen)
+    }
+    held = constrained(mechanism) or bool(limits)
+    flags = {"contact": "disable"} if held else {"contact": "disable", "constraint": "disable"}
     if "eulerdamp" in chosen:
         flags["eulerdamp"] = chosen["eulerdamp"]
     ElementTree.SubElement(ElementTree.SubElement(root, "option", option), "flag", flags)
     friction = {key: chosen[key] for key in ("solreffriction", "solimpfriction") if key in chosen}
+    more = {joint.name: limits.get(joint.name, {}) | (friction if joint.friction else {}) for joint in mechanism.joints}
     elements = {WORLD: ElementTree.SubElement(root, "worldbody")}
     for index, seat in seats(mechanism, depth_first(mechanism)).items():
         parent, joint = elements[seat.parent], mechanism.joint_of[index]
-        elements[index] = add_body(parent, mechanism.bodies[index], joint, seat, friction, hinges)
+        elements[index] = add_body(parent, mechanism.bodies[index], joint, seat, more, hinges)
     add_equalities(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
@@ -126,24 +151,26 @@ def constrained(mechanism: Mechanism) -> bool:
 
 def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> None:
     """Raise `SceneUnsupported` for options without an effect, and for a time constant that MuJoCo would raise."""
-    rubbing = any(joint.friction for joint in mechanism.joints)
+    rubbing, stopped = any(joint.friction for joint in mechanism.joints), bool(limited(mechanism, chosen))
     held = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
     for key, present, lacking in (
         ("solref", held, "loops and mimic joints"),
         ("solimp", held, "loops and mimic joints"),
         ("solreffriction", rubbing, "dry friction"),
         ("solimpfriction", rubbing, "dry friction"),
+        ("solreflimit", stopped, "limits"),
+        ("solimplimit", stopped, "limits"),
         ("noslip", rubbing, "dry friction"),
         ("eulerdamp", any(joint.damping for joint in mechanism.joints), "damping"),
     ):
         if key in chosen and not present:
             raise SceneUnsupported(f"the option {key}={chosen[key]} for a mechanism without {lacking}")
-    for key in ("solref", "solreffriction"):
+    for key in ("solref", "solreffriction", "solreflimit"):
         contact.check_time_constant(chosen, contact.shortest_time_constant(integrator, timestep), key)
 
 
 def add_body(
-    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, seat: "Seat", friction: Mapping[str, str], hinges: bool
+    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, seat: "Seat", more: More, hinges: bool
 ) -> ElementTree.Element:
     """Add a body, with its joints and its inertia, to the element of its parent, and return its element.
 
@@ -157,7 +184,7 @@ def add_body(
         ElementTree.SubElement(element, "freejoint", {} if joint is None else {"name": joint.name})
     else:
         for mounted in seat.joints:
-            add_joints(element, mounted, friction, hinges)
+            add_joints(element, mounted, more[mounted.joint.name], hinges)
     inertia = exact.nearest_inertia(body)
     inertial = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
     if any(inertia.tensor[3:]):
@@ -179,8 +206,8 @@ def parts_of(joint: Joint, hinges: bool) -> tuple[tuple[str, str], ...]:
     return THREE_HINGES if hinges and joint.type == "spherical" else PARTS[joint.type]
 
 
-def add_joints(element: ElementTree.Element, mounted: "Mounted", friction: Mapping[str, str], hinges: bool) -> None:
-    """Add the MuJoCo joints that make up a joint to the element of the body that they move."""
+def add_joints(element: ElementTree.Element, mounted: "Mounted", more: Mapping[str, str], hinges: bool) -> None:
+    """Add the MuJoCo joints that make up a joint, with more attributes, to the element of the body that they move."""
     joint = mounted.joint
     numbers = {
         "armature": joint.armature,
@@ -195,7 +222,7 @@ def add_joints(element: ElementTree.Element, mounted: "Mounted", friction: Mappi
         attributes = {"name": name, "type": kind} | anchor
         if axis:
             attributes["axis"] = numbers_written(*mounted.axis(axis))
-        ElementTree.SubElement(element, "joint", attributes | written | (dict(friction) if joint.friction else {}))
+        ElementTree.SubElement(element, "joint", attributes | written | dict(more))
 
 
 def add_equalities(

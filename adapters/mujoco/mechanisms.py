@@ -18,10 +18,12 @@ import numpy as np
 from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
+from bodycheck.adapters.mujoco import driving, limits
 from bodycheck.adapters.mujoco.exporting import ADVANCE
 from bodycheck.adapters.mujoco.mechanism_xml import document, names_of_parts
 from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import Stepper
+from bodycheck.adapters.stepping import TakingLaws
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, Mechanism
 from bodycheck.reference.trajectory import Array
@@ -31,7 +33,7 @@ MODELS = frozenset(
     {
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
         *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
-        *("point masses", "massless bodies", "mimic joints"),
+        *("point masses", "massless bodies", "mimic joints", "controllers", "rigid stops", "elastic stops"),
     }
 )
 
@@ -56,7 +58,7 @@ data.qfrc_applied[:] = {applied}
 {source}
 
 {frames}states = states_of(frames, BODIES)
-{loop}'''
+{driven}{loop}'''
 
 
 #: The lines of a script that define the model from which the poses of bodies come.
@@ -70,14 +72,28 @@ frames = mujoco.MjModel.from_xml_string(r\"\"\"
 """,
 )
 
+#: The lines of a script that define the driven joints, whose laws are passive forces for MuJoCo.
+DRIVEN = """\
+{controls}
 
-def prepare(mechanism: Mechanism, method: Method) -> Stepper:
+{source}
+
+joints = Actuated(model, data, {names})
+if controls.continuous:
+    joints.follow(controls.law)
+    mujoco.set_mjcb_passive(joints.force)
+"""
+
+
+def prepare(mechanism: Mechanism, method: Method) -> Stepper | TakingLaws:
     """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
+    names = [mechanism.joints[joint].name for joint in mechanism.driven]
     mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
-    return Stepper(model, data, seen_states(mechanism, xml, method.option("model") == "three-hinges"))
+    stepper = Stepper(model, data, seen_states(mechanism, xml, method.option("model") == "three-hinges"))
+    return driving.driven(stepper, names) if names else stepper
 
 
 def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
@@ -86,7 +102,11 @@ def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
     mechanism_models.check(mechanism, chosen.get("model"))
     if chosen.get("model") == "free-bodies":
         mechanism = mechanism_models.free_bodies(mechanism)
-    return mechanism, document(mechanism, method.timestep, method.integrator, chosen)
+    xml = document(mechanism, method.timestep, method.integrator, chosen)
+    if elastic := tuple(joint for joint in limits.limited(mechanism, chosen) if joint.stops and not joint.stops.rigid):
+        inverses = limits.inverse_inertias(compiled_model(xml), elastic)
+        xml = document(mechanism, method.timestep, method.integrator, chosen, inverses)
+    return mechanism, xml
 
 
 def seen_states(mechanism: Mechanism, xml: str, hinges: bool = False) -> Callable[[Array], Array]:
@@ -108,6 +128,7 @@ def frames_xml(mechanism: Mechanism, xml: str, hinges: bool) -> str:
 
 def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
+    drive, names = scripts.controls_of(mechanism, method), [mechanism.joints[joint].name for joint in mechanism.driven]
     mechanism, xml = described(mechanism, method)
     xml_of_frames = frames_xml(mechanism, xml, method.option("model") == "three-hinges")
     model = compiled_model(xml)
@@ -123,7 +144,11 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         applied=scripts.written(data.qfrc_applied),
         source=scripts.source(conjugate, rotate, states_of),
         frames=SAME_FRAMES if xml_of_frames == xml else OWN_FRAMES.format(xml=xml_of_frames),
-        loop=scripts.mechanism_loop(ADVANCE, "states(np.concatenate([data.qpos, data.qvel])[None])[0]"),
+        driven=DRIVEN.format(controls=drive, source=scripts.source(driving.Actuated), names=names) if drive else "",
+        loop=scripts.mechanism_loop(
+            scripts.driven_advance("mujoco.mj_step(model, data, following - done)") if drive else ADVANCE,
+            "states(np.concatenate([data.qpos, data.qvel])[None])[0]",
+        ),
     )
 
 

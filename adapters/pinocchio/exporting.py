@@ -18,7 +18,7 @@ import pinocchio as pin
 {body}
 
 
-def acceleration(q, v):
+def acceleration(q, v, passed):
     force = np.zeros(model.nv)
 {drag}    return np.asarray(pin.aba(model, data, q, v, force))
 

@@ -119,13 +119,13 @@ def workspace(coordinates: Coordinates, count: int) -> pin.Data:
 
 
 def acceleration_of(scene: Scene, model: pin.Model, data: pin.Data, count: int) -> Acceleration:
-    """Return the accelerations of `count` bodies, under gravity and the drag of a scene, as a function of q and v."""
+    """Return the accelerations of `count` bodies, under gravity and the drag of a scene, for the schemes."""
     nothing = np.zeros(model.nv)
 
-    def free(q: Array, v: Array) -> object:
+    def free(q: Array, v: Array, passed: float) -> object:
         return pin.aba(model, data, q, v, nothing)
 
-    def resisted(q: Array, v: Array) -> object:
+    def resisted(q: Array, v: Array, passed: float) -> object:
         # The generalized force of -k |v| v at the centre of mass acts only on the linear velocity.
         force = np.zeros((count, model.nv // count))
         linear = v.reshape(count, -1)[:, :3]

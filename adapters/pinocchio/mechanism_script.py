@@ -8,6 +8,7 @@ import pinocchio as pin
 from bodycheck.adapters import scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.pinocchio import mechanisms
+from bodycheck.adapters.pinocchio.driving import Actuated, Indices
 from bodycheck.adapters.pinocchio.mechanism_model import Built, built
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, rk4, transport
 from bodycheck.reference.kinematics import rotate
@@ -45,7 +46,7 @@ FORCES = [
 {rules}
 
 {source}
-
+{driven}
 data = model.createData()
 forces = {forces_of}
 {acceleration}
@@ -69,6 +70,17 @@ RULES = [
 ]
 """
 
+#: The lines of a script that define the driven joints.
+DRIVEN = """
+{controls}
+
+{source}
+
+joints = Actuated(forces_of(*FORCES), {in_q}, {in_v}, len(FORCES[0]), TIMESTEP)
+if controls.continuous:
+    joints.obey(controls.law)
+"""
+
 
 def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for Pinocchio alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
@@ -78,10 +90,12 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
     followers = bool(built_mechanism.followers)
     dynamics: list[Callable[..., Any]]
     if followers:
-        dynamics = [mechanisms.with_followers, mechanisms.coupled]
+        dynamics = [mechanisms.all_joints, mechanisms.with_followers, mechanisms.coupled]
     else:
         dynamics = [mechanisms.constrained if mechanism.loops else mechanisms.unconstrained]
+    drive = scripts.controls_of(mechanism, method)
     needed = [transport, scheme] if scheme is rk4 else [scheme]
+    forces = "joints.total" if drive else "forces_of(*FORCES)"
     return SCRIPT.format(
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
@@ -97,13 +111,31 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         forces=arrays(mechanisms.joint_numbers(mechanism, built_mechanism)),
         rules=RULES.format(arrays(mechanisms.rules_of(built_mechanism))) if followers else "",
         source=scripts.source(rotate, mechanisms.forces_of, *dynamics, mechanisms.states_of, *needed),
-        forces_of="with_followers(forces_of(*FORCES), *RULES)" if followers else "forces_of(*FORCES)",
+        driven=driven_lines(drive, mechanism, built_mechanism),
+        forces_of=f"with_followers({forces}, *RULES)" if followers else forces,
         acceleration=acceleration_line(mechanism, built_mechanism, method),
         loop=scripts.mechanism_loop(
-            f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, step_length)",
+            advance_lines(scheme.__name__, bool(drive), followers),
             "states(q[None], v[None])[0]",
         ),
     )
+
+
+def driven_lines(controls: str, mechanism: Mechanism, built_mechanism: Built) -> str:
+    """Return the lines that define the driven joints, from those that define what drives them, which may be empty."""
+    if not controls:
+        return ""
+    in_q, in_v = map(array, mechanisms.driven_joints(mechanism, built_mechanism))
+    return DRIVEN.format(controls=controls, source=scripts.source(Actuated), in_q=in_q, in_v=in_v)
+
+
+def advance_lines(scheme: str, driven: bool, followers: bool) -> str:
+    """Return the lines that take the steps to the next sample. scheme: the name of its function."""
+    step = f"{scheme}(model, acceleration, q, v, step_length)"
+    if not driven:
+        return f"for _ in range(step - done):\n    q, v = {step}"
+    state = "lambda: joints.state(*all_joints(*RULES)(q, v))" if followers else "lambda: joints.state(q, v)"
+    return scripts.driven_advance(f"for _ in range(following - done):\n    q, v = joints.count({step})", state)
 
 
 def joint_lines(built_mechanism: Built) -> str:
@@ -153,11 +185,11 @@ def placed(frame: pin.SE3) -> str:
     return f"place({scripts.written(frame.rotation.ravel())}, {scripts.written(frame.translation)})"
 
 
-def array(numbers: Array | mechanisms.Indices) -> str:
+def array(numbers: Array | Indices) -> str:
     """Return an array as a Python expression."""
     return f"np.array({numbers.tolist()})"
 
 
-def arrays(numbers: Sequence[Array | mechanisms.Indices]) -> str:
+def arrays(numbers: Sequence[Array | Indices]) -> str:
     """Return the lines of a list of arrays."""
     return "\n".join(f"    {array(each)}," for each in numbers)

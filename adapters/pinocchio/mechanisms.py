@@ -7,7 +7,7 @@ the equations of motion, whose mass matrix and forces `rnea` gives, which does s
 is wrong in Pinocchio 4.1.0 if a joint that follows another one carries two branches (`claims/pinocchio/mimic_dynamics.py`).
 
 Pinocchio takes armature from the model. All other effects in joints are forces that users of Pinocchio add to `tau`. They are
-evaluated with each acceleration: damping, springs, constant efforts, and dry friction of constant size against the velocity.
+evaluated with each acceleration: damping, springs, efforts, and dry friction of constant size against the velocity.
 This friction is zero at rest, and near rest it changes its sign in each step, so that a joint that should stay at rest
 trembles, and creeps if another force loads it.
 """
@@ -16,14 +16,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from bodycheck.adapters import mechanism_models
 from bodycheck.adapters.contract import Method, Option, Range, SceneUnsupported
+from bodycheck.adapters.pinocchio.driving import Actuated, Forces, Indices
 from bodycheck.adapters.pinocchio.joints import UNIVERSE
 from bodycheck.adapters.pinocchio.mechanism_model import Built, built
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Acceleration
-from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.stepping import Loop, TakingLaws
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import VELOCITIES
@@ -35,7 +35,7 @@ MODELS = frozenset(
     {
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
         *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
-        *("point masses", "massless bodies", "mimic joints"),
+        *("point masses", "massless bodies", "mimic joints", "controllers"),
     }
 )
 
@@ -58,21 +58,20 @@ ACCURACY = (1e-14, 1e-6, 20)
 #: number of bytes that they may have.
 TENSORS, MOST_MEMORY = 8, 2 * 2**30
 
-#: Indices in an array.
-Indices = NDArray[np.int64]
-
 #: The ends of a loop: a joint and the point (3,) in its frame (m), twice.
 Ends = tuple[int, Array, int, Array]
 
 
-def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
+def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]] | TakingLaws:
     """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     scheme, body_twist = SCHEMES[method.integrator]
     mechanism = modelled(mechanism, method)
     built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
     model, nq = built_mechanism.model, built_mechanism.model.nq
     check_memory(model)
-    data, forces = model.createData(), forces_of(*joint_numbers(mechanism, built_mechanism))
+    data, numbers = model.createData(), joint_numbers(mechanism, built_mechanism)
+    joints = Actuated(forces_of(*numbers), *driven_joints(mechanism, built_mechanism), len(numbers[0]), method.timestep)
+    forces = joints.total if mechanism.driven else joints.forces
     if built_mechanism.followers:
         acceleration = coupled(model, data, with_followers(forces, *rules_of(built_mechanism)))
     elif mechanism.loops:
@@ -80,12 +79,16 @@ def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
     else:
         acceleration = unconstrained(model, data, forces)
     step, rows = np.full(model.nv, method.timestep), states_of(model, data, built_mechanism.places, centres_of(mechanism))
-    return Loop(
+    loop = Loop(
         (built_mechanism.q, built_mechanism.v),
-        lambda state: scheme(model, acceleration, *state, step),
+        lambda state: joints.count(scheme(model, acceleration, *state, step)),
         lambda state: np.concatenate(state),
         lambda seen: rows(seen[:, :nq], seen[:, nq:]),
     )
+    if not mechanism.driven:
+        return loop
+    of_all = all_joints(*rules_of(built_mechanism)) if built_mechanism.followers else in_model
+    return TakingLaws(loop, lambda: joints.state(*of_all(*loop.state)), joints.apply, joints.obey)
 
 
 def check_memory(model: pin.Model) -> None:
@@ -115,6 +118,24 @@ def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
     return mechanism
 
 
+def indices_of(mechanism: Mechanism, built_mechanism: Built) -> list[tuple[int, int]]:
+    """Return the first indices of each joint in the coordinates and in the velocities of all joints.
+
+    The coordinates and velocities of joints that follow others are behind those of the model.
+    """
+    model, first = built_mechanism.model, list(built_mechanism.first)
+    for number, follower in enumerate(built_mechanism.followers):
+        first[follower.of_mechanism] = model.nq + number, model.nv + number
+    return first
+
+
+def driven_joints(mechanism: Mechanism, built_mechanism: Built) -> tuple[Indices, Indices]:
+    """Return the indices of the driven joints in the coordinates and in the velocities of all joints."""
+    indices = indices_of(mechanism, built_mechanism)
+    in_q, in_v = np.array([indices[joint] for joint in mechanism.driven], dtype=np.int64).reshape(-1, 2).T
+    return in_q, in_v
+
+
 def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
     """Return efforts, dampings, stiffnesses, rests and frictions of joints, and the indices in q of their coordinates.
 
@@ -124,25 +145,20 @@ def joint_numbers(mechanism: Mechanism, built_mechanism: Built) -> tuple[Array, 
     model, followers = built_mechanism.model, built_mechanism.followers
     effort, damping, stiffness, rest, friction = (np.zeros(model.nv + len(followers)) for _ in range(5))
     position = np.zeros(model.nv + len(followers), dtype=np.int64)
-    first = list(built_mechanism.first)
-    for number, follower in enumerate(followers):
-        first[follower.of_mechanism] = model.nq + number, model.nv + number
-    for joint, (in_q, in_v) in zip(mechanism.joints, first, strict=True):
+    for joint, (in_q, in_v) in zip(mechanism.joints, indices_of(mechanism, built_mechanism), strict=True):
         of_joint = slice(in_v, in_v + VELOCITIES[joint.type])
         damping[of_joint], friction[of_joint], effort[of_joint] = joint.damping, joint.friction, joint.effort
         stiffness[of_joint], rest[of_joint], position[of_joint] = joint.stiffness, joint.rest, in_q
     return effort, damping, stiffness, rest, friction, position
 
 
-def forces_of(
-    effort: Array, damping: Array, stiffness: Array, rest: Array, friction: Array, position: Indices
-) -> Callable[[Array, Array], Array]:
+def forces_of(effort: Array, damping: Array, stiffness: Array, rest: Array, friction: Array, position: Indices) -> Forces:
     """Return the forces on joints as a function of their coordinates and velocities, from the numbers of `joint_numbers`."""
     if not (damping.any() or stiffness.any() or friction.any()):
-        return lambda q, v: effort
+        return lambda q, v, passed: effort
     rubbing = bool(friction.any())
 
-    def forces(q: Array, v: Array) -> Array:
+    def forces(q: Array, v: Array, passed: float) -> Array:
         total = effort - damping * v - stiffness * (q[position] - rest)
         return total - friction * np.sign(v) if rubbing else total
 
@@ -157,16 +173,26 @@ def rules_of(built_mechanism: Built) -> tuple[Array, Array, Indices, Indices]:
     return ratio, offset, in_q, in_v
 
 
-def with_followers(
-    forces: Callable[[Array, Array], Array], ratio: Array, offset: Array, in_q: Indices, in_v: Indices
-) -> Callable[[Array, Array], Array]:
+def all_joints(ratio: Array, offset: Array, in_q: Indices, in_v: Indices) -> Callable[[Array, Array], tuple[Array, Array]]:
+    """Return the function from q and v to the coordinates and velocities of all joints, of which the last k follow others."""
+    return lambda q, v: (np.concatenate([q, ratio * q[in_q] + offset]), np.concatenate([v, ratio * v[in_v]]))
+
+
+def in_model(q: Array, v: Array) -> tuple[Array, Array]:
+    """Return q and v, which are the coordinates and velocities of all joints if none follows another."""
+    return q, v
+
+
+def with_followers(forces: Forces, ratio: Array, offset: Array, in_q: Indices, in_v: Indices) -> Forces:
     """Return the forces (nv,) as a function of q and v, from those on all joints, of which the last k follow others.
 
     The force on a joint that follows another acts on the other with the ratio of their velocities.
     """
 
-    def total(q: Array, v: Array) -> Array:
-        of_all = forces(np.concatenate([q, ratio * q[in_q] + offset]), np.concatenate([v, ratio * v[in_v]]))
+    extended = all_joints(ratio, offset, in_q, in_v)
+
+    def total(q: Array, v: Array, passed: float) -> Array:
+        of_all = forces(*extended(q, v), passed)
         on_model = of_all[: len(v)].copy()
         np.add.at(on_model, in_v, ratio * of_all[len(v) :])
         return on_model
@@ -174,21 +200,21 @@ def with_followers(
     return total
 
 
-def coupled(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:
+def coupled(model: pin.Model, data: pin.Data, forces: Forces) -> Acceleration:
     """Return the accelerations of a mechanism with mimic joints: the solution of its equations of motion."""
     still, units = np.zeros(model.nv), np.eye(model.nv)
 
-    def acceleration(q: Array, v: Array) -> Array:
+    def acceleration(q: Array, v: Array, passed: float) -> Array:
         at_rest = pin.rnea(model, data, q, still, still).copy()
         inertia = np.array([pin.rnea(model, data, q, still, unit) - at_rest for unit in units])
-        return np.linalg.solve(inertia, forces(q, v) - pin.rnea(model, data, q, v, still))
+        return np.linalg.solve(inertia, forces(q, v, passed) - pin.rnea(model, data, q, v, still))
 
     return acceleration
 
 
-def unconstrained(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:
+def unconstrained(model: pin.Model, data: pin.Data, forces: Forces) -> Acceleration:
     """Return the accelerations of a mechanism without loops by the articulated-body algorithm."""
-    return lambda q, v: pin.aba(model, data, q, v, forces(q, v))
+    return lambda q, v, passed: pin.aba(model, data, q, v, forces(q, v, passed))
 
 
 def ends_of(mechanism: Mechanism, built_mechanism: Built) -> tuple[Ends, ...]:
@@ -213,7 +239,7 @@ def gains_of(method: Method) -> tuple[float, float] | None:
 def constrained(
     model: pin.Model,
     data: pin.Data,
-    forces: Callable[[Array, Array], Array],
+    forces: Forces,
     ends: Sequence[Ends],
     gains: tuple[float, float] | None,
     accuracy: tuple[float, float, int],
@@ -234,7 +260,9 @@ def constrained(
     except TypeError:  # before Pinocchio 4 it did not take the data of the constraints
         pin.initConstraintDynamics(model, data, constraints)
     settings = pin.ProximalSettings(*accuracy)
-    return lambda q, v: pin.constraintDynamics(model, data, q, v, forces(q, v), constraints, datas, settings).copy()
+    return lambda q, v, passed: pin.constraintDynamics(
+        model, data, q, v, forces(q, v, passed), constraints, datas, settings
+    ).copy()
 
 
 def centres_of(mechanism: Mechanism) -> Array:

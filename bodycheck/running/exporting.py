@@ -87,7 +87,8 @@ def written(question: Question) -> str | NoScript:
     """Return the script of a run, or the reason why there is none. This imports the engine into the process."""
     adapter, case, method = registry.load(question.engine), question.case, question.method
     named = in_words(question.engine, adapter.engine.version)
-    lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)
+    record, scene = adapter.engine, case.scene
+    lacking = offers.not_offered(record, scene, method) or offers.not_modelled(record, scene, method)
     if lacking is not None:
         return NoScript(f"{named} {lacking}")
     if not isinstance(adapter, Scripts):

@@ -132,7 +132,7 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
         return Unsupported(f"{named} {lacking}")
     if (missing := missing_model(scene)) is not None:
         return Unsupported(f"the reference does not model {missing}")
-    if (lacking := offers.not_modelled(adapter.engine, scene)) is not None:
+    if (lacking := offers.not_modelled(adapter.engine, scene, method)) is not None:
         return Unsupported(f"{named} {lacking}")
     given = _given(scene, float(times[-1]))
     simulation = offers.prepare(adapter, [given], method)

@@ -114,8 +114,11 @@ def _largest_in_mechanism(mechanism: Mechanism, trajectory: Trajectory, duration
 
     Let E be the kinetic energy plus the energy of the springs. Gravity works at the rate -g P_z, which is at most g sqrt(2 M E)
     with the mass M of all bodies, so that sqrt(E) grows by at most g sqrt(M / 2) a second. Constant efforts add at most their
-    work over the largest displacements of the run. Damping and friction only remove energy.
+    work over the largest displacements of the run. Damping, friction and stops only remove energy. The work of controllers has
+    no bound.
     """
+    if mechanism.controllers:
+        return math.inf
     seen = observe_mechanism(mechanism, initial(mechanism))
     springs = sum(joint.stiffness * (joint.start[0] - joint.rest) ** 2 / 2 for joint in mechanism.joints if joint.stiffness)
     growth = mechanism.gravity * np.sqrt(float(masses(mechanism).sum()) / 2) * duration

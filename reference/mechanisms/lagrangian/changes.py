@@ -20,6 +20,9 @@ from bodycheck.reference.mechanisms.lagrangian.system import Modes, System, valu
 #: The numbers of roundings up to which forces in an integrated state are equal, and up to which velocities are zero.
 ROUNDINGS, STOPPED = 2.0**12, 2.0**5
 
+#: The number of roundings of the terms of a guard up to which it is zero.
+NOISE = 2.0**8
+
 #: The part of the bounds of a force, or of its inertia, within which doubles do not tell whether an element is held.
 DOUBTFUL = 1e-9
 
@@ -66,7 +69,7 @@ def _exact(value: Any) -> Number:
 
 
 def guard_values(system: System, modes: Modes, state: WideArray) -> dict[tuple[int, str], tuple[Any, float]]:
-    """The values of the guards of limits and stops in a state, and the sizes of their terms, by element and name."""
+    """The values of the guards of limits and stops in a state, and what may be rounding of each, by element and name."""
     chosen = {pair: node for pair, node in system.guards.items() if pair[1] not in ("high", "low", "rest")}
     if not chosen:
         return {}
@@ -74,7 +77,8 @@ def guard_values(system: System, modes: Modes, state: WideArray) -> dict[tuple[i
     arithmetic = ((lambda value: value if isinstance(value, np.floating) else rounded(MP.mpf(value), state)), np)
     values = values_of(system.structure, list(chosen.values()), state, parameters, arithmetic)
     sizes = values_of(system.structure, list(chosen.values()), state, parameters, (_Size.of, _Size))
-    return {pair: (value, size.value) for pair, value, size in zip(chosen, values, sizes, strict=True)}
+    rounding = NOISE * float(np.finfo(state.dtype).eps)
+    return {pair: (value, rounding * size.value) for pair, value, size in zip(chosen, values, sizes, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -154,9 +158,14 @@ def _with_forces(
 
 def signed(system: System, modes: Modes, state: WideArray) -> tuple[Modes, frozenset[tuple[int, str]]]:
     """The modes with the signs of guards in a state, -1 for a guard that is zero, and the guards that are zero."""
-    values = {pair: value for pair, (value, _) in guard_values(system, modes, state).items()}
-    signs = {pair: _sign(value) or -1 for pair, value in values.items() if pair[1] in switching(system.laws[pair[0]])}
-    return replace(modes, signs=signs), frozenset(pair for pair, value in values.items() if not value)
+    values = guard_values(system, modes, state)
+    signs = {pair: _sign(value) or -1 for pair, (value, _) in values.items() if pair[1] in switching(system.laws[pair[0]])}
+    return replace(modes, signs=signs), _zero(values)
+
+
+def _zero(values: dict[tuple[int, str], tuple[Any, float]]) -> frozenset[tuple[int, str]]:
+    """The guards that are zero up to rounding."""
+    return frozenset(pair for pair, (value, room) in values.items() if abs(value) <= room)
 
 
 def _decided(system: System, phase: Phase, state: list[Number], slack: Number) -> Phase:
@@ -165,8 +174,8 @@ def _decided(system: System, phase: Phase, state: list[Number], slack: Number) -
     held = [index for index, mode in before.moves.items() if not mode]
     if not held or (slack != EXACT and _certain(system, before, phase.state, held)):
         return phase
-    modes = decided(system, state, before, slack)
-    return replace(phase, modes=modes, begun=phase.begun | _leaving(before, modes))
+    modes, begun = _leaving(before, decided(system, state, before, slack))
+    return replace(phase, modes=modes, begun=phase.begun | begun)
 
 
 def _certain(system: System, modes: Modes, state: WideArray, held: list[int]) -> bool:
@@ -185,32 +194,40 @@ def in_doubles(system: System, modes: Modes, state: WideArray) -> dict[int, Reac
     return reactions(system, [float(value) for value in state], system.with_modes(modes), float, math)
 
 
-def _leaving(before: Modes, after: Modes) -> frozenset[tuple[int, str]]:
-    """The guards of velocities and stops of the elements that begin to move."""
-    moving = [index for index, mode in after.moves.items() if mode and not before.moves[index]]
-    return frozenset((index, name) for index in moving for name in ("rest", "upper", "lower"))
+def _leaving(before: Modes, after: Modes) -> tuple[Modes, frozenset[tuple[int, str]]]:
+    """The modes with the signs of the velocities of elements that begin to move, and the guards that are zero with these."""
+    moving = {index: mode for index, mode in after.moves.items() if mode and not before.moves[index]}
+    signs = {(index, "forwards"): mode for index, mode in moving.items() if (index, "forwards") in after.signs}
+    begun = frozenset((index, name) for index in moving for name in ("rest", "upper", "lower", "forwards"))
+    return replace(after, signs=after.signs | signs), begun
 
 
-def switched(system: System, phase: Phase, guards: tuple[Guard, ...]) -> Phase:
-    """The phase after a change of guards. The phase that is passed has the time and the state of the change.
+def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any, state: WideArray) -> Phase:
+    """The phase after a change of guards at a time and in a state.
 
     Raises `OutOfReach` if rounding leaves the modes uncertain, or if rebounds from a stop accumulate.
     """
+    again = phase.begun if time == phase.time else frozenset()
+    phase = replace(phase, time=time, state=state, tested=phase.tested if time == phase.time else frozenset())
     for guard in guards:
         law, index = system.laws[guard.element], guard.element
         if guard.name in law.rigid:
+            if again & {(each.element, each.name) for each in guards}:
+                raise OutOfReach("rebounds from a stop accumulate, in the Lagrangian")
             return _hit(system, phase, [each for each in guards if each.name in system.laws[each.element].rigid])
         if guard.name == "rest":
             return _stopped(system, phase, index)
         if guard.name in ("high", "low"):
             moves = phase.modes.moves | {index: -1 if guard.name == "high" else 1}
-            modes = replace(phase.modes, moves=moves, sides=phase.modes.sides | {index: 0})
-            return replace(phase, modes=modes, begun=_leaving(phase.modes, modes), tested=frozenset())
+            free = replace(phase.modes, moves=moves, sides=phase.modes.sides | {index: 0})
+            modes, begun = _leaving(phase.modes, free)
+            return replace(phase, modes=modes, begun=begun, tested=frozenset())
     pairs = frozenset((guard.element, guard.name) for guard in guards)
     if pairs & phase.tested:
         raise OutOfReach("rounding leaves undecided whether a limit or a stop acts, in the Lagrangian")
+    zero = _zero(guard_values(system, phase.modes, state))
     signs = phase.modes.signs | {pair: -phase.modes.signs[pair] for pair in pairs}
-    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs, tested=phase.tested | pairs)
+    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs | zero, tested=phase.tested | pairs)
 
 
 def _stopped(system: System, phase: Phase, index: int) -> Phase:
@@ -223,18 +240,20 @@ def _stopped(system: System, phase: Phase, index: int) -> Phase:
         if each == index or velocity <= zero:
             state[system.velocity(each)], moving[each] = 0, 0
     before = replace(phase.modes, moves=moving)
-    modes = decided(system, exact_state(state), before, MP.mpf(ROUNDINGS * rounding))
-    return Phase(phase.time, state, modes, _leaving(before, modes))
+    modes, begun = _leaving(before, decided(system, exact_state(state), before, MP.mpf(ROUNDINGS * rounding)))
+    return Phase(phase.time, state, modes, begun)
 
 
 def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     """The phase after impacts on rigid stops."""
-    if any((guard.element, guard.name) in phase.begun for guard in guards) and phase.tested:
-        raise OutOfReach("rebounds from a stop accumulate, in the Lagrangian")
     hits = {guard.element: 1 if guard.name == "upper" else -1 for guard in guards}
     exact, after = struck(system, exact_state(phase.state), phase.modes, hits)
     state = np.array([rounded(value, phase.state) for value in exact], phase.state.dtype)
     modes, zero = signed(system, after, state)
-    begun = zero | _leaving(phase.modes, modes) | {(guard.element, guard.name) for guard in guards}
+    begun = zero | {(guard.element, guard.name) for guard in guards}
     slack = MP.mpf(ROUNDINGS * float(np.finfo(state.dtype).eps))
     return _decided(system, Phase(phase.time, state, modes, begun), exact_state(state), slack)
+
+
+def _sign(value: Any) -> int:
+    return int(value > 0) - int(value < 0)

@@ -29,9 +29,6 @@ from bodycheck.reference.mechanisms.lagrangian.system import System
 #: The largest number of changes, without those at known times.
 MOST_CHANGES = 10_000
 
-#: The numbers of roundings up to which forces in an integrated state are equal, and up to which guards are zero.
-ROUNDINGS, NOISE = changes.ROUNDINGS, 2.0**8
-
 #: The part of the friction that may be unused where an element that sticks is watched after every step.
 WATCHED = 1e-9
 
@@ -117,8 +114,7 @@ def solve(system: System, start: list[Number], times: WideArray, stepper: Steppe
             assert instant is not None
             phase = changes.renewed(system, replace(phase, time=until, state=stepper.state), samplers, instant)
             continue
-        state, count = stepper.at(change.time), count + 1
-        phase = changes.switched(system, replace(phase, time=change.time, state=state), change.guards)
+        phase, count = changes.switched(system, phase, change.guards, change.time, stepper.at(change.time)), count + 1
         if count > MOST_CHANGES:
             raise OutOfReach(f"more than {MOST_CHANGES} changes between modes of motion, in the Lagrangian")
 
@@ -183,6 +179,8 @@ def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple
     for time, number in roots:
         guard = derived(system.structure).guards[number]
         index, law = guard.element, system.laws[guard.element]
+        if _same_as_rest(system, (index, guard.name)):
+            continue
         if guard.name in switching(law):
             before, pair = _effects(system, index, signs), (index, guard.name)
             signs[pair] = -signs[pair]
@@ -198,9 +196,14 @@ def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple
     return None, flips
 
 
+def _same_as_rest(system: System, pair: tuple[int, str]) -> bool:
+    """Return whether a guard is the velocity of an element with dry friction, which has the guard "rest"."""
+    return pair[1] == "forwards" and system.laws[pair[0]].dry
+
+
 def _together(course: _Course, roots: list[tuple[Any, int]], time: Any, number: int) -> list[Guard]:
     """The guards of other rigid stops whose roots are at the same time, up to rounding."""
-    near, guards = NOISE * np.finfo(course.times.dtype).eps * abs(time), derived(course.system.structure).guards
+    near, guards = changes.NOISE * np.finfo(course.times.dtype).eps * abs(time), derived(course.system.structure).guards
     others = {other for at, other in roots if other != number and abs(at - time) <= near}
     return [guards[other] for other in sorted(others) if guards[other].name in course.system.laws[guards[other].element].rigid]
 
@@ -236,8 +239,9 @@ def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, 
     rest = [index for index, mode in modes.moves.items() if mode * halfway[system.velocity(index)] < 0]
     wrong = [guards[index, "rest"] for index in rest if (index, "rest") in guards]
     signs = modes.signs | {pair: sign for time, pair, sign in flips if time <= middle}
-    for pair, (value, noise) in changes.guard_values(system, modes, halfway).items():
-        room = NOISE * float(np.finfo(halfway.dtype).eps) * noise
+    for pair, (value, room) in changes.guard_values(system, modes, halfway).items():
+        if _same_as_rest(system, pair):
+            continue
         closed = pair[1] in system.laws[pair[0]].rigid
         sign = (0 if modes.sides[pair[0]] and not modes.moves[pair[0]] else -1) if closed else signs[pair]
         if sign * value < -room:
@@ -250,7 +254,7 @@ def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, 
 def _exceeded(system: System, modes: changes.Modes, state: WideArray) -> list[tuple[int, str]]:
     """The bounds that the forces on held elements exceed in a state, by element and name."""
     outcome = reactions(system, changes.exact_state(state), system.with_modes(modes), MP.mpf, MP)
-    exceeded, rounding = list[tuple[int, str]](), ROUNDINGS * float(np.finfo(state.dtype).eps)
+    exceeded, rounding = list[tuple[int, str]](), changes.ROUNDINGS * float(np.finfo(state.dtype).eps)
     for index in (index for index, mode in modes.moves.items() if not mode):
         low, high = system.bounds(index, modes.sides[index])
         room = rounding * (system.frictions[index] or outcome[index].inertia)
