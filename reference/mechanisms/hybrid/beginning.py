@@ -26,8 +26,9 @@ AHEAD = 2.0**-30
 #: The number of roundings, relative to 1 or the place of a stop, up to which a joint is at its stop.
 AT_STOP = 2.0**10
 
-#: The time that all further rebounds take together, as a part of the duration, below which they accumulate.
-ACCUMULATED = 2.0**-20
+#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part of
+#: its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
+ACCUMULATED, LOST = 2.0**-20, 2.0**-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,11 +235,11 @@ def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
 def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     """Raise `Stopped` if the rebounds of a joint that has hit its stop end within a very short time."""
     kept = restitution(problem.tree, hit.link)
-    if not 0 < kept < 1:
+    if not kept:
         return
     state = in_numbers(phase.state, float)
     rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
     speed, acceleration = state[place], rates[place]
-    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < (1 - kept) * ACCUMULATED * problem.duration:
+    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < max(1 - kept, LOST) * ACCUMULATED * problem.duration:
         time = float(phase.time)
         raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)
