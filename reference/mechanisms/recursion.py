@@ -6,7 +6,7 @@ double precision.
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -103,7 +103,7 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     return replace(states, changes=tuple(changes), decisions=decisions, criticals=criticals)
 
 
-def joined(mechanism: Mechanism, states: Sequence[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:
+def joined(mechanism: Mechanism, states: list[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:
     """The motion of a mechanism from the states of the links of its trees at instants (n,), s."""
     whole, count = forest(mechanism), len(instants)
     links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]

@@ -70,7 +70,7 @@ class Part:
     @property
     def changing(self) -> tuple[str, ...]:
         """The fields of the link's constants that are parameters whatever their values are."""
-        fields = ("force",)
+        fields: tuple[str, ...] = ("force",)
         if self.elastic or self.margins == 6:
             fields += ("stiffness", "damping")
         return (*fields, "moves") if self.may_rest else fields

@@ -158,16 +158,18 @@ def _follow(run: _Run) -> None:
             events += 1
             if events > MOST_EVENTS:
                 raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
-            at = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
-            begun = _after(problem, at, event)
-            phase = begun.phase
-            _note(run, begun)
-            _lead_shadows(run, before, phase, event, begun.hits, state)
+            ended = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
+            next_one = _after(problem, ended, event)
+            phase = next_one.phase
+            _note(run, next_one)
+            _lead_shadows(run, before, phase, event, next_one.hits, state)
         elif instant is not None:
-            at = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
-            begun = settled(problem, at, kind.eps, instant)
-            phase = begun.phase
-            _note(run, begun)
+            ended = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
+            next_one = settled(problem, ended, kind.eps, instant)
+            if next_one.hits:
+                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s")
+            phase = next_one.phase
+            _note(run, next_one)
             _update_shadows(run, before, phase, state, instant)
             instant = next(ahead, None)
 

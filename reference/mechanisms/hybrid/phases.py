@@ -79,7 +79,7 @@ def in_numbers(state: WideArray, number: Number) -> list[Any]:
     return state.astype(float).tolist() if number is float else [exactly(value) for value in state]
 
 
-def joint_state(tree: Tree, state: Sequence[Any], index: int, number: Number) -> tuple[Any, Any]:
+def joint_state(tree: Tree, state: Sequence[Any] | WideArray, index: int, number: Number) -> tuple[Any, Any]:
     """The coordinate and the velocity of the joint of a link with one coordinate; the state may be in any type."""
     link = tree.links[index]
     place = places(tree)[index if link.follows is None else link.follows]

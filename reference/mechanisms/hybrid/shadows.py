@@ -89,17 +89,16 @@ def carried(
 
     rows: the index, the time and the state of the motion at each of these instants.
     """
-    if each.state is None:
+    state, memories = each.state, each.memories
+    if state is None or memories is None:
         started = next((row for row in rows if row[0] == each.first), None)
         if started is None:
             return each
         each, begin = nudged(problem, phase, started[2], each), started[1]
-        rows = [row for row in rows if row[0] >= each.first]
-        each.deviations[each.first], each.factors[each.first] = NUDGE * each.nudge, each.factor
-    assert each.memories is not None
-    states = carry(replace(phase, memories=each.memories), each.state, begin, [*(time for _, time, _ in rows), end])
-    for (row, _, base), state in zip(rows, states[:-1], strict=True):
-        each.deviations[row], each.factors[row] = state - base, each.factor
+        return carried(problem, phase, each, begin, [row for row in rows if row[0] >= each.first], end, carry)
+    states = carry(replace(phase, memories=memories), state, begin, [*(time for _, time, _ in rows), end])
+    for (row, _, base), there in zip(rows, states[:-1], strict=True):
+        each.deviations[row], each.factors[row] = there - base, each.factor
     return replace(each, state=states[-1])
 
 
