@@ -42,8 +42,8 @@ class Problem:
 
     def joint(self, phase: Phase, index: int) -> tuple[Any, Any]:
         """The coordinate and the velocity of a link's joint in the state of a phase, as they are stored."""
-        place = places(self.tree)[index]
-        return phase.state[place - 1], phase.state[place]
+        rate_at = places(self.tree)[index]
+        return phase.state[rate_at - 1], phase.state[rate_at]
 
     def limits(self, index: int) -> list[tuple[int, Real]]:
         """The sides of a link's stops, -1 or 1, and their coordinates."""
@@ -238,8 +238,11 @@ def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     if not kept:
         return
     state = in_numbers(phase.state, float)
-    rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
-    speed, acceleration = state[place], rates[place]
+    rates, rate_at = (
+        rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state,
+        places(problem.tree)[hit.link],
+    )
+    speed, acceleration = state[rate_at], rates[rate_at]
     if speed * acceleration < 0 and 2 * abs(speed / acceleration) < max(1 - kept, LOST) * ACCUMULATED * problem.duration:
         time = float(phase.time)
         raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)

@@ -195,9 +195,9 @@ def written(shape: Shape) -> Written:
         arguments = [("law", wanted)] * part.margins + [("elastic", q)] * (STOP_MARGINS * part.elastic)
         arguments += [("stop", q)] * (STOP_MARGINS * part.rigid)
         for index, (kind, x) in enumerate(arguments):
-            slope, place, rate, speed = symbols([None] * 4)
+            slope, origin, rate, speed = symbols([None] * 4)
             number = index - part.margins if kind != "law" else index
-            margin = slope * (x - place) + rate * (v - speed) + BEGINNING
+            margin = slope * (x - origin) + rate * (v - speed) + BEGINNING
             events.append((Event(part.link, kind, number), margin))
         if part.rigid or part.elastic:
             events.append((Event(part.link, "turn"), v))

@@ -279,7 +279,7 @@ def _moved(problem: Problem, phase: Phase, state: WideArray, time: Any) -> int |
 def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
     """Return the phase after an event."""
     index, state = event.link, phase.state.copy()
-    place, eps = places(problem.tree)[index], problem.kind.eps
+    rate_at, eps = places(problem.tree)[index], problem.kind.eps
     if event.kind in ("law", "elastic"):
         return Begun(with_cells(problem, phase))
     if event.kind == "rest" and not phase.rest[index]:
@@ -289,7 +289,7 @@ def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
         sides = {each: side for each, side in phase.sides.items() if each != index}
         return Begun(replace(phase, rest={**phase.rest, index: mode}, sides=sides))
     if event.kind == "stop":
-        state[place - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
+        state[rate_at - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
     else:
-        state[place] = state[place] * 0
+        state[rate_at] = state[rate_at] * 0
     return settled(problem, replace(phase, state=state), eps)

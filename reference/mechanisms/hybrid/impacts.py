@@ -82,15 +82,15 @@ def restitution(tree: Tree, index: int) -> float:
     return stops.restitution
 
 
-def _wrong(impulse: Any, unit: Rates, index: int, side: int, place: int, held: bool) -> bool:
+def _wrong(impulse: Any, unit: Rates, index: int, side: int, rate_at: int, held: bool) -> bool:
     """Return whether a held joint would have to be pulled by its stop, or one that is not held would move beyond it."""
-    return bool(side * impulse * (unit.strains[index] if held else -unit.state[place]) < 0)
+    return bool(side * impulse * (unit.strains[index] if held else -unit.state[rate_at]) < 0)
 
 
 def struck(tree: Tree, state: Sequence[Any], index: int, held: frozenset[int], number: Number) -> list[Any]:
     """The change of a state by the impact of a link at its stop while some links are held."""
     stops = tree.links[index].stops
     assert stops is not None and stops.restitution is not None, "rigid stops have a restitution"
-    unit, place = response(tree, state, index, held, number), places(tree)[index]
-    impulse = -(1 + number(restitution(tree, index))) * state[place] / unit.state[place]
+    unit, rate_at = response(tree, state, index, held, number), places(tree)[index]
+    impulse = -(1 + number(restitution(tree, index))) * state[rate_at] / unit.state[rate_at]
     return [impulse * part for part in unit.state]

@@ -125,9 +125,9 @@ def after_event(
     if not abs(early) <= NEAR * problem.duration:
         return replace(each, factor=LARGEST)
     moved = each.state + early * rates
-    place = places(problem.tree)[event.link]
+    rate_at = places(problem.tree)[event.link]
     if event.kind == "stop":
-        moved[place - 1] = after.state[place - 1]
+        moved[rate_at - 1] = after.state[rate_at - 1]
         for hit in hits:
             moved[: problem.shape.components] += struck(problem.tree, moved.tolist(), hit.link, hit.held, float)
     return _scaled(problem, after, after.state, replace(each, state=moved - early * later))
@@ -139,9 +139,9 @@ def _rates(problem: Problem, phase: Phase, state: Array) -> list[Any]:
 
 def _margin(problem: Problem, phase: Phase, event: Event, base: Array, change: Array) -> float:
     """The change of the function whose root is an event, for a change of the state."""
-    tree, place = problem.tree, places(problem.tree)[event.link]
+    tree, rate_at = problem.tree, places(problem.tree)[event.link]
     if tree.links[event.link].follows is None:
-        q, v = float(change[place - 1]), float(change[place])
+        q, v = float(change[rate_at - 1]), float(change[rate_at])
     else:
         (q, v), (q_base, v_base) = (joint_state(tree, state.tolist(), event.link, float) for state in (base + change, base))
         q, v = q - q_base, v - v_base
@@ -169,11 +169,11 @@ def _scaled(problem: Problem, phase: Phase, base: Array, each: Shadow) -> Shadow
 
 def _hold(problem: Problem, phase: Phase, deviation: Array) -> None:
     """Remove from a deviation what joints at rest do not allow."""
-    for index, place in enumerate(places(problem.tree)):
+    for index, rate_at in enumerate(places(problem.tree)):
         if phase.rest.get(index) == 0:
-            deviation[place] = 0.0
+            deviation[rate_at] = 0.0
             if index in phase.sides:
-                deviation[place - 1] = 0.0
+                deviation[rate_at - 1] = 0.0
 
 
 def _between(base: Memory, other: Memory, part: float) -> Memory:
