@@ -84,7 +84,7 @@ def tensor(body: JointedBody) -> Array:
 
 
 def _of_joints(mechanism: Mechanism, trajectory: Trajectory) -> tuple[Array, Array]:
-    """The kinetic energy (n,) of armatures, and the potential energy (n,) of springs, elastic stops and constant efforts (J)."""
+    """The kinetic energy (n,), J, of armatures, and the potential energy (n,), J, of springs, elastic stops and efforts."""
     kinetic, potential = np.zeros(len(trajectory)), np.zeros(len(trajectory))
     if not any(has_energy(joint) for joint in mechanism.joints):
         return kinetic, potential

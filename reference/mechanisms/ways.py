@@ -1,6 +1,6 @@
 """Ways to the motion of a mechanism, the differences of two ways, and the bounds of figures from errors of states."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,8 +59,9 @@ class Way:
     digits: int = DOUBLE_DIGITS
 
 
-#: A function that follows the motion of a mechanism to times (n,), s.
-Follow = Callable[[Mechanism, Array], Motion]
+#: A function that follows a mechanism at ascending times in parts, the first of which begins at t = 0, and yields the motion of
+#: each part before it follows the next one.
+Follow = Callable[[Mechanism, Sequence[Array]], Iterator[Motion]]
 
 
 def letters(mechanism: Mechanism) -> tuple[str, str]:

@@ -26,8 +26,8 @@ AHEAD = 2.0**-30
 #: The number of roundings, relative to 1 or the place of a stop, up to which a joint is at its stop.
 AT_STOP = 2.0**10
 
-#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part of
-#: its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
+#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part
+#: of its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
 ACCUMULATED, LOST = 2.0**-20, 2.0**-4
 
 

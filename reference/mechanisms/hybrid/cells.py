@@ -1,8 +1,8 @@
 """What is linear in pieces: the saturation of continuous laws, and elastic stops.
 
-The effort of a saturated law is a function of the wanted effort w and the velocity v, and that of elastic stops a function of the
-coordinate q and of v. The plane of both arguments is made up of cells, in each of which the effort is linear. A motion leaves a
-cell where one of its margins, which are linear too, becomes negative.
+The effort of a saturated law is a function of the wanted effort w and the velocity v, and that of elastic stops a function of
+the coordinate q and of v. The plane of both arguments is made up of cells, in each of which the effort is linear. A motion
+leaves a cell where one of its margins, which are linear too, becomes negative.
 """
 
 from dataclasses import dataclass

@@ -106,8 +106,8 @@ class Shape:
 class Event:
     """What a root of an event function of heyoka means.
 
-    link: the index of the link. kind: "law" or "elastic" for a margin of a cell; "stop" if the link reaches a rigid stop (index 0:
-    the lower one, 1: the upper one); "rest" if its mode at rest or of friction ends; "turn" if its velocity changes sign.
+    link: the index of the link. kind: "law" or "elastic" for a margin of a cell; "stop" if the link reaches a rigid stop (index
+    0: the lower one, 1: the upper one); "rest" if its mode at rest or of friction ends; "turn" if its velocity changes sign.
     """
 
     link: int

@@ -1,7 +1,7 @@
 """The motion of trees with controllers and stops, from event to event, by Taylor's method (heyoka; Linux only).
 
-A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time at
-which a controller computes its law or a piece of a signal ends.
+A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time
+at which a controller computes its law or a piece of a signal ends.
 """
 
 import functools

@@ -17,8 +17,8 @@ from bodycheck.reference.mechanisms.link_states import Form, Rates, derivatives,
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import field_sizes, numbers
 
-#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause, and
-#: the least size of these terms in SI units.
+#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause,
+#: and the least size of these terms in SI units.
 MISSED, SMALL = 1e-9, 1e-3
 
 
@@ -31,8 +31,8 @@ class Phase:
     time, state
         The time (s), in exact arithmetic, and the state with the integrals of continuous laws.
     rest
-        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction is
-        the direction in which it slips.
+        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction
+        is the direction in which it slips.
     sides
         For each link that a rigid stop holds, 1 at its upper and -1 at its lower stop.
     laws, springs
@@ -158,7 +158,7 @@ def places(tree: Tree) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """The parameters of the links of a tree, and the place of each field that changes, by the index of the link and its name."""
+    """The parameters of the links of a tree, and the index of each field that changes, by its link and its name."""
 
     values: list[Real]
     slots: dict[tuple[int, str], int]

@@ -1,10 +1,10 @@
 """Nudged motions beside the motion of a tree with controllers and stops, in double precision.
 
-A nudged motion goes through the same phases as the motion itself, with controllers that compute their laws from the nudged state.
-It reaches an event earlier or later; to first order, the jump of its deviation there follows from the derivatives before and
-after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
-chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the size of
-a nudge as often as it leaves it.
+A nudged motion goes through the same phases as the motion itself, with controllers that compute their laws from the nudged
+state. It reaches an event earlier or later; to first order, the jump of its deviation there follows from the derivatives before
+and after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
+chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the size
+of a nudge as often as it leaves it.
 """
 
 from collections.abc import Callable, Sequence
@@ -69,7 +69,7 @@ def shadow(first: int, nudge: Array, units: Array, count: int) -> Shadow:
 
 
 def nudged(problem: Problem, phase: Phase, base: Array, each: Shadow, instant: Fraction | None = None) -> Shadow:
-    """Return a nudged motion at its beginning. base: the state of the motion. instant: at which its controllers have computed."""
+    """Return a nudged motion at its beginning. base: the state of the motion. instant: at which its controllers compute."""
     deviation = NUDGE * each.nudge
     _hold(problem, phase, deviation)
     memories = phase.memories if instant is None else memories_at(problem, phase, base + deviation, instant)
