@@ -148,19 +148,18 @@ def _with_forces(
         if sampler.next == instant:
             efforts[sampler.element] = sampler.effort(*system.in_si(sampler.element, lambda place: state[place]))
     pieces = system.pieces_at(instant)
-    modes, begun = replace(phase.modes, efforts=efforts), phase.begun
+    modes = replace(phase.modes, efforts=efforts)
     if instant == 0 or pieces != modes.pieces:
-        modes = replace(modes, pieces=pieces)
-        modes, zero = signed(system, modes, phase.state)
-        begun = begun | zero
-    return _decided(system, replace(phase, modes=modes, begun=begun, tested=frozenset()), state, slack)
+        modes = signed(system, replace(modes, pieces=pieces), phase.state)
+    begun = _zero(guard_values(system, modes, phase.state))
+    return _decided(system, Phase(phase.time, phase.state, modes, begun), state, slack)
 
 
-def signed(system: System, modes: Modes, state: WideArray) -> tuple[Modes, frozenset[tuple[int, str]]]:
-    """The modes with the signs of guards in a state, -1 for a guard that is zero, and the guards that are zero."""
+def signed(system: System, modes: Modes, state: WideArray) -> Modes:
+    """The modes with the signs of guards in a state, -1 for a guard that is zero."""
     values = guard_values(system, modes, state)
     signs = {pair: _sign(value) or -1 for pair, (value, _) in values.items() if pair[1] in switching(system.laws[pair[0]])}
-    return replace(modes, signs=signs), _zero(values)
+    return replace(modes, signs=signs)
 
 
 def _zero(values: dict[tuple[int, str], tuple[Any, float]]) -> frozenset[tuple[int, str]]:
@@ -209,6 +208,12 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any,
     """
     again = phase.begun if time == phase.time else frozenset()
     phase = replace(phase, time=time, state=state, tested=phase.tested if time == phase.time else frozenset())
+    after = _switched(system, phase, guards, again)
+    return replace(after, begun=after.begun | _zero(guard_values(system, after.modes, after.state)))
+
+
+def _switched(system: System, phase: Phase, guards: tuple[Guard, ...], again: frozenset[tuple[int, str]]) -> Phase:
+    """The phase after a change of guards. again: the guards that were zero at the beginning of a phase without a length."""
     for guard in guards:
         law, index = system.laws[guard.element], guard.element
         if guard.name in law.rigid:
@@ -225,9 +230,8 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any,
     pairs = frozenset((guard.element, guard.name) for guard in guards)
     if pairs & phase.tested:
         raise OutOfReach("rounding leaves undecided whether a limit or a stop acts, in the Lagrangian")
-    zero = _zero(guard_values(system, phase.modes, state))
     signs = phase.modes.signs | {pair: -phase.modes.signs[pair] for pair in pairs}
-    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs | zero, tested=phase.tested | pairs)
+    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs, tested=phase.tested | pairs)
 
 
 def _stopped(system: System, phase: Phase, index: int) -> Phase:
@@ -249,8 +253,8 @@ def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     hits = {guard.element: 1 if guard.name == "upper" else -1 for guard in guards}
     exact, after = struck(system, exact_state(phase.state), phase.modes, hits)
     state = np.array([rounded(value, phase.state) for value in exact], phase.state.dtype)
-    modes, zero = signed(system, after, state)
-    begun = zero | {(guard.element, guard.name) for guard in guards}
+    modes = signed(system, after, state)
+    begun = frozenset((guard.element, guard.name) for guard in guards)
     slack = MP.mpf(ROUNDINGS * float(np.finfo(state.dtype).eps))
     return _decided(system, Phase(phase.time, state, modes, begun), exact_state(state), slack)
 
