@@ -97,9 +97,10 @@ def _impulses(impact: _Impact, wanted: dict[int, Number]) -> dict[int, Number]:
 
 def _leaves(impact: _Impact, impulses: dict[int, Number], index: int) -> bool:
     """Return whether impulses on others push an element that rests at its stop outwards."""
-    return any(
-        impact.couples(index, other) for other in impulses
-    ) and sum(impact.coupling[index, other] * impulse for other, impulse in impulses.items()) > 0
+    return (
+        any(impact.couples(index, other) for other in impulses)
+        and sum(impact.coupling[index, other] * impulse for other, impulse in impulses.items()) > 0
+    )
 
 
 def _restitution(system: System, index: int) -> Number:
