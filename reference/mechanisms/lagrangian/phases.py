@@ -1,9 +1,9 @@
 """The motion of a mechanism whose equations switch, by its Lagrangian, from change to change.
 
-A phase ends at an instant at which a controller computes, at a time of a table, or at the root of a guard (`laws.Guard`): a limit
-begins or ceases to act, an elastic stop is reached, a joint comes to rest against dry friction, the force that holds a joint at
-rest exceeds its bounds, or a rigid stop is hit. The modes after a change follow from the equations: see `changes`. No phase is
-taken from another way.
+A phase ends at an instant at which a controller computes, at a time of a table, or at the root of a guard (`laws.Guard`): a
+limit begins or ceases to act, an elastic stop is reached, a joint comes to rest against dry friction, the force that holds a
+joint at rest exceeds its bounds, or a rigid stop is hit. The modes after a change follow from the equations: see `changes`. No
+phase is taken from another way.
 
 The sign of a guard changes where the guard has a root. A guard that is zero at the beginning of a phase has no certain sign
 there: the sign is tested in the middle of the step, before the first root.

@@ -189,11 +189,11 @@ def rounded(value: Number, dtype: Any) -> Any:
 def values_of(
     structure: Structure,
     nodes: Sequence[Node],
-    state: Sequence[Any],
-    parameters: Sequence[Any],
+    state: Sequence[Any] | WideArray,
+    parameters: Sequence[Any] | WideArray,
     arithmetic: tuple[Callable[[Any], Any], Any],
 ) -> list[Any]:
-    """The values of nodes of a structure's tape in a state. arithmetic: the type of its numbers, and a module with sin and cos."""
+    """The values of nodes of a structure's tape in a state. arithmetic: the type of numbers, and a module with sin and cos."""
     number, functions = arithmetic
     sources: dict[str, Callable[[Any], Any]] = {
         "number": number,
