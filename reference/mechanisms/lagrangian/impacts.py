@@ -34,8 +34,8 @@ class _Impact:
 
     def couples(self, one: int, other: int) -> bool:
         """Return whether an impulse on one element changes the velocity of the other."""
-        own = abs(self.coupling[one, one] * self.coupling[other, other])
-        return bool(abs(self.coupling[one, other]) > ROUNDED * MP.sqrt(own))
+        product = abs(self.coupling[one, one] * self.coupling[other, other])
+        return bool(abs(self.coupling[one, other]) > ROUNDED * MP.sqrt(product))
 
 
 def struck(system: System, state: Sequence[Number], modes: Modes, hits: dict[int, int]) -> tuple[list[Number], Modes]:
