@@ -145,6 +145,11 @@ class Controls:
         #: Whether something is computed at each step.
         self.each_step = self.continuous and (not staged or any(each.controller.ki for each in self.followers))
 
+    @property
+    def computed(self) -> str:
+        """When efforts are computed: "at stages" if any are computed there, else "between steps"."""
+        return "at stages" if self.staged and self.continuous else "between steps"
+
     def law(self, time: float, positions: Array, velocities: Array) -> Array:
         """Return the efforts (j,) of continuous controllers and elastic stops, as `bodycheck.adapters.contract.Law`."""
         efforts = np.zeros(self.count)

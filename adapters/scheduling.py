@@ -171,6 +171,11 @@ def driven(simulation: Simulation, scene: AnyScene, method: Method) -> Simulatio
     return ScheduledControl(simulation, controls, method.timestep)
 
 
+def computed(simulation: object) -> str:
+    """Return when the efforts on driven joints are computed, as the column `efforts` has it; empty if none are driven."""
+    return simulation.controls.computed if isinstance(simulation, Scheduled | ScheduledControl) else ""
+
+
 def lateness(scene: AnyScene, method: Method, duration: float) -> dict[str, float]:
     """Return the largest times (s) by which the efforts of controllers are late in a run, by the names of their joints.
 

@@ -148,7 +148,8 @@ def script(mechanism: Mechanism, method: Method, duration: float, samples: int) 
         loop=scripts.mechanism_loop(
             scripts.driven_advance("mujoco.mj_step(model, data, following - done)") if drive else ADVANCE,
             "states(np.concatenate([data.qpos, data.qvel])[None])[0]",
-        ),
+        )
+        + ("mujoco.set_mjcb_passive(None)\n" if drive else ""),
     )
 
 

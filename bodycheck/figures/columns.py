@@ -151,6 +151,25 @@ DEPARTURE_COLUMNS = (
     ),
 )
 
+#: Columns at the end of a table in which any run drives joints.
+DRIVEN_COLUMNS = (
+    Column(
+        "efforts",
+        "string",
+        "Efforts",
+        "when the efforts of driven joints were computed: between steps, or at the stages of the integrator; costs are "
+        "compared among runs with the same alone; empty if no joint is driven",
+        words=frozenset({"between steps", "at stages"}),
+    ),
+    Column(
+        "control_law",
+        "string",
+        "Control law",
+        "which law the motion of a single joint equals to the rounding of the engine's precision: continuous, sampled, delayed "
+        "by N periods, implicit, or semi-implicit; empty if none, or if the scene does not distinguish them",
+    ),
+)
+
 #: All columns by name, in the order of tables.
 COLUMNS: dict[str, Column] = {
     column.name: column
@@ -163,6 +182,7 @@ COLUMNS: dict[str, Column] = {
         *LIMIT_COLUMNS,
         *METHOD_COLUMNS,
         *DEPARTURE_COLUMNS,
+        *DRIVEN_COLUMNS,
     )
 }
 

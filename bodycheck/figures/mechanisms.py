@@ -37,6 +37,21 @@ def constraint_error(mechanism: Mechanism, compared: Comparison) -> Array | None
     return kinematics.gaps(mechanism, compared.trajectory) if mechanism.joints or mechanism.loops else None
 
 
+def limit_violation(mechanism: Mechanism, compared: Comparison) -> Array | None:
+    """Return the largest distance (n,), rad or m, of a joint beyond its stops; None if no joint has any."""
+    seen, _ = compared.joints
+    beyond = []
+    for joint, (of_joint, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        if joint.stops is not None:
+            lower, upper = joint.stops.lower, joint.stops.upper
+            if lower is not None:
+                beyond.append(lower - seen[:, of_joint])
+            if upper is not None:
+                beyond.append(seen[:, of_joint] - upper)
+    largest = _largest(beyond)
+    return None if largest is None else np.maximum(largest, 0.0)
+
+
 def momentum_drift(compared: Comparison) -> Array | None:
     """Return the relative distance (n,) of the momenta from their initial values; None if no momentum is conserved."""
     mechanism, seen, expected = compared.mechanism, compared.seen, compared.expected
@@ -149,6 +164,17 @@ FIGURES = (
         compute=momentum_drift,
         scale=lambda scales: scales.angular_momentum,
         bounded_by="truth_angular_momentum_error",
+        plotted=True,
+    ),
+    Figure(
+        name="limit_violation",
+        title="Limit violation",
+        meaning="angle or distance by which a joint is beyond its stop; elastic stops give way in the exact motion too",
+        unit="rad or m",
+        largest=True,
+        remark="of a mechanism with limits",
+        compute=_of_mechanisms(limit_violation),
+        scale=lambda scales: max(scales.angle, scales.length),
         plotted=True,
     ),
 )

@@ -14,6 +14,7 @@ from bodycheck.figures.columns import (
     ALWAYS_TABLED,
     CASE_COLUMNS,
     DEPARTURE_COLUMNS,
+    DRIVEN_COLUMNS,
     FURTHER,
     LIMIT_COLUMNS,
     METHOD_COLUMNS,
@@ -22,6 +23,8 @@ from bodycheck.figures.columns import (
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
 from bodycheck.judging.schemes.convergence import attitude_order
+from bodycheck.judging.schemes.driven_identification import control_law, tells_laws
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import needs
 from bodycheck.reference.truths import NoTruth, Truth
@@ -112,6 +115,8 @@ class Verdict:
         The label of the results that contain the run, if several are judged together.
     kind, tags, duration
         The kind of the scene, and the tags and the duration (s) of the case.
+    control_law
+        The law of the controller that the motion equals, as the column of this name has it.
     """
 
     run: Run
@@ -125,6 +130,7 @@ class Verdict:
     kind: str = ""
     tags: tuple[str, ...] = ()
     duration: float = 0.0
+    control_law: str = ""
 
     @property
     def margins(self) -> tuple[Margin, ...]:
@@ -157,6 +163,7 @@ class Verdict:
             done, steps, wall_time = self.outcome, self.outcome.steps, self.outcome.wall_time
             row |= self.discrepancy.maxima() | dict(self.discrepancy.before) | {"steps": steps}
             row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
+            row |= {"efforts": done.efforts, "control_law": self.control_law} if done.efforts else {}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
                 simulated = steps * method.timestep if method.accuracy is None else self.duration
@@ -193,12 +200,16 @@ def judge(results: Results, today: date | None = None, compared: Compared | None
         case, truth = results.cases[name], None
         departure = results.header["departures"].get(name)
         for index, run in runs:
-            ordered = any(e.needs_order for e in _concerning(case, run))
-            if not ordered and departure is None and (summary := known.get(run.key)) is not None:
+            ordered, names_law = any(e.needs_order for e in _concerning(case, run)), tells_laws(case.scene)
+            if not (ordered or names_law) and departure is None and (summary := known.get(run.key)) is not None:
                 verdicts[index] = _verdict(case, run, run.outcome, summary, None, today)
                 continue
             truth = truth or results.truth(name, sampling)
-            verdicts[index] = verdict(case, truth, run, _finer(run, results) if ordered else (), today, departure)
+            one = verdict(case, truth, run, _finer(run, results) if ordered else (), today, departure)
+            precision = results.header["precisions"].get(run.engine)
+            if names_law and precision is not None and one.discrepancy is not None and isinstance(truth, Truth):
+                one = replace(one, control_law=control_law(run, truth, ROUNDOFF[precision]))
+            verdicts[index] = one
     return [verdicts[index] for index in range(len(verdicts))]
 
 
@@ -294,7 +305,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
     more += [column.name for column in METHOD_COLUMNS]
-    more += [column.name for column in DEPARTURE_COLUMNS if any(column.name in row for row in rows)]
+    more += [column.name for column in (*DEPARTURE_COLUMNS, *DRIVEN_COLUMNS) if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 

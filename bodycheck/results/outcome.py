@@ -47,6 +47,9 @@ class Completed:
     rejected, evaluations
         The numbers of rejected steps and of evaluations of the accelerations that belong to `steps`; None if the engine does
         not count them, and for steps of fixed size.
+    efforts
+        When the efforts of driven joints were computed, as `bodycheck.adapters.driving.Controls.computed`; empty if no joint is
+        driven.
     """
 
     states: Trajectory | Stored
@@ -57,6 +60,7 @@ class Completed:
     interfaces: tuple[InterfaceLoad, ...] | None = None
     rejected: int | None = None
     evaluations: int | None = None
+    efforts: str = ""
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

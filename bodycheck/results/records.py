@@ -74,6 +74,7 @@ class CaseRecord:
     name: Name
     text: str
     file: Printable = ""
+    packages: list[Printable] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -212,6 +213,7 @@ class CompletedRecord(RunRecord):
     interfaces: list[BorneRecord] | None = None
     rejected: Count | None = None
     evaluations: Count | None = None
+    efforts: Literal["", "between steps", "at stages"] = ""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from bodycheck.adapters.contract import (
     Strides,
 )
 from bodycheck.adapters.engine_name import in_words
+from bodycheck.adapters.scheduling import computed
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, crash
@@ -270,7 +271,8 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
         return diverged
     if isinstance(simulation, Normalising):
         norm_error = max(norm_error, simulation.quaternion_norm_error)
-    return Completed(trajectory, int(steps_to(times, method)[-1]), wall_time, quaternion_norm_error=norm_error)
+    steps, efforts = int(steps_to(times, method)[-1]), computed(simulation)
+    return Completed(trajectory, steps, wall_time, quaternion_norm_error=norm_error, efforts=efforts)
 
 
 def _of_scene(states: Array, scene: AnyScene) -> Array:

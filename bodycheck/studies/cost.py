@@ -15,6 +15,7 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
+from bodycheck.adapters.scheduling import computed
 from bodycheck.casefile.content import Case
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
@@ -70,21 +71,27 @@ class Measured:
     engine_share
         The share, from 0 to 1, of the time that is spent in calls of the engine; the rest is spent in the Python loop around
         them. None if the adapter does not name these calls.
+    efforts
+        When the efforts of driven joints are computed, as the column of this name has it. Costs include the computation.
     """
 
     times: Array
     processor_times: Array
     setup: float
     engine_share: float | None
+    efforts: str = ""
 
 
 @dataclass(frozen=True)
 class _Size:
-    """The numbers of steps and of repetitions of a measurement that lasts long enough, and the time (s) of the set-up."""
+    """The numbers of steps and of repetitions of a measurement that lasts long enough, the time (s) of the set-up, and when
+    efforts are computed.
+    """
 
     steps: int
     repeats: int
     setup: float
+    efforts: str
 
 
 def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) -> list[Measured | Crashed | TimedOut]:
@@ -123,7 +130,10 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
                     times[index, turn], processor_times[index, turn] = sample
         shares = [measured(index, _engine_share, sizes[index]) for index in range(len(stretches))]
     return [
-        failed.get(index) or Measured(times[index], processor_times[index], size.setup if size else 0.0, shares[index])
+        failed.get(index)
+        or Measured(
+            *(times[index], processor_times[index], size.setup if size else 0.0, shares[index]), size.efforts if size else ""
+        )
         for index, size in enumerate(sizes)
     ]
 
@@ -151,12 +161,12 @@ def _size(stretch: Stretch) -> _Size:
     A measurement has at most the steps of the stretch.
     """
     start = time.perf_counter()
-    offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
+    simulation = offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
     setup = time.perf_counter() - start
     steps = min(stretch.steps, 16) if stretch.method.accuracy is None else stretch.steps
     while (taken := _seconds(stretch, steps)[0]) < MIN_TIMING_S and steps < stretch.steps:
         steps = min(stretch.steps, math.ceil(steps * min(16.0, max(1.5, MIN_TIMING_S / taken))))
-    return _Size(steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken))), setup)
+    return _Size(steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken))), setup, computed(simulation))
 
 
 def _sample(stretch: Stretch, size: _Size) -> tuple[float, float]:

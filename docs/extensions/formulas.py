@@ -49,6 +49,7 @@ FORMULAS = {
         r"\max_t \max \left( \lVert \mathbf L(t) - \mathbf L(0) \rVert / \lVert \mathbf L^*(0) \rVert, "
         r"\lVert \mathbf P(t) - \mathbf P(0) \rVert / m \max_t \lVert \mathbf v^* \rVert \right)"
     ),
+    "limit_violation": r"\max_{t, j} \max(q_j(t) - q_j^\text{upper}, q_j^\text{lower} - q_j(t), 0)",
     "transition_time_error": r"\lvert t_\text{roll} - t_\text{roll}^* \rvert",
     "roll_speed_error": r"\lVert \mathbf v(t_\text{roll}) - \mathbf v^*(t_\text{roll}^*) \rVert",
     "impact_time_error": r"\lvert t_1 - t_1^* \rvert",

@@ -7,6 +7,7 @@ from bodycheck.figures.columns import (
     CASE_COLUMNS,
     COST_COLUMNS,
     DEPARTURE_COLUMNS,
+    DRIVEN_COLUMNS,
     FIGURES,
     LIMIT,
     LIMIT_COLUMNS,
@@ -58,6 +59,8 @@ def page() -> str:
             _plain(WORK_COLUMNS),
             "### Robots whose limits or contacts act from an instant on",
             _plain(DEPARTURE_COLUMNS),
+            "### Driven joints",
+            _plain(DRIVEN_COLUMNS),
             "## The tables of studies",
             *_studies(),
         ]

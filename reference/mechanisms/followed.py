@@ -7,7 +7,8 @@ type makes the same number of roundings, and they grow by the same factor.
 """
 
 import contextlib
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -231,11 +232,13 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
         return None
     measured = growth_instants(times)
 
-    def follow(nudged: Mechanism, instants: Array) -> Motion:
-        return _motion_of(solution.follow(loops.closed_start(nudged), instants, np.float64), instants)
+    def follow(nudged: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
+        closed = loops.closed_start(nudged)
+        return _in_parts(lambda times: _motion_of(solution.follow(closed, times, np.float64), times), parts)
 
     try:
-        return growth(mechanism, follow, follow(mechanism, measured), measured).until(times)
+        (base,) = follow(mechanism, [measured])
+        return growth(mechanism, follow, base, measured).until(times)
     except (NotModelled, OutOfReach):
         return None
 
@@ -340,11 +343,17 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
 
 def _measured(mechanism: Mechanism, times: Array) -> Measured:
     """The motion by the recursion in double precision, and the growth of an error, at the `growth_instants` of times (n,)."""
-    t = growth_instants(times)
+    return _measured_until(mechanism, float(times[-1]) if len(times) else 0.0)
+
+
+@functools.lru_cache(maxsize=4)
+def _measured_until(mechanism: Mechanism, end: float) -> Measured:
+    """The measurement from 0 to `end` (s), which the search for limits of joints and the truth share."""
+    t = growth_instants(np.array([end]))
     if sudden(mechanism):
         return _measured_beside(mechanism, t)
     follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
-    base = follow(mechanism, t)
+    (base,) = follow(mechanism, [t])
     return Measured(base, growth(mechanism, follow, base, t))
 
 
@@ -380,9 +389,15 @@ def _motion_in_joints(states: JointStates) -> Motion:
     return Motion(states.position, states.velocity, states.bodies)
 
 
-def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
+def _lagrangian_in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
     """The motion by the Lagrangian and DOP853, which evaluates these equations much faster than those of the recursion."""
-    return _motion_of(solution.follow_in_doubles(mechanism, times), times)
+    return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+
+
+def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iterator[Motion]:
+    """Yield the motion of each part by a function that follows a motion from t = 0 to ascending times (n,), s."""
+    for count, part in enumerate(parts, 1):
+        yield follow(np.concatenate(parts[:count])).part(slice(-len(part), None))
 
 
 def _motion_of(motion: WideMotion, times: Array) -> Motion:
@@ -390,5 +405,5 @@ def _motion_of(motion: WideMotion, times: Array) -> Motion:
     return Motion(motion.joint_position, motion.joint_velocity, bodies)
 
 
-def _in_doubles(mechanism: Mechanism, times: Array) -> Motion:
-    return _motion_in_joints(recursion.follow(mechanism, times, np.float64))
+def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
+    return map(_motion_in_joints, recursion.follow_in_parts(mechanism, parts))

@@ -170,9 +170,10 @@ JOINTED: Mapping[str, Entry] = {
 def has_schemes(mechanism: Mechanism) -> bool:
     """Return whether this module defines schemes for a mechanism.
 
-    It has no loops, no joints that follow others, no dry friction and no free bodies.
+    It has no loops, no joints that follow others, no dry friction, no free bodies, no controllers and no stops.
     """
-    trees = () if mechanism.loops or any(joint.mimic for joint in mechanism.joints) else forest(mechanism).trees
+    coupled = mechanism.loops or mechanism.controllers or any(joint.mimic or joint.stops for joint in mechanism.joints)
+    trees = () if coupled else forest(mechanism).trees
     links = [link for tree in trees for link in tree.links]
     return bool(links) and not any(link.kind == "free" or link.friction for link in links)
 

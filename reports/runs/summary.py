@@ -3,13 +3,15 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 
+from bodycheck.adapters.scheduling import lateness
 from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.notices import missing_engines, of_robots
-from bodycheck.reports.quantities import count, number, verb
+from bodycheck.reports.quantities import count, milliseconds, number, verb
 from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Unsupported
@@ -78,6 +80,7 @@ def limits(one: ResultSet) -> tuple[str, ...]:
             "Runs that had not finished by then are missing from this report."
         )
     texts += _before_departures(one.verdicts)
+    texts += _late_efforts(one.verdicts)
     texts += missing_engines(one.results.header)
     texts += sentences(one.results.unchecked)
     return tuple(_labelled(one, text) for text in texts)
@@ -97,6 +100,20 @@ def _before_departures(verdicts: Sequence[Verdict]) -> Iterator[str]:
         if least != most:
             ends = f"from {ends}, to {number(most)} rad, with {worst}"
         yield f"{case}: up to {departure:.4g} s, the largest attitude error is {ends}."
+
+
+def _late_efforts(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """Yield a sentence on each case and time step at which controllers compute between steps."""
+    runs = {
+        (run.case, run.method.timestep, verdict.duration): run
+        for verdict in verdicts
+        if isinstance((run := verdict.run).scene, Mechanism) and run.method.accuracy is None
+    }
+    for (case, timestep, duration), run in runs.items():
+        assert run.scene is not None
+        for joint, late in lateness(run.scene, run.method, duration).items():
+            text = f"its effort is late by up to {milliseconds(late, 4)}"
+            yield f"{case}: instants of {joint}'s controller are not steps at {milliseconds(timestep, 4)}: {text}."
 
 
 def _labelled(one: ResultSet, text: str) -> str:

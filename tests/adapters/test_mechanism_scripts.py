@@ -8,13 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.scripts import MECHANISM_COLUMNS
+from bodycheck.reference.mechanisms.control import Samples, Sine, Stops
 from tests.support.coupled_joints import gripper, hip
+from tests.support.driven_hinge import PD, hinge
 from tests.support.jointed import ball_and_hinge, cart_pole, four_bar, tree
 
 STEP, DURATION, SAMPLES = 0.003, 0.2, 5  # the instants are no multiples of the step
+
+HELD = Samples((0.0, 0.05), (1.0, 0.5))
 
 MECHANISMS = {
     "tree": tree(),
@@ -22,6 +26,9 @@ MECHANISMS = {
     "ball": ball_and_hinge(),
     "hip": hip(),
     "gripper": gripper(damping=0.1, stiffness=2.0),
+    "sampled": hinge(replace(PD, ki=3.0, rate=70.0, delay=2, effort_limit=5.0, no_load_speed=30.0, target=HELD)),
+    "continuous": hinge(replace(PD, ki=3.0, target=Sine(0.5, 3.0)), stops=Stops(None, 0.4, None, 50.0, 0.1)),
+    "pair": replace(gripper(), controllers=(replace(PD, target=0.02), replace(PD, joint=1, rate=100.0, target=0.01))),
 }
 
 RUNS = {
@@ -30,11 +37,12 @@ RUNS = {
         ("ball", "discrete"),
         ("loop", "Euler:solref=0.01 1"),
         ("hip", "RK4"),
-        ("gripper", "RK4:solref=0.01 1"),
+        *(("gripper", "RK4:solref=0.01 1"), ("sampled", "RK4"), ("continuous", "RK4"), ("continuous", "Euler:limits=effort")),
     ],
     "pinocchio": [
         *(("tree", "rk4"), ("tree", "semi-implicit-euler"), ("ball", "rk4-naive")),
         *(("hip", "rk4"), ("gripper", "rk4"), ("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
+        *(("sampled", "semi-implicit-euler"), ("continuous", "rk4:limits=effort"), ("pair", "rk4")),
     ],
 }
 
@@ -59,7 +67,7 @@ def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, eng
     steps = np.unique(np.rint(np.linspace(0.0, DURATION, SAMPLES) / STEP).astype(np.int64))
     for number, (which, spelling) in enumerate(RUNS[engine]):
         mechanism = MECHANISMS[which]
-        expected = adapter.prepare([mechanism], Method.parse(spelling, STEP)).advance(np.diff(steps, prepend=0))[0]
+        expected = offers.prepare(adapter, [mechanism], Method.parse(spelling, STEP)).advance(np.diff(steps, prepend=0))[0]
         first, *lines = (tmp_path / f"{number}.csv").read_text().splitlines()
         cells = [line.split(",") for line in lines]
         assert first == MECHANISM_COLUMNS

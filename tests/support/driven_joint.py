@@ -17,8 +17,9 @@ from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, 
 CTX = mpmath.MPContext()
 CTX.dps = 60
 
-#: The order of the series, the time by which a branch looks ahead relative to a step, and the speed below which no joint rebounds.
-ORDER, AHEAD, SLOWEST = 34, CTX.mpf(10) ** -22, CTX.mpf(10) ** -22
+#: The order of the series, the time by which a branch looks ahead relative to a step, the speed below which no joint rebounds,
+#: and the number of bisections.
+ORDER, AHEAD, SLOWEST, HALVINGS = 34, CTX.mpf(10) ** -22, CTX.mpf(10) ** -22, 110
 
 Number = Any
 State = tuple[Number, Number, Number]
@@ -87,6 +88,7 @@ class Judge:
     closed: int = 0
     stuck: bool = False
     queue: list[Number] = field(default_factory=list)
+    known: dict[tuple[str, Number, float], list[Number]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.z = CTX.mpf(self.joint.start), CTX.mpf(self.joint.velocity), CTX.zero
@@ -95,7 +97,11 @@ class Judge:
     # The forces.
 
     def series(self, name: str) -> list[Number]:
-        return taylor(getattr(self.joint.controller, name), self.t, self.begun, ORDER)
+        key = name, self.t, self.begun
+        if key not in self.known:
+            self.known = {old: each for old, each in self.known.items() if old[1:] == key[1:]}
+            self.known[key] = taylor(getattr(self.joint.controller, name), self.t, self.begun, ORDER)
+        return self.known[key]
 
     def effort(self, branch: str, q: list[Number], v: list[Number], w: list[Number], n: int, given: dict[str, Any]) -> Number:
         """The coefficient n of the controller's effort in a branch."""
@@ -250,7 +256,7 @@ class Judge:
                 self.z, self.t = reached(h), self.t + h
                 return
             low, high = AHEAD * h, h
-            for _ in range(175):
+            for _ in range(HALVINGS):
                 middle = (low + high) / 2
                 low, high = (middle, high) if self.holds(branch, reached(middle), middle) else (low, middle)
             slip, q, v = branch.slip, *reached(high)[:2]
@@ -370,6 +376,8 @@ def value(signal: Signal, time: Fraction) -> Number:
 
 def at(series: Sequence[Number], dt: Number) -> Number:
     """The value of a Taylor series."""
+    if not dt or not any(series[1:]):
+        return series[0]
     total = CTX.zero
     for part in reversed(series):
         total = total * dt + part

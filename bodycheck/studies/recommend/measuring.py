@@ -145,14 +145,18 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
             timed[index] = replace(answers[index], reason=f"its cost could not be measured: {measured.reason}")
         else:
             seconds, step = cost.summarise(measured.times), stretch.method.timestep
-            timed[index] = replace(
-                answers[index], cost=seconds.median / step, cost_low=seconds.low / step, cost_high=seconds.high / step
-            )
+            costs_of_answer = {"cost": seconds.median / step, "cost_low": seconds.low / step, "cost_high": seconds.high / step}
+            timed[index] = replace(answers[index], **costs_of_answer, efforts=measured.efforts)
     return sorted(timed, key=_rank)
 
 
-def _rank(answer: Answer) -> tuple[bool, float, float]:
-    """Return a sort key: answers that keep the limit come first, by cost, then the largest step; others follow by error."""
+def _rank(answer: Answer) -> tuple[bool, bool, str, float, float]:
+    """Return a sort key: answers that keep the limit come first, by cost, then the largest step; others follow by error.
+
+    Costs are compared among answers whose efforts are computed in the same way: those at stages come before those between
+    steps.
+    """
     if answer.reached:
-        return False, math.inf if answer.cost is None else answer.cost, -(answer.timestep or 0.0)
-    return True, math.inf if answer.error is None else answer.error, 0.0
+        unknown = answer.cost is None
+        return False, unknown, answer.efforts, math.inf if answer.cost is None else answer.cost, -(answer.timestep or 0.0)
+    return True, False, "", math.inf if answer.error is None else answer.error, 0.0

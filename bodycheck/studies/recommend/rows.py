@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from bodycheck.adapters.method import Method
 from bodycheck.figures.columns import FIGURES
@@ -106,6 +106,14 @@ class Answer:
             "that has the smallest error; empty if fewer than two time steps have an error",
         ),
     ] = None
+    efforts: Annotated[
+        Literal["", "between steps", "at stages"],
+        Meaning(
+            "Efforts",
+            "when the efforts of driven joints are computed, which the cost includes: costs are compared among methods with "
+            "the same alone; empty if no joint is driven",
+        ),
+    ] = ""
 
     @property
     def method(self) -> RunKey:
@@ -125,7 +133,7 @@ ANSWERS = table_of(
     "time steps that keep an error",
     key=("engine", "integrator"),
     shown=("engine", "integrator", "timestep", "error", "margin", "cost", "broken", "monotone", "reached", "reason"),
-    later=("worst", "monotone"),
+    later=("worst", "monotone", "efforts"),
 )
 STEPS = table_of(
     Probe,

@@ -85,6 +85,9 @@ def second(recommendation: Recommendation) -> str:
     answer = others[0]
     if first.cost is None or answer.cost is None:
         return f"The next best is {method(answer)} {at_step(answer)}: {error(recommendation, answer.error)}."
+    if first.efforts != answer.efforts:
+        apart = f"; its efforts are computed {answer.efforts}, and its cost is not compared"
+        return f"The next best is {method(answer)} {at_step(answer)}: {error(recommendation, answer.error)}{apart}."
     times = f"at {number(answer.cost / first.cost, 2)} times the cost"
     near = answer.cost_low is not None and first.cost_high is not None and answer.cost_low <= first.cost_high
     overlap = "; the timings of both overlap" if near else ""

@@ -27,6 +27,9 @@ LEAST_FLOOR = 1e-6
 #: Errors (rad, m) for which the cheapest method is named.
 ROUND_ERRORS = (1e-3, 1e-6)
 
+#: The beginning of the finding about cases in which no method is the cheapest.
+APART = "Costs of methods that compute efforts between steps and at stages are not compared, on "
+
 #: The two quantities in sentences, with their articles.
 ERRORS = {"attitude": "an attitude error", "position": "a position error"}
 
@@ -226,9 +229,10 @@ def _more_floors(cases: int) -> str:
 
 
 def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    sentences: list[Finding] = []
+    apart = [case.name for case in cases if not case.comparable]
+    sentences = [Finding("Cheapest", APART, apart[0], f"{_others(apart)}.")] if apart else []
     for quantity in CLAIMED:
-        of_quantity = [case for case in cases if case.primary == quantity]
+        of_quantity = [case for case in cases if case.primary == quantity and case.comparable]
         # Limits with the same cheapest runs share a finding, which names the lowest of these limits; limits that no run keeps
         # share a finding that names the highest of them.
         by_winners: dict[object, Finding] = {}

@@ -32,7 +32,8 @@ COLUMNS = {
 class Measured:
     """A measured run. `error` is in the unit of its quantity; the costs are computing times (s) per simulated second.
 
-    `step` is the time step (s), or with error control the mean of the steps, whose largest is `timestep`.
+    `step` is the time step (s), or with error control the mean of the steps, whose largest is `timestep`. `efforts` is when the
+    efforts of driven joints were computed; costs are compared among runs with the same alone.
     """
 
     engine: str
@@ -44,6 +45,7 @@ class Measured:
     cost: float
     cost_low: float
     cost_high: float
+    efforts: str = ""
 
     @property
     def method(self) -> RunKey:
@@ -60,13 +62,15 @@ class Measured:
 def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
     """Return the Pareto front of the runs: those for which no other run has both a lower error and a lower cost.
 
-    They are sorted by cost, the cheapest first. Of runs with equal costs or equal errors, the front has only the best one.
+    They are sorted by cost, the cheapest first. Of runs with equal costs or equal errors, the front has only the best one. Runs
+    whose efforts were computed in different ways are not compared.
     """
-    front: list[Measured] = []
+    fronts: dict[str, list[Measured]] = {}
     for method in sorted(measured(rows, quantity), key=lambda method: (method.cost, method.error)):
+        front = fronts.setdefault(method.efforts, [])
         if not front or method.error < front[-1].error:
             front.append(method)
-    return front
+    return sorted((method for front in fronts.values() for method in front), key=lambda method: method.cost)
 
 
 def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
@@ -79,7 +83,7 @@ def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
             fixed = Method.parse(row["integrator"], timestep).accuracy is None
             step = timestep if fixed else row["time_per_step"] / row["cost"]
             low, high = (row[column] / step for column in ("time_per_step_low", "time_per_step_high"))
-            methods.append(Measured(*names, timestep, step, errors[0], row["cost"], low, high))
+            methods.append(Measured(*names, timestep, step, errors[0], row["cost"], low, high, row.get("efforts") or ""))
     return methods
 
 
@@ -117,6 +121,11 @@ class CaseMeasurements:
     def contact(self) -> bool:
         """Return whether the body is in contact, so that errors depend on the contact model more than on the integrator."""
         return any("penetration" in row for row in self._complete)
+
+    @cached_property
+    def comparable(self) -> bool:
+        """Return whether the costs of all runs can be compared: efforts, if any, were computed in the same way."""
+        return len({row.get("efforts") for row in self._complete}) <= 1
 
     def truth_error(self, quantity: str) -> float:
         """Return the truth's own error in a quantity, in its unit and rounded as it is printed; 0 if it is not known."""

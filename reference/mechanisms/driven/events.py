@@ -56,6 +56,8 @@ def scan_of(linear: Linear, conditions: Sequence[Row]) -> Scan:
 
 def clear(scan: Scan, z: State) -> bool:
     """Return whether all conditions certainly hold during the whole step after a state."""
+    if not len(scan.values):
+        return True
     numbers = np.array([float(part) for part in z])
     return bool(((scan.values @ numbers).min(axis=1) > scan.slack @ np.abs(numbers)).all())
 

@@ -7,39 +7,24 @@ velocity is the one before the impact; a controller that acts at t = 0 has the v
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Real
 from bodycheck.reference.mechanisms.driven import modes, rebounds, signals
-from bodycheck.reference.mechanisms.driven.events import Scan, clear, first_end, scan_of
-from bodycheck.reference.mechanisms.driven.linear import Linear, Row, State, advanced, flown, terms, value, zero
-from bodycheck.reference.mechanisms.driven.modes import POSITION, VELOCITY, DrivenJoint, Mode
+from bodycheck.reference.mechanisms.driven.events import clear, first_end
+from bodycheck.reference.mechanisms.driven.linear import Linear, State, advanced, flown, terms, value, zero
+from bodycheck.reference.mechanisms.driven.modes import POSITION, VELOCITY, DrivenJoint, Mode, Phase
 from bodycheck.reference.mechanisms.driven.sampled import reads_velocity, sampler
 
 #: The largest numbers of instants of a sampled law, of steps, and of changes of the mode.
-MOST_INSTANTS, MOST_STEPS, MOST_EVENTS = 1_000_000, 2_000_000, 20_000
+MOST_INSTANTS, MOST_STEPS, MOST_EVENTS = 1_000_000, 1_000_000, 10_000
 
 #: The largest number of changes of the mode at one instant.
 MOST_AT_ONCE = 50
 
 #: The linear system of a phase, a state in it, and the time (s) since that state, of at most one step of the system.
 Record = tuple[Linear, list[Real], Real]
-
-
-@dataclass(frozen=True, eq=False)
-class Phase:
-    """A mode with its linear system and its conditions."""
-
-    mode: Mode
-    linear: Linear
-    conditions: list[Row]
-
-    @cached_property
-    def scan(self) -> Scan:
-        """The conditions during one step."""
-        return scan_of(self.linear, self.conditions)
 
 
 @dataclass(eq=False)
@@ -56,8 +41,8 @@ class Course:
         The present state and its time (s).
     phase
         The present phase.
-    phases
-        All phases so far, by their modes.
+    soon
+        A time (s) within which an event is expected, so that the next step need not be longer.
     records
         The records of the first of the instants.
     steps, events
@@ -69,7 +54,7 @@ class Course:
     z: list[Real]
     time: Real
     phase: Phase
-    phases: dict[Mode, Phase] = field(default_factory=dict)
+    soon: Real
     records: list[Record] = field(default_factory=list)
     steps: int = 0
     events: int = 0
@@ -85,7 +70,7 @@ def follow(joint: DrivenJoint, times: Sequence[float]) -> list[Record]:
     z = modes.start_of(joint)
     if any(value(mp, modes.beyond(joint, side), z) > 0 for side in modes.rigid_sides(joint)):
         raise OutOfReach("a driven joint starts beyond one of its rigid stops")
-    course = Course(joint, times, z, mp.zero, Phase(Mode(), Linear(mp, tuple({} for _ in z), None), []))
+    course = Course(joint, times, z, mp.zero, Phase(Mode(), Linear(mp, tuple({} for _ in z), None), []), mp.inf)
     _record(course, mp.zero)
     _impact(course)
     _settle(course)
@@ -117,15 +102,10 @@ def _parts(joint: DrivenJoint, end: float) -> Iterator[tuple[Real, Callable[[lis
     given = [] if controller is None else [getattr(controller, name) for name in modes.SIGNALS]
     begins = sorted({0.0}.union(*(signals.breaks(signal) for signal in given)))
     begins = [time for time in begins if time < end]
+    if not begins:
+        return
     for begin, until in zip(begins, [*begins[1:], end], strict=True):
         yield mp.mpf(until) - mp.mpf(begin), lambda z, since=begin: modes.with_signals(joint, z, since)  # type: ignore[misc]
-
-
-def _phase(course: Course, mode: Mode) -> Phase:
-    if mode not in course.phases:
-        joint = course.joint
-        course.phases[mode] = Phase(mode, modes.system(joint, mode), modes.conditions(joint, mode))
-    return course.phases[mode]
 
 
 def _record(course: Course, duration: Real) -> None:
@@ -157,10 +137,12 @@ def _follow_part(course: Course, duration: Real) -> None:
     joint, left, fresh, at_once = course.joint, duration, True, 0
     mp = joint.mp
     while left:
-        if fresh and course.phase.conditions and not clear(course.phase.scan, course.z):
+        certain = clear(course.phase.scan, course.z)
+        if fresh and not certain:
             left = _settled(course, duration, left)
             if not left:
                 return
+            certain = clear(course.phase.scan, course.z)
         phase, step, fresh = course.phase, course.phase.linear.step, False
         if step is None or not phase.conditions:
             _go(course, left)
@@ -169,7 +151,8 @@ def _follow_part(course: Course, duration: Real) -> None:
         if course.steps > MOST_STEPS:
             raise OutOfReach(f"the motion of a driven joint takes more than {MOST_STEPS} steps")
         length = step if left > step * (1 - zero(mp)) else left
-        if clear(phase.scan, course.z):
+        length, course.soon = min(length, course.soon), mp.inf
+        if certain:
             _go(course, length)
             left, at_once = max(left - length, mp.zero), 0
             continue
@@ -181,7 +164,7 @@ def _follow_part(course: Course, duration: Real) -> None:
         course.time, left, fresh = course.time + passed, max(left - passed, mp.zero), part is not None
         at_once = at_once + 1 if part is not None and not part else 0
         if at_once > MOST_AT_ONCE:
-            raise OutOfReach("the phases of a driven joint follow each other without an end")
+            raise Stopped("the phases of a driven joint follow each other without an end", float(course.time))
 
 
 def _go(course: Course, duration: Real) -> None:
@@ -212,13 +195,13 @@ def _settle(course: Course) -> None:
     mode = modes.mode_of(course.joint, course.z)
     if mode != course.phase.mode:
         _count_event(course)
-    course.phase = _phase(course, mode)
+    course.phase = modes.phase_of(course.joint, mode)
 
 
 def _count_event(course: Course) -> None:
     course.events += 1
     if course.events > MOST_EVENTS:
-        raise OutOfReach(f"the motion of a driven joint has more than {MOST_EVENTS} events")
+        raise Stopped(f"the motion of a driven joint has more than {MOST_EVENTS} events", float(course.time))
 
 
 def _impact(course: Course) -> int:
@@ -244,16 +227,19 @@ def _settled(course: Course, duration: Real, left: Real) -> Real:
     side = _impact(course)
     if side and controller is not None and controller.rate is not None and reads_velocity(controller):
         near = mp.mpf(10) ** (-mp.dps // 2) * duration
-        if min(left, duration - left) <= near and course.time > near:
+        if min(left, duration - left) <= near:
             raise OutOfReach(
                 f"at {float(course.time):.9g} s the joint meets a stop at an instant of its controller, within rounding: the "
                 "velocity that the controller reads is not determined"
             )
     _settle(course)
-    series = rebounds.accumulating(joint, course.z, side, left) if side else None
+    series = rebounds.rebounds_of(joint, course.z, side) if side else None
     if series is None:
         return left
-    return _rebound(course, series, left)
+    if rebounds.accumulate(joint, course.z, series, left):
+        return _rebound(course, series, left)
+    course.soon = 2 * series.arc
+    return left
 
 
 def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
@@ -266,7 +252,7 @@ def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
         elapsed = mp.mpf(course.times[index]) - begun
         since, q, v = rebounds.before(mp, series, elapsed)
         state = [q, v, *flown(course.phase.linear, z, since)[VELOCITY + 1 :]]
-        phase = _phase(course, modes.mode_of(joint, state))
+        phase = modes.phase_of(joint, modes.mode_of(joint, state))
         course.records.append(_within_step(phase.linear, state, elapsed - since))
     course.z = [series.stop, mp.zero, *moved[VELOCITY + 1 :]]
     course.time = end

@@ -2,7 +2,7 @@
 
 The motion is followed twice, in arithmetic of a hundred and of sixty digits. The error of the second, which is far larger than
 that of the first, is seen in their difference: it is large where decisions within rounding change the motion, such as a stop
-that is only touched, or where the errors grow as in a chaotic motion.
+that is only touched, or where errors grow as in a chaotic motion. Such a motion is refused from then on.
 """
 
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from bodycheck.reference.errors import Stopped
 from bodycheck.reference.exact.numbers import MP, Wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.control import Controller, Stops
@@ -23,6 +24,9 @@ from bodycheck.reference.trajectory import Array
 #: Decimal digits of the arithmetic whose error is measured.
 FEWER_DIGITS = 60
 
+#: The error of the motion in fewer digits, relative to the largest value of the motion, from which on the motion is refused.
+LARGEST_ERROR = 1e-12
+
 _FEWER = mpmath.MPContext()
 _FEWER.dps = FEWER_DIGITS
 
@@ -32,13 +36,17 @@ def follow(plant: Oscillator, controller: Controller | None, stops: Stops | None
 
     plant: the joint without controller and stops.
 
-    Raises `OutOfReach` if the motion cannot be followed.
+    Raises `OutOfReach` if the motion cannot be followed, and `Stopped` if errors become large.
     """
     order = np.argsort(times, kind="stable")
     ascending = times[order].tolist()
     values, errors = _in_wide(MP, plant, controller, stops, ascending)
     others, rounding = _in_wide(_FEWER, plant, controller, stops, ascending)
     excess = np.maximum(np.abs(values - others).astype(float) - errors - rounding, 0.0)
+    large = (excess > LARGEST_ERROR * np.abs(values).max(axis=0, initial=0.0)).any(axis=1)
+    if large.any():
+        time = ascending[int(np.argmax(large))]
+        raise Stopped(f"errors grow so much that {FEWER_DIGITS} digits do not determine the motion at {time:.9g} s", time)
     errors = errors + excess
     back = np.argsort(order, kind="stable")
     values, errors = values[back], errors[back]

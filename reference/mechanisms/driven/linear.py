@@ -75,7 +75,9 @@ def applied(mp: Any, rows: Sequence[Row], z: State) -> list[Real]:
 def terms(linear: Linear, z: State, duration: Real) -> list[list[Real]]:
     """The terms of the Taylor series of the state after a duration (s) of at most one step."""
     mp, series = linear.mp, [list(z)]
-    for n in range(1, term_count(mp.dps) if linear.step is not None else 1):
+    if linear.step is None or not duration:
+        return series
+    for n in range(1, _term_count(mp.dps, min(mp.mag(duration) - mp.mag(linear.step) + 1, 0))):
         factor = duration / n
         term = [factor * part for part in applied(mp, linear.rows, series[-1])]
         if not any(term):
@@ -84,12 +86,13 @@ def terms(linear: Linear, z: State, duration: Real) -> list[list[Real]]:
     return series
 
 
-def term_count(digits: int) -> int:
-    """The number of terms after which a series whose terms are at most 2^n / n! has converged to a number of digits."""
-    n, size = 1, math.log10(2)
+@cache
+def _term_count(digits: int, exponent: int) -> int:
+    """The number of terms after which a series has converged, the term n of which is at most (2 2^exponent)^n / n!."""
+    n, size = 1, math.log10(2) * (1 + exponent)
     while size > -digits - 5:
         n += 1
-        size += math.log10(2 / n)
+        size += math.log10(2 / n) + math.log10(2) * exponent
     return n + 1
 
 

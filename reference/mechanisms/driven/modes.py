@@ -10,7 +10,8 @@ closer to each other, and the impulse of a rigid stop that is only touched is ze
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from typing import Any, Literal
 
@@ -18,6 +19,7 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Real
 from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.driven import signals
+from bodycheck.reference.mechanisms.driven.events import Scan, scan_of
 from bodycheck.reference.mechanisms.driven.linear import Linear, Row, State, applied, value, zero
 from bodycheck.reference.mechanisms.forms.oscillator import Oscillator
 
@@ -48,6 +50,8 @@ class DrivenJoint:
         ("held") and of each signal of a continuous law that changes, by their names.
     size
         The number of components of a state.
+    phases
+        The phases so far, by their modes.
     """
 
     mp: Any
@@ -56,6 +60,7 @@ class DrivenJoint:
     stops: Stops | None
     slots: dict[str, int]
     size: int
+    phases: dict["Mode", "Phase"] = field(default_factory=dict)
 
     @property
     def continuous(self) -> Controller | None:
@@ -92,6 +97,27 @@ class Mode:
     def moves(self) -> bool:
         """True unless the joint sticks or stays at a stop."""
         return self.contact != "closed" and self.slip != 0
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """A mode with its linear system and its conditions: linear functions of the state that are not negative while it lasts."""
+
+    mode: Mode
+    linear: Linear
+    conditions: list[Row]
+
+    @cached_property
+    def scan(self) -> Scan:
+        """The conditions during one step."""
+        return scan_of(self.linear, self.conditions)
+
+
+def phase_of(joint: DrivenJoint, mode: Mode) -> Phase:
+    """The phase of a mode."""
+    if mode not in joint.phases:
+        joint.phases[mode] = Phase(mode, system(joint, mode), conditions(joint, mode))
+    return joint.phases[mode]
 
 
 def driven_joint(mp: Any, plant: Oscillator, controller: Controller | None, stops: Stops | None) -> DrivenJoint:
@@ -337,10 +363,11 @@ def begins(joint: DrivenJoint, mode: Mode, z: State) -> bool:
 
     Of each condition, the first derivative that is not zero decides.
     """
-    mp, rows = joint.mp, system(joint, mode).rows
+    phase = phase_of(joint, mode)
+    mp, rows = joint.mp, phase.linear.rows
     sizes = [{column: abs(part) for column, part in row.items()} for row in rows]
     state, size = list(z), [abs(part) for part in z]
-    waiting = conditions(joint, mode)
+    waiting = phase.conditions
     for _ in range(joint.size + 1):
         undecided = []
         for condition in waiting:

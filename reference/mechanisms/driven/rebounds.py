@@ -38,15 +38,19 @@ class Rebounds:
     ratio: Real
     duration: Real
 
+    @property
+    def arc(self) -> Real:
+        """The duration of the first rebound (s)."""
+        return self.duration * (1 - self.ratio)
 
-def accumulating(joint: DrivenJoint, z: State, side: int, left: Real) -> Rebounds | None:
-    """The rebounds that follow from a state just after an impact, if they end within a time (s) and no other event interferes.
 
-    side: of the stop. Returns None if there are no such rebounds, or if the force changes noticeably during them.
+def rebounds_of(joint: DrivenJoint, z: State, side: int) -> Rebounds | None:
+    """The rebounds from a state just after an impact at the stop of a side, as if the force stayed as it is.
+
+    Returns None if these do not accumulate.
     """
     mp, plant, speed = joint.mp, joint.plant, abs(z[VELOCITY])
-    resting = [*z]
-    resting[VELOCITY] = mp.zero
+    resting = _resting(z)
     closed = modes.mode_of(joint, resting)
     if not speed or closed.contact != "closed":
         return None
@@ -58,11 +62,19 @@ def accumulating(joint: DrivenJoint, z: State, side: int, left: Real) -> Rebound
     if ratio >= 1:
         return None
     duration = speed * (1 / leaving + 1 / mp.sqrt(leaving * returning)) / (1 - ratio)
-    if duration > left or not (_constant(joint, closed) or _negligible(joint, z, duration)):
-        return None
-    if len(modes.sides(joint)) == 2 and 2 * leaving * modes.width(joint) <= speed * speed:
-        return None
     return Rebounds(modes.place_of(joint, side), side, speed, leaving, returning, ratio, duration)
+
+
+def accumulate(joint: DrivenJoint, z: State, series: Rebounds, left: Real) -> bool:
+    """Return whether rebounds end within a time (s), under a force that stays as it is, before any other event.
+
+    z: the state just after the first impact.
+    """
+    if series.duration > left:
+        return False
+    if len(modes.sides(joint)) == 2 and 2 * series.leaving * modes.width(joint) <= series.speed**2:
+        return False
+    return _constant(joint, modes.mode_of(joint, _resting(z))) or _negligible(joint, z, series.duration)
 
 
 def before(mp: Any, series: Rebounds, elapsed: Real) -> tuple[Real, Real, Real]:
@@ -80,6 +92,12 @@ def before(mp: Any, series: Rebounds, elapsed: Real) -> tuple[Real, Real, Real]:
     return begun + rising, series.stop - series.side * speed * rising / 2, mp.zero
 
 
+def _resting(z: State) -> list[Real]:
+    resting = [*z]
+    resting[VELOCITY] = z[VELOCITY] - z[VELOCITY]
+    return resting
+
+
 def _constant(joint: DrivenJoint, closed: Mode) -> bool:
     """Return whether the force is the same in all states during the rebounds, but for dry friction."""
     steady = {ONE, joint.slots.get("held", ONE)}
@@ -90,5 +108,5 @@ def _constant(joint: DrivenJoint, closed: Mode) -> bool:
 
 def _negligible(joint: DrivenJoint, z: State, duration: Real) -> bool:
     """Return whether the force changes by so little during the rebounds that the change is beyond half of the digits."""
-    step = modes.system(joint, modes.mode_of(joint, z)).step
+    step = modes.phase_of(joint, modes.mode_of(joint, z)).linear.step
     return step is None or bool(duration <= step * joint.mp.mpf(10) ** (-(joint.mp.dps // 3)))

@@ -22,7 +22,11 @@ Document = dict[str, Any]
 
 #: The columns that every row has after those of `judgement.COLUMNS`, and those that not every row has.
 ALWAYS = {column.name for column in (*columns.CASE_COLUMNS, *columns.METHOD_COLUMNS)}
-OPTIONAL = {"set", *columns.FURTHER, *(column.name for column in (*columns.LIMIT_COLUMNS, *columns.DEPARTURE_COLUMNS))}
+OPTIONAL = {
+    "set",
+    *columns.FURTHER,
+    *(column.name for column in (*columns.LIMIT_COLUMNS, *columns.DEPARTURE_COLUMNS, *columns.DRIVEN_COLUMNS)),
+}
 
 
 @pytest.fixture(scope="session")
