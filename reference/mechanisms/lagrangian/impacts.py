@@ -105,8 +105,8 @@ def _leaves(impact: _Impact, impulses: dict[int, Number], index: int) -> bool:
 
 def _restitution(system: System, index: int) -> Number:
     stops = system.border.elements[index].stops
-    assert stops is not None and stops.restitution is not None
-    return MP.mpf(stops.restitution)
+    assert stops is not None
+    return MP.mpf(stops.restitution or 0.0)
 
 
 def _responses(system: System, state: Sequence[Number], modes: Modes, chosen: Sequence[int]) -> dict[int, dict[int, Number]]:
