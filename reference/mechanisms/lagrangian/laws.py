@@ -201,7 +201,7 @@ def places(laws: tuple[Law | None, ...], first: int) -> list[dict[str, int]]:
 
 @dataclass(frozen=True)
 class Acting:
-    """What a law adds to the equations: the force along the element's velocity, the error, and its guards by their names."""
+    """The additions of a law to the equations: the force along the velocity, the error, and the guards by their names."""
 
     force: Node
     error: Node
