@@ -28,7 +28,6 @@ from bodycheck.reference.mechanisms.followed import (
     growth_instants,
     growth_with_loops,
     lagrangian,
-    require_modelled,
     rounding_errors,
     roundings_of_lagrangian,
     with_doubts,
@@ -38,6 +37,7 @@ from bodycheck.reference.mechanisms.growth import Growth
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.modelled import require_modelled
 from bodycheck.reference.mechanisms.truth import joined, printed
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
 from bodycheck.reference.trajectory import Array, Trajectory

@@ -22,6 +22,7 @@ from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.growth import Growth, growth
+from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
@@ -29,6 +30,7 @@ from bodycheck.reference.mechanisms.link_states import Decision, floating
 from bodycheck.reference.mechanisms.link_states import sizes as sizes_in_state
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.modelled import require_drivable, require_independent, require_modelled, sudden
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
@@ -97,38 +99,12 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
 
     Raises `NotModelled` if the reference has no model of the mechanism, and `OutOfReach` if it cannot follow the motion.
     """
-    _require_independent(mechanism)
-    _require_drivable(mechanism)
-    form = None if sudden(mechanism) else form_of(mechanism)
+    require_independent(mechanism)
+    form = form_of(mechanism)
     if form is not None:
         return _by_form(mechanism, form, times)
+    require_drivable(mechanism)
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
-
-
-def _require_independent(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` for joints that follow others where this is not modelled: in loops, and with dry friction on them."""
-    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
-    if coupled and mechanism.loops:
-        raise NotModelled("joints that follow others in a mechanism with loops")
-    if dry := [mechanism.joints[index].name for index in sorted(coupled) if mechanism.joints[index].friction]:
-        raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
-
-
-def _require_drivable(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` for controllers and stops where they are not modelled."""
-    if not sudden(mechanism):
-        return
-    if mechanism.loops:
-        raise NotModelled("controllers and stops in a mechanism with loops")
-    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
-    joints = mechanism.joints
-    if rigid := [joints[index].name for index in sorted(coupled) if (stops := joints[index].stops) and stops.rigid]:
-        raise NotModelled(f"rigid stops of joints that follow others or are followed: {', '.join(rigid)}")
-
-
-def sudden(mechanism: Mechanism) -> bool:
-    """Return whether a mechanism has controllers or stops, by which its equations change at events."""
-    return bool(mechanism.controllers) or any(joint.stops for joint in mechanism.joints)
 
 
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
@@ -153,8 +129,6 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
     widest, name, digits = arithmetic()
-    if sudden(mechanism):  # the Lagrangian has no controllers and stops
-        return None
     try:
         if widest is np.float64:
             motion = solution.follow_in_doubles(mechanism, times)
@@ -163,12 +137,6 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     except (NotModelled, OutOfReach):
         return None
     return Way(f"{solution.NAME}, {name}", _motion_of(motion, times), {}, digits)
-
-
-def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops."""
-    if mechanism.loops:
-        raise NotModelled("closed loops")
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -202,6 +170,8 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
 
     If these errors leave undecided whether a joint with dry friction sticks, the bounds grow from then on by what the other
     decision would change; and likewise by the rounding of forces that cancel where a joint begins to slip.
+
+    Raises `OutOfReach` if these errors leave undecided which events controllers and stops cause, and in which order.
     """
     times, here = states.bodies.t, grown.until(states.bodies.t)
     errors = rounding_errors(mechanism, _motion_in_joints(states), here, count, eps)
@@ -212,6 +182,7 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
         doubtful += doubts(decision, relative, _of_links(decision, {name: float(errors[name][row]) for name in STATES}))
         doubtful += cancellations(decision, eps, CAUTION * count)
     _add(mechanism, here, doubtful, errors)
+    add_criticals(mechanism, times, states.criticals, eps * CAUTION * count * here.of_any, _length(mechanism), errors)
     return errors
 
 
@@ -230,7 +201,7 @@ def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
 
 def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
     """Add to errors (n,) what uncertain accelerations of joints cause, and its growth, at the instants of the growth."""
-    length = sum(np.linalg.norm(joint.position) for joint in mechanism.joints) + reach(mechanism)
+    length = _length(mechanism)
     for doubt in doubtful:
         later = np.maximum(grown.t - doubt.since, 0.0)
         slipped = doubt.acceleration * later * grown.of_start
@@ -242,8 +213,14 @@ def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors:
             errors["error"] += moved
 
 
+def _length(mechanism: Mechanism) -> float:
+    """The largest distance of a body from a joint that moves it (m)."""
+    return float(sum(np.linalg.norm(joint.position) for joint in mechanism.joints)) + reach(mechanism)
+
+
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism with loops by multipliers, with the growth of an error; only a witness shows errors' sizes."""
+    require_drivable(mechanism)
     way = loops.way(mechanism, times)
     return Followed(way, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
 

@@ -1,11 +1,13 @@
-"""Frames relative to other frames, at rest and moving, in exact arithmetic."""
+"""Frames relative to other frames, at rest and moving, and mass properties in them, in exact arithmetic."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bodycheck.reference.exact.inertia import Components, MassProperties
-from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
+from bodycheck.reference.exact.inertia import Components, MassProperties, joined
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
 from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN, conjugate, cross, matrix, multiply, plus, scaled, turned, unit
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, Mechanism
 
 #: A sum that is smaller than its terms by this factor is taken to be zero, apart from rounding.
 NEGLIGIBLE = MP.mpf(10) ** -80
@@ -113,3 +115,24 @@ def _turned_tensor(turn: Quaternion4, tensor: Components) -> Components:
         return sum(rows[i][k] * entries[k][m] * rows[j][m] for k in range(3) for m in range(3))
 
     return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)
+
+
+def frame_of(joint: Joint) -> Place:
+    """The frame of a joint in the frame of its parent, if its coordinates are zero."""
+    return Place(exact.turn(joint.attitude), vector(joint.position))
+
+
+def _properties(body: JointedBody) -> MassProperties:
+    inertia = exact.inertia(body)
+    return MassProperties(inertia.mass, inertia.centre, inertia.tensor)
+
+
+def fused(mechanism: Mechanism, body: int) -> MassProperties:
+    """The mass properties of a body together with all bodies that are fixed to it, in its frame."""
+    parts, frames = [_properties(mechanism.bodies[body])], [(body, Place())]
+    for carrier, pose in frames:
+        for joint in mechanism.joints:
+            if joint.parent == carrier and joint.type == "fixed":
+                frames.append((joint.child, pose.then(frame_of(joint))))
+                parts.append(placed(_properties(mechanism.bodies[joint.child]), frames[-1][1]))
+    return joined(parts) if len(parts) > 1 else parts[0]

@@ -12,7 +12,7 @@ by the norm.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal
 
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, Vector3, WideArray
 from bodycheck.reference.exact.rotations import ORIGIN, plus, scaled
@@ -101,15 +101,44 @@ class Decision:
 
 
 @dataclass(frozen=True, eq=False)
+class Critical:
+    """What errors of a state may change altogether in the motion of a tree with controllers and stops.
+
+    Attributes
+    ----------
+    time, joint
+        The time (s), and the index of the joint in the mechanism.
+    kind
+        "impact" at a rigid stop; "touch" where the joint turns back near a stop; "rest" where joints remain at rest or do not.
+    turns
+        Whether the joint is revolute.
+    room
+        Of an impact, the time (s) to another impact or to an instant of a controller; where a joint turns back, the distance from
+        its stop (rad or m); of joints at rest, the distance from another decision as a part of the forces.
+    speed, jumps
+        Of an impact, the speed of the joint before it, and the largest jumps of rates (rad/s) and of velocities (m/s).
+    """
+
+    time: float
+    joint: int
+    kind: Literal["impact", "touch", "rest"]
+    turns: bool
+    room: float
+    speed: float = 0.0
+    jumps: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
 class Course:
     """The motion of a tree: the states of its links, and in order of time the changes of its joints with dry friction.
 
-    decisions: which joints stick.
+    decisions: which joints stick. criticals: what errors may change altogether.
     """
 
     links: list[LinkStates]
     changes: tuple[Change, ...] = ()
     decisions: tuple[Decision, ...] = ()
+    criticals: tuple[Critical, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from bodycheck.reference.mechanisms.articulation import articulated
 from bodycheck.reference.mechanisms.link_states import (
     Change,
     Course,
+    Critical,
     Decision,
     LinkStates,
     derivatives,
@@ -57,6 +58,8 @@ class JointStates:
         The changes in which joints with dry friction began and ceased to slip, up to the last instant.
     decisions
         The decisions which joints stick.
+    criticals
+        What errors may change altogether in trees with controllers and stops.
     """
 
     position: WideArray
@@ -64,6 +67,7 @@ class JointStates:
     bodies: Trajectory
     changes: tuple[Change, ...] = ()
     decisions: tuple[Decision, ...] = ()
+    criticals: tuple[Critical, ...] = ()
 
 
 def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> JointStates:
@@ -95,7 +99,8 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     states = joined(mechanism, [course.links for course in courses], instants, kind)
     changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
     decisions = tuple(decision for course in courses for decision in course.decisions)
-    return replace(states, changes=tuple(changes), decisions=decisions)
+    criticals = tuple(critical for course in courses for critical in course.criticals)
+    return replace(states, changes=tuple(changes), decisions=decisions, criticals=criticals)
 
 
 def joined(mechanism: Mechanism, states: Sequence[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:

@@ -28,11 +28,12 @@ from bodycheck.reference.mechanisms.frames import (
     Place,
     about_origin,
     cleaned,
+    frame_of,
+    fused,
     onto,
     placed,
     rotated,
 )
-from bodycheck.reference.mechanisms.fusing import frame_of, fused
 from bodycheck.reference.mechanisms.joint_types import MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, breadth_first
 

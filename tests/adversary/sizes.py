@@ -4,7 +4,7 @@ import os
 from itertools import pairwise
 
 #: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills;
-#: truths of mechanisms with dry friction, of trees as robots have them and of bodies that touch, to judge.
+#: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, and bodies that touch.
 DEFAULTS = {
     "FILES": 100_000,
     "RUNS": 2_000,
@@ -12,6 +12,7 @@ DEFAULTS = {
     "KILLS": 100,
     "MECHANISMS": 500,
     "TREES": 300,
+    "DRIVEN": 200,
     "CONTACTS": 500,
 }
 

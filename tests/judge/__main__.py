@@ -1,13 +1,18 @@
-"""Judge truths: `python -m tests.judge mechanisms|contacts|trees FIRST_SEED COUNT`."""
+"""Judge truths: `python -m tests.judge mechanisms|contacts|trees|driven FIRST_SEED COUNT`."""
 
 import sys
 import tempfile
 from pathlib import Path
 
-from tests.judge import contact_scenes, mechanism_scenes, tree_scenes
+from tests.judge import contact_scenes, driven_scenes, mechanism_scenes, tree_scenes
 from tests.judge.verdicts import judged
 
-DRAWS = {"mechanisms": mechanism_scenes.judge, "contacts": contact_scenes.judge, "trees": tree_scenes.judge}
+DRAWS = {
+    "mechanisms": mechanism_scenes.judge,
+    "contacts": contact_scenes.judge,
+    "trees": tree_scenes.judge,
+    "driven": driven_scenes.judge,
+}
 
 if __name__ == "__main__":
     name, first, count = sys.argv[1:]

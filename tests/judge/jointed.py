@@ -9,7 +9,7 @@ exactly one choice agrees.
 
 import itertools
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
@@ -49,6 +49,10 @@ Phase = tuple[frozenset[int], dict[int, Decimal]]
 
 #: Changes between sticking and slipping after which a motion is given up.
 CHANGES = 400
+
+
+#: Further forces on joints: a function of a tape, the coordinates and the velocities of the joints.
+Forces = Callable[[Tape, dict[int, Any], dict[int, Any]], dict[int, Any]]
 
 
 class Undecided(Exception):
@@ -124,10 +128,10 @@ class Equations:
     """The equations of a mechanism in which some joints stick, as operations on power series.
 
     Inputs, in this order: coordinates and velocities of the joints that move, coordinates of those that stick, and the friction
-    force with its sign of those that move.
+    force with its sign of those that move. The inputs of further forces come after these.
     """
 
-    def __init__(self, links: Sequence[Link], gravity: Decimal, stuck: frozenset[int]) -> None:
+    def __init__(self, links: Sequence[Link], gravity: Decimal, stuck: frozenset[int], further: Forces | None = None) -> None:
         self.tape = tape = Tape()
         self.moving = [k for k in range(len(links)) if k not in stuck]
         self.stuck = sorted(stuck)
@@ -136,7 +140,10 @@ class Equations:
         velocities: dict[int, Any] = {k: tape.state() for k in self.moving}
         coordinates |= {k: tape.parameter() for k in self.stuck}
         frictions = {k: tape.parameter() for k in self.moving}
-        mass, force = self._projected(coordinates, velocities | dict.fromkeys(self.stuck, ZERO))
+        everything = velocities | dict.fromkeys(self.stuck, ZERO)
+        mass, force = self._projected(coordinates, everything)
+        if further is not None:
+            force |= {k: force[k] + value for k, value in further(tape, coordinates, everything).items()}
         self.mass, self.force = mass, force
         loads = {k: force[k] + frictions[k] for k in self.moving}
         accelerations = solved({(i, j): mass[i, j] for i in self.moving for j in self.moving}, loads, self.moving)
@@ -321,7 +328,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> tuple[list[Instant], int]:
         equations = mechanism.expanded(q, u, phase, ORDER)
         step, left = equations.tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
-        event = _change(mechanism, equations, phase[1], step)
+        event = change(mechanism, equations, phase[1], equations.stuck, step)
         end = step if event is None else event
         while len(sampled) < len(instants) and instants[len(sampled)] <= now + end:
             sampled.append(mechanism.instant(*_reached(equations, q, u, instants[len(sampled)] - now)))
@@ -351,10 +358,12 @@ def _reached(
     return after, velocities
 
 
-def _change(mechanism: Mechanism, equations: Equations, frictions: dict[int, Decimal], step: Decimal) -> Decimal | None:
-    """Return the first time within a step at which a joint stops or one that sticks is no longer held."""
+def change(
+    mechanism: Mechanism, equations: Equations, frictions: dict[int, Decimal], sticking: Sequence[int], step: Decimal
+) -> Decimal | None:
+    """Return the first time within a step at which a joint stops or one that sticks is no longer held; None without."""
     roots = [first_root(equations.velocities[k].coefficients, step) for k in equations.moving if frictions[k]]
-    for k in equations.stuck:
+    for k in sticking:
         if isinstance(load := equations.holding[k], Series):
             friction = mechanism.links[k].terms["friction"]
             for sign in (1, -1):

@@ -3,11 +3,23 @@
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.adversary.sizes import batches
-from tests.judge import balls, coins, contact_scenes, jointed, maximal, mechanism_scenes, rods, tree_scenes
+from tests.judge import (
+    balls,
+    coins,
+    contact_scenes,
+    driven,
+    driven_scenes,
+    jointed,
+    maximal,
+    mechanism_scenes,
+    rods,
+    tree_scenes,
+)
 from tests.judge.documents import written
 from tests.judge.numerals import Number, exact, fifty_digits, sine_cosine
 from tests.judge.slips import Slip, length
@@ -18,6 +30,9 @@ MECHANISMS = [15, 17]
 
 #: Trees with two hinges on one body, and with such a chain of which one hinge follows the other.
 TREES = [25, 31]
+
+#: Driven joints: one whose torque-speed line ends, and two between stops.
+DRIVEN = [13, 259, 339]
 
 SLIDER_AND_WHEEL = {
     "format": 2,
@@ -55,6 +70,13 @@ def test_truths_of_a_few_trees_hold(seed: int, tmp_path: Path) -> None:
     assert not judged(tree_scenes.judge, seed, 1, tmp_path)[0].broken
 
 
+@pytest.mark.parametrize("seed", DRIVEN)
+def test_truths_of_a_few_driven_mechanisms_hold(seed: int, tmp_path: Path) -> None:
+    verdict = judged(driven_scenes.judge, seed, 1, tmp_path)[0]
+    assert not verdict.broken
+    assert not verdict.refused
+
+
 def test_truths_of_a_scene_of_each_family_hold(tmp_path: Path) -> None:
     verdicts = judged(contact_scenes.judge, 256, len(contact_scenes.FAMILIES), tmp_path)
     assert not [str(each) for each in verdicts if each.broken]
@@ -78,6 +100,14 @@ def test_truths_of_mechanisms_with_dry_friction_hold(first: int, count: int, tmp
 def test_truths_of_trees_hold(first: int, count: int, tmp_path: Path) -> None:
     verdicts = judged(tree_scenes.judge, first, count, tmp_path)
     assert not [str(each) for each in verdicts if each.broken or each.refused]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("DRIVEN"))
+def test_truths_of_driven_mechanisms_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(driven_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 5 + count / 5  # the others are what is judged
 
 
 @pytest.mark.slow
@@ -108,6 +138,46 @@ def test_the_judges_of_trees_and_of_dry_friction_agree() -> None:
         # Both leave out terms of 1e-35 in each step.
         assert abs(ours.joints[name][0] - position) < Decimal("1e-30")
         assert abs(ours.joints[name][1] - velocity) < Decimal("1e-30")
+
+
+def _hinge(controller: dict[str, Any], limits: dict[str, float] | None = None, velocity: float = 0.0) -> str:
+    joint: dict[str, Any] = {"name": "pin", "type": "revolute", "child": "arm", "axis": [0.0, 1.0, 0.0]}
+    return written(
+        {
+            "bodies": [{"name": "arm", "mass": 1.0, "inertia": [0.01, 0.01, 0.01]}],
+            "joints": [joint | {"initial": {"velocity": velocity}} | ({} if limits is None else {"limits": limits})],
+            "controllers": [{"joint": "pin", "law": "effort"} | controller],
+        }
+    )
+
+
+@pytest.mark.parametrize(("rate", "expected"), [({}, "1.13967208459371890"), ({"rate": 500.0}, "1.13332897509805060")])
+def test_the_judge_knows_a_driven_hinge(rate: dict[str, float], expected: str) -> None:
+    """Its inertia and gains are exact in decimals but not as doubles, so that fifteen digits agree."""
+    law = {"law": "pd", "kp": 20.0, "kd": 0.4, "target": 1.0}
+    instants = driven.motion(_hinge(law | rate), [Decimal("0.1")])[0]
+    assert abs(instants[-1].joints["pin"][0] - Decimal(expected)) < Decimal("5e-16")
+
+
+def test_the_judge_knows_rebounds_under_a_constant_load() -> None:
+    """After the first fall of a time T, rebounds of e = 1/2 last T in all twice, so that the joint rests after 3 T."""
+    text = _hinge({"effort": 0.02}, {"upper": 1.0, "restitution": 0.5})
+    fall = (2 * exact(0.01) / exact(0.02)).sqrt()
+    instants = driven.motion(text, [fall * Decimal("1.5"), fall * Decimal("2.999"), fall * 3])[0]
+    # In the middle of the first rebound, which lasts T, it is at the highest place: a quarter of the way, as e^2 says.
+    assert _near(instants[0].joints["pin"][0], Decimal("0.75"))
+    assert instants[1].joints["pin"][0] < 1
+    assert instants[2].joints["pin"][0] == 1
+
+
+def test_the_judge_knows_an_elastic_stop() -> None:
+    """Without damping, the joint leaves the stop with the velocity that it had, after half a period of the spring."""
+    text = _hinge({}, {"upper": 0.0, "stiffness": 4.0}, velocity=2.0)
+    quarter = Decimal("3.14159265358979323846264338327950288419716939937511") / (exact(4.0) / exact(0.01)).sqrt() / 2
+    instants = driven.motion(text, [quarter, 4 * quarter])[0]
+    # Series leave out terms of 1e-35 in each step.
+    assert abs(instants[0].joints["pin"][0] - 2 * (exact(0.01) / 4).sqrt()) < Decimal("1e-32")
+    assert abs(instants[1].joints["pin"][1] + 2) < Decimal("1e-32")
 
 
 def test_the_judge_knows_the_ball_that_begins_to_roll() -> None:

@@ -2,6 +2,7 @@
 
 - `choice`: open this first. `form_of` returns the closed form of a mechanism, if there is one.
 - `oscillator`: one joint with armature, damping, spring, constant effort and dry friction.
+- `../driven/`: one joint with a controller or with stops.
 - `pendulum`: the compound pendulum at any amplitude.
 - `parallelogram`: linkages of parallelograms, which move as one pendulum.
 - `ball`: a body on a ball joint, which is free of torque or a top. `top`: Lagrange's top and the spherical pendulum.

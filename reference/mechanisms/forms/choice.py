@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 from bodycheck.reference.exact.numbers import MP, Real
 from bodycheck.reference.exact.rotations import dot
+from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.mechanisms.driven import form as driven
 from bodycheck.reference.mechanisms.forms import oscillator, pendulum
 from bodycheck.reference.mechanisms.forms.ball import form_of_ball
 from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, moment_about
@@ -28,11 +30,13 @@ def form_of(mechanism: Mechanism) -> Form | None:
     if any(joint.mimic for joint in mechanism.joints):
         return None
     if mechanism.loops:
-        return form_of_parallelograms(mechanism)
+        limited = mechanism.controllers or any(joint.stops for joint in mechanism.joints)
+        return None if limited else form_of_parallelograms(mechanism)
     groups = carried(mechanism)
     if not groups:
         return None
-    forms = {held.index: _form_of_joint(held) for held in groups}
+    controllers = {controller.joint: controller for controller in mechanism.controllers}
+    forms = {held.index: _form_of_joint(held, controllers.get(held.index)) for held in groups}
     complete = {index: each for index, each in forms.items() if each is not None}
     if len(complete) < len(forms):
         return None
@@ -45,26 +49,26 @@ def form_of(mechanism: Mechanism) -> Form | None:
     return Form(", ".join(names), ", ".join(reasons), follow)
 
 
-def _form_of_joint(held: Carried) -> _Found | None:
+def _form_of_joint(held: Carried, controller: Controller | None) -> _Found | None:
     match held.joint.type:
         case "revolute":
-            return _revolute(held)
+            return _revolute(held, controller)
         case "prismatic":
-            return _linear(held, held.mass, held.mass * dot(axis_of(held), held.gravity))
+            return _linear(held, held.mass, held.mass * dot(axis_of(held), held.gravity), controller)
         case "spherical":
             return form_of_ball(held)
         case _:
             return None
 
 
-def _revolute(held: Carried) -> _Found | None:
+def _revolute(held: Carried, controller: Controller | None) -> _Found | None:
     joint, axis = held.joint, axis_of(held)
     moment = moment_about(held, axis)
     down, arm = cross(axis, held.gravity), cross(axis, held.centre)
     weight = held.mass * MP.sqrt(dot(down, down) * dot(arm, arm))
     if not weight:
-        return _linear(held, moment, MP.mpf(0))
-    if joint.damping or joint.stiffness or joint.friction or joint.effort:
+        return _linear(held, moment, MP.mpf(0), controller)
+    if joint.damping or joint.stiffness or joint.friction or joint.effort or joint.stops or controller:
         return None
     start, velocity = MP.mpf(joint.start[0]), MP.mpf(joint.start_velocity[0])
     equilibrium = MP.atan2(dot(held.gravity, arm), dot(down, arm))
@@ -72,7 +76,7 @@ def _revolute(held: Carried) -> _Found | None:
     return "pendulum", "one hinge under gravity alone", lambda times: pendulum.follow(system, times)
 
 
-def _linear(held: Carried, inertia: Real, force: Real) -> _Found:
+def _linear(held: Carried, inertia: Real, force: Real, controller: Controller | None) -> _Found:
     """The closed form of a joint on which gravity has a constant force or torque, `force`.
 
     inertia: of the carried body along the coordinate, without the armature. Both have a hundred digits.
@@ -88,6 +92,9 @@ def _linear(held: Carried, inertia: Real, force: Real) -> _Found:
         start=MP.mpf(joint.start[0]),
         velocity=MP.mpf(joint.start_velocity[0]),
     )
+    if controller or joint.stops:
+        name = "joint between stops" if controller is None else "sampled law" if controller.rate else "driven joint"
+        return name, "linear in one joint between events", lambda t: driven.follow(system, controller, joint.stops, t)
     reason = "linear between the stops of one joint" if joint.friction else "linear in one joint"
     return (
         "damped oscillator" if joint.damping or joint.stiffness else "one joint",

@@ -4,11 +4,13 @@ Each such joint either does not accelerate, and its force is within what frictio
 direction that they allow. This complementarity problem is solved by pivots, as in `friction.sticking`.
 """
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Real, real
-from bodycheck.reference.mechanisms.friction.sticking import EQUAL, MOST_PIVOTS, sign
+from bodycheck.reference.mechanisms.friction.sticking import EXACT, MOST_PIVOTS, sign
 from bodycheck.reference.mechanisms.hybrid.equations import Shape
 from bodycheck.reference.mechanisms.hybrid.phases import Number, Phase, in_numbers, rates_in
 from bodycheck.reference.mechanisms.tree import Tree
@@ -17,7 +19,15 @@ from bodycheck.reference.mechanisms.tree import Tree
 CLEAR = 1e-9
 
 
-def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], eps: float) -> dict[int, int]:
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """The modes of the links that may be held, and how far another decision is, as a part of the forces on joints at rest."""
+
+    modes: dict[int, int]
+    room: float
+
+
+def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], *, exact: bool) -> Closed:
     """Return the modes of all links that may be held, in which those at rest neither stick nor move against their forces.
 
     Parameters
@@ -26,18 +36,19 @@ def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], e
         A tree and its phase.
     resting
         The side of each link at rest: 1 or -1 if it is at its upper or lower stop, otherwise 0.
-    eps
-        The size of a rounding of the state; 0 if it is exact.
+    exact
+        Whether the state is exact. If not, `OutOfReach` is raised where another decision is within `CLEAR`.
     """
     if not resting:
-        return phase.rest
+        return Closed(phase.rest, math.inf)
     guess = _pivoted(tree, shape, phase, resting, float, CLEAR)
-    if guess is not None and _is_clear(tree, shape, phase, guess, resting):
-        return guess
-    modes = _pivoted(tree, shape, phase, resting, real, EQUAL * eps)
+    room = 0.0 if guess is None else _room(tree, shape, phase, guess, resting)
+    if guess is not None and room > 2 * CLEAR:
+        return Closed(guess, room)
+    modes = _pivoted(tree, shape, phase, resting, real, EXACT) if exact else None
     if modes is None:
-        raise OutOfReach("rounding leaves undecided which joints stay at rest")
-    return modes
+        raise OutOfReach(f"rounding leaves undecided which joints stay at rest at t = {float(phase.time):.6g} s")
+    return Closed(modes, room)
 
 
 def _pivoted(
@@ -69,13 +80,13 @@ def _demanded(strain: Real, mode: int, friction: Real, side: int, allowed: Real)
     return sign(strain)
 
 
-def _is_clear(tree: Tree, shape: Shape, phase: Phase, modes: dict[int, int], resting: Mapping[int, int]) -> bool:
-    """Return whether no strain is near the value at which the mode of a link at rest changes."""
+def _room(tree: Tree, shape: Shape, phase: Phase, modes: dict[int, int], resting: Mapping[int, int]) -> float:
+    """The smallest distance of a strain from the value at which the mode of a link at rest changes, as a part of the forces."""
     strains = rates_in(tree, shape, phase, in_numbers(phase.state, float), phase.time, float, modes).strains
-    largest = max(abs(strains[index]) for index in resting)
+    largest, room = max(abs(strains[index]) for index in resting), math.inf
     for index, side in resting.items():
         friction, strain = float(tree.links[index].friction), strains[index]
         margin = modes[index] * strain if modes[index] else friction + side * strain if side else friction - abs(strain)
-        if margin < 2 * CLEAR * (friction + largest):
-            return False
-    return True
+        if friction or largest:  # without any force nothing moves, whatever the decision
+            room = min(room, margin / (friction + largest))
+    return room

@@ -16,13 +16,14 @@ import numpy as np
 from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
-from bodycheck.reference.mechanisms.friction.sticking import sign
-from bodycheck.reference.mechanisms.hybrid.beginning import Hit, Problem, first_phase, settled, with_cells
+from bodycheck.reference.mechanisms.friction.sticking import EQUAL, sign
+from bodycheck.reference.mechanisms.hybrid.beginning import Begun, Hit, Problem, first_phase, settled, with_cells
+from bodycheck.reference.mechanisms.hybrid.criticals import NEAR, of_beginnings, touch
 from bodycheck.reference.mechanisms.hybrid.equations import Event, Shape, shape_of, written
-from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, parameters, places, rates_in
+from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, parameters, places, rates_in, require_consistent
 from bodycheck.reference.mechanisms.hybrid.shadows import Shadow, after_event, after_instant, carried, nudged, shadow
 from bodycheck.reference.mechanisms.hybrid.signals import breaks
-from bodycheck.reference.mechanisms.link_states import Change, Course, Decision, split
+from bodycheck.reference.mechanisms.link_states import Course, Critical, split
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import most_steps
 from bodycheck.reference.trajectory import Array
@@ -33,6 +34,9 @@ MOST_EVENTS, MOST_AT_ONCE = 20_000, 100
 #: The first part of a step, as a fraction, in which the events of a joint that has just had one do not count: the functions are
 #: zero there except for rounding.
 JUST_BEGUN = 2.0**-20
+
+#: The part of a step within which two events may be one.
+SAME = 2.0**-40
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +58,7 @@ class _Solver:
         if not self.present:
             self.present.extend([None] * len(self.solver.pars))
         for index, (old, new) in enumerate(zip(self.present, values, strict=False)):
-            if new is not old and new != old:
+            if new is not old and (old is None or new != old):
                 self.solver.pars[index] = kind.number(new)
                 self.present[index] = new
 
@@ -89,7 +93,8 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     instants, order = np.unique(np.append(0.0, times), return_inverse=True)
     run = _followed(tree, instants, kind, [])
     rows = np.array(run.rows)[:, : run.problem.shape.components]
-    return Course(split(tree, rows[order[1:]], times, kind), tuple(run.changes), tuple(run.decisions))
+    criticals = [*of_beginnings(run.problem, run.beginnings), *run.touches]
+    return Course(split(tree, rows[order[1:]], times, kind), criticals=tuple(criticals))
 
 
 def beside(tree: Tree, t: Array, nudges: Sequence[tuple[int, Array]], units: Array) -> tuple[Array, list[Shadow]]:
@@ -114,8 +119,8 @@ def _followed(tree: Tree, instants: WideArray, kind: FloatType, shadows: list[Sh
 class _Run:
     """An integration.
 
-    instants: ascending, the first of which is 0. shadows: nudged motions. rows: the states at the instants so far. changes,
-    decisions: of joints with dry friction.
+    instants: ascending, the first of which is 0. shadows: nudged motions. rows: the states at the instants so far. beginnings:
+    the times and beginnings of phases with impacts or joints at rest. touches: where joints turn back near stops.
     """
 
     problem: Problem
@@ -123,8 +128,8 @@ class _Run:
     instants: WideArray
     shadows: list[Shadow]
     rows: list[WideArray] = field(default_factory=list)
-    changes: list[Change] = field(default_factory=list)
-    decisions: list[Decision] = field(default_factory=list)
+    beginnings: list[tuple[Real, Begun]] = field(default_factory=list)
+    touches: list[Critical] = field(default_factory=list)
 
     def change_shadows(self, change: Callable[[Shadow], Shadow]) -> None:
         """Replace all nudged motions."""
@@ -139,7 +144,7 @@ def _follow(run: _Run) -> None:
     instant = next(ahead, None)
     now, instant = (instant, next(ahead, None)) if instant == 0 else (None, instant)
     run.rows.append(start.state)
-    phase, _ = settled(problem, start, 0.0, now)
+    phase = settled(problem, start, 0.0, now).phase
     begun = replace(phase, memories=start.memories)
     run.change_shadows(lambda each: nudged(problem, begun, phase.state, each, now) if each.first == 0 else each)
     left, events = most_steps(run.solver.solver), 0
@@ -153,12 +158,24 @@ def _follow(run: _Run) -> None:
             events += 1
             if events > MOST_EVENTS:
                 raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
-            phase, hits = _after(problem, replace(phase, time=exactly(time), state=state, begun=frozenset({event.link})), event)
-            _lead_shadows(run, before, phase, event, hits, state)
+            at = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
+            begun = _after(problem, at, event)
+            phase = begun.phase
+            _note(run, begun)
+            _lead_shadows(run, before, phase, event, begun.hits, state)
         elif instant is not None:
-            phase, _ = settled(problem, replace(phase, time=real(instant), state=state, begun=frozenset()), kind.eps, instant)
+            at = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
+            begun = settled(problem, at, kind.eps, instant)
+            phase = begun.phase
+            _note(run, begun)
             _update_shadows(run, before, phase, state, instant)
             instant = next(ahead, None)
+
+
+def _note(run: _Run, begun: Begun) -> None:
+    """Keep the beginning of a phase with impacts, or with joints at rest that almost move."""
+    if begun.hits or begun.room < NEAR:
+        run.beginnings.append((begun.phase.time, begun))
 
 
 def _carry_shadows(run: _Run, phase: Phase, rows: Sequence[int], end: Any) -> None:
@@ -169,8 +186,8 @@ def _carry_shadows(run: _Run, phase: Phase, rows: Sequence[int], end: Any) -> No
         run.solver.begin(problem.kind, begin, state, parameters(problem.tree, problem.shape, each))
         states = []
         for time in times:
-            if time > inner.time:
-                inner.propagate_until(time)
+            if time > inner.time and inner.propagate_until(time)[0] != hy.taylor_outcome.time_limit:
+                raise Stopped(f"Taylor's method stopped at t = {inner.time:.6g} s", float(inner.time))
             states.append(np.array(inner.state))
         return states
 
@@ -206,37 +223,71 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
         outcome, step = inner.step(max_delta_t=until - begin, write_tc=True)
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
             raise Stopped(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}", float(begin))
-        ignored = phase.begun if first else frozenset[int]()
-        crossings = [
-            each
-            for each in solver.crossings
-            if each[0].kind != "turn" and (each[0].link not in ignored or each[1] - begin > JUST_BEGUN * step)
-        ]
-        event, time = min(crossings, key=lambda each: each[1], default=(None, inner.time))
+        soon = begin + JUST_BEGUN * step
+        crossings = [each for each in solver.crossings if not (first and each[0].link in phase.begun and each[1] <= soon)]
+        ends = [each for each in crossings if each[0].kind != "turn"]
+        event, time = _first(ends, SAME * step) or (None, inner.time)
+        state = np.array(inner.state) if event is None else solver.output(time)
+        if first and phase.watched and (moved := _moved(run.problem, phase, state, time)) is not None:
+            return Event(moved, "rest"), begin, phase.state, left
+        require_consistent(run.problem.tree, run.problem.shape, phase, state, time)
         while len(run.rows) < len(run.instants) and run.instants[len(run.rows)] <= time:
             run.rows.append(solver.output(run.instants[len(run.rows)]))
-        if event is not None:
-            return event, time, solver.output(time), left
-        if outcome == hy.taylor_outcome.time_limit:
-            return None, until, np.array(inner.state), left
+        _note_touches(
+            run, [each for each in crossings if each[0].kind == "turn" and phase.rest.get(each[0].link) != 0 and each[1] < time]
+        )
+        if event is not None or outcome == hy.taylor_outcome.time_limit:
+            return event, until if event is None else time, state, left
         first, left = False, left - 1
     last = float(inner.time)
     raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
 
 
-def _after(problem: Problem, phase: Phase, event: Event) -> tuple[Phase, list[Hit]]:
-    """Return the phase after an event, and the impacts in it."""
+def _first(crossings: Sequence[tuple[Event, Any]], same: Any) -> tuple[Event, Any] | None:
+    """The first of the events that end a phase, and its time.
+
+    Of those within a very short time `same` (s), it is one of a joint that stops or meets its stop: where a joint stops, the
+    saturation of its law may enter another cell, which such an event takes into account.
+    """
+    if not crossings:
+        return None
+    earliest = min(time for _, time in crossings)
+    near = [each for each in crossings if each[1] <= earliest + same]
+    return next((each for each in near if each[0].kind in ("rest", "stop")), min(near, key=lambda each: each[1]))
+
+
+def _note_touches(run: _Run, turns: Sequence[tuple[Event, Any]]) -> None:
+    """Keep where joints turn back near their stops."""
+    for event, time in turns:
+        q = float(run.solver.output(time)[places(run.problem.tree)[event.link] - 1])
+        if (near := touch(run.problem, event.link, float(time), q)) is not None:
+            run.touches.append(near)
+
+
+def _moved(problem: Problem, phase: Phase, state: WideArray, time: Any) -> int | None:
+    """The link that is held at the beginning of a phase although its forces exceed what can hold it shortly afterwards."""
+    strains = rates_in(problem.tree, problem.shape, phase, in_numbers(state, float), exactly(time), float).strains
+    for index in phase.watched:
+        side, friction, strain = phase.sides.get(index, 0), float(problem.tree.links[index].friction), strains[index]
+        if (side * strain if side else -abs(strain)) < -(1 + EQUAL * problem.kind.eps) * friction:
+            return index
+    return None
+
+
+def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
+    """Return the phase after an event."""
     index, state = event.link, phase.state.copy()
     place, eps = places(problem.tree)[index], problem.kind.eps
     if event.kind in ("law", "elastic"):
-        return with_cells(problem, phase), []
+        return Begun(with_cells(problem, phase))
     if event.kind == "rest" and not phase.rest[index]:
         # Its acceleration begins at zero, so that the modes of the other links do not change at this instant.
         strain = rates_in(problem.tree, problem.shape, phase, in_numbers(state, float), phase.time, float).strains[index]
+        mode = -phase.sides[index] if index in phase.sides else sign(strain)
         sides = {each: side for each, side in phase.sides.items() if each != index}
-        return replace(phase, rest={**phase.rest, index: sign(strain)}, sides=sides), []
+        return Begun(replace(phase, rest={**phase.rest, index: mode}, sides=sides))
     if event.kind == "stop":
-        state[place - 1] = problem.kind.number(problem.limits(index)[event.index if len(problem.limits(index)) > 1 else 0][1])
+        state[place - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
     else:
         state[place] = state[place] * 0
     return settled(problem, replace(phase, state=state), eps)

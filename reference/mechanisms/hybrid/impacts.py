@@ -1,6 +1,11 @@
-"""Impacts at rigid stops: impulses along joints, with the joints that stops hold at that instant."""
+"""Impacts at rigid stops: impulses along joints, with the joints that stops hold at that instant.
 
-from collections.abc import Mapping, Sequence
+An impact may push a joint that another stop holds against this stop, which then takes up an impulse too. If neither stop has a
+restitution, both joints are at rest afterwards, in whatever order the impacts follow one another. Otherwise the order matters, and
+the impact is refused. Dry friction is a bounded force and takes up no impulse.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -44,8 +49,11 @@ def _stopped(tree: Tree, state: Sequence[Any]) -> list[Any]:
     return still
 
 
-def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int], number: Number) -> Blow:
-    """Return the impact of a link at its stop. sides: of the links that stops hold, which take up impulses."""
+def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int], others: Sequence[int], number: Number) -> Blow:
+    """Return the impact of a link at its stop.
+
+    sides: of the links that stops hold, which take up impulses. others: the links that meet their stops at the same instant.
+    """
     held, at = frozenset(sides), places(tree)
     for _ in range(MOST_PIVOTS):
         change = struck(tree, state, index, held, number)
@@ -53,9 +61,25 @@ def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int],
         impulse = change[at[index]] / unit.state[at[index]]
         wrong = next((each for each in sides if _wrong(impulse, unit, each, sides[each], at[each], each in held)), None)
         if wrong is None:
+            pushed = {each for each in held if unit.strains[each]} | {each for each in others if change[at[each]]}
+            _require_order_not_to_matter(tree, index, pushed)
             return Blow(change, held)
         held = held ^ {wrong}
     raise OutOfReach("an impact leaves undecided which joints leave their stops")
+
+
+def _require_order_not_to_matter(tree: Tree, index: int, others: Collection[int]) -> None:
+    """Raise `OutOfReach` if joints meet or push their stops in an impact of a joint, and one of these stops has a restitution."""
+    if others and any(restitution(tree, each) for each in (index, *others)):
+        raise OutOfReach("two stops take up an impact at one instant, and the result depends on the order")
+
+
+def restitution(tree: Tree, index: int) -> float:
+    """The restitution of the rigid stops of a link."""
+    stops = tree.links[index].stops
+    assert stops is not None, "rigid stops have a restitution"
+    assert stops.restitution is not None, "rigid stops have a restitution"
+    return stops.restitution
 
 
 def _wrong(impulse: Any, unit: Rates, index: int, side: int, place: int, held: bool) -> bool:
@@ -68,5 +92,5 @@ def struck(tree: Tree, state: Sequence[Any], index: int, held: frozenset[int], n
     stops = tree.links[index].stops
     assert stops is not None and stops.restitution is not None, "rigid stops have a restitution"
     unit, place = response(tree, state, index, held, number), places(tree)[index]
-    impulse = -(1 + number(stops.restitution)) * state[place] / unit.state[place]
+    impulse = -(1 + number(restitution(tree, index))) * state[place] / unit.state[place]
     return [impulse * part for part in unit.state]

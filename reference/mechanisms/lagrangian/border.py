@@ -28,6 +28,7 @@ from bodycheck.reference.independent.border import (
     times,
 )
 from bodycheck.reference.independent.inertia import mass_and_tensor
+from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import Definition, EulerRates, Solid, Tensor
 
@@ -99,6 +100,8 @@ class Element:
     rule
         The joint whose coordinate determines that of this element, a factor of the coordinate, and a term; None if the element
         moves by itself.
+    stops, controller
+        The stops and the controller of its joint; None if it has none.
     """
 
     kind: Kind
@@ -118,6 +121,8 @@ class Element:
     friction: float = 0.0
     effort: float = 0.0
     rule: tuple[int, Number, Number] | None = None
+    stops: Stops | None = None
+    controller: Controller | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,6 +231,8 @@ def _jointed(mechanism: Mechanism, number: int, parent: _Place, elements: list[E
     above, falls = parent.element, parent.falls
     mimic = joint.mimic
     rule = None if mimic is None else (mimic.joint, MP.mpf(mimic.multiplier), MP.mpf(mimic.offset))
+    controller = next((each for each in mechanism.controllers if each.joint == number), None)
+    further = *_along_axis(joint), rule, joint.stops, controller
     for kind, axis, start, velocity in _steps(mechanism, joint):
         aligned = _along_z(axis) if axis is not None else UNIT
         turned = _cleaned(_product(_transposed(aligned), to_joint))
@@ -233,8 +240,7 @@ def _jointed(mechanism: Mechanism, number: int, parent: _Place, elements: list[E
         if kind == "free" and above is None:
             falls, fallen = True, (start[:3], velocity[:3])
             start, velocity = [*NONE, *start[3:]], [*NONE, *velocity[3:]]
-        forces = _along_axis(joint)
-        elements.append(Element(kind, above, number, turned, origin, start, velocity, falls, fallen, (), *forces, rule))
+        elements.append(Element(kind, above, number, turned, origin, start, velocity, falls, fallen, (), *further))
         above, origin, to_joint = len(elements) - 1, NONE, aligned
     return _Place(above, _transposed(aligned), NONE, falls)
 

@@ -16,8 +16,9 @@ dry friction are the forces Q.
 If an element follows another one, its coordinate in L is a linear function of the coordinate of the latter, with respect to
 which L is differentiated, and M becomes S^T M S with the factors S of the functions.
 
-A joint with dry friction slips or sticks: see `friction`. While it sticks, it is left out of the mass matrix. Loops are kept
-closed by multipliers: see `closing`.
+A joint with dry friction slips or sticks: see `friction`. While it sticks, or while a rigid stop holds it, it is left out of
+the mass matrix. Continuous controllers and elastic stops are forces Q too, and add variables to the state: the integrals of
+their errors, and time. See `laws`. Loops are kept closed by multipliers: see `closing`.
 """
 
 import functools
@@ -27,6 +28,7 @@ from dataclasses import dataclass
 from bodycheck.reference.mechanisms.lagrangian import closing
 from bodycheck.reference.mechanisms.lagrangian.border import Kind
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, cross, gradient, needed, plus
+from bodycheck.reference.mechanisms.lagrangian.laws import Acting, Guard, acting
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import (
     Frame,
     Solid,
@@ -49,13 +51,15 @@ class Derived:
     tape
         The tape on which they are written.
     states
-        The number of coordinates and velocities.
+        The number of coordinates, velocities and further variables.
     rates
-        The time derivatives of the coordinates and of the velocities.
+        The time derivatives of the coordinates, of the velocities and of the further variables.
     used
-        The indices of the parameters on which the equations depend.
+        The indices of the parameters on which the equations and the guards depend.
     strains
-        For each element with dry friction, the force of friction that its motion requires, and its inertia.
+        For each element that can be held at rest, the force that holds it in its motion, and its inertia.
+    guards
+        The guards of all laws.
     """
 
     tape: Tape
@@ -63,6 +67,7 @@ class Derived:
     rates: tuple[Node, ...]
     used: tuple[int, ...]
     strains: tuple[tuple[Node, Node], ...]
+    guards: tuple[Guard, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +102,7 @@ class Parts:
     slopes, momenta
         The derivatives of L with respect to the coordinates and the velocities.
     forces
-        The forces Q of damping along the velocities.
+        The forces Q of damping, controllers and elastic stops along the velocities.
     dry
         For each velocity, the force of dry friction along it, and 1, or 0 if dry friction holds it.
     shares
@@ -106,6 +111,11 @@ class Parts:
         The elements with their inertia, from which the mass matrix is formed.
     gaps
         The components of the gaps of loops.
+    further
+        The time derivatives of the variables after the coordinates and velocities: the integral of the error of each law that
+        has one, and time if a law depends on it.
+    guards
+        The guards of laws, without those that depend on accelerations.
     """
 
     coordinates: list[Node]
@@ -117,6 +127,8 @@ class Parts:
     shares: list[tuple[int, Node]]
     solids: list[Solid]
     gaps: list[Node]
+    further: list[Node]
+    guards: list[Guard]
 
     def carried(self, tape: Tape, structure: Structure, slopes: list[Node]) -> list[Node]:
         """X_i of a function for each velocity u_i. slopes: its derivatives with respect to the coordinates."""
@@ -139,6 +151,11 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     followers = sum(leader is not None for leader in structure.follows)
     states, shares = _states(tape, structure, _Read(tape, iter(nodes[len(nodes) - 2 * followers :])), q, u)
     lagrangian, of_all, dry_of_all, solids = _lagrangian(tape, structure, read, states)
+    driven, further = _driven(tape, structure, states, held + moving)
+    for index, law in driven.items():
+        place = structure.all_places[index][1].start
+        of_all[place] = tape.add(of_all[place], law.force)
+    guards = [Guard(index, name, node) for index, law in driven.items() for name, node in law.guards.items()]
     forces = [tape.zero] * moving
     for force, (index, share) in zip(of_all, shares, strict=True):
         forces[index] = tape.add(forces[index], tape.multiply(share, force))
@@ -152,7 +169,27 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     gaps = []
     for one, other in structure.loops:
         gaps += closing.gap(tape, structure.parents, solids, ((one, read.some(3)), (other, read.some(3))))
-    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, shares, solids, gaps)
+    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, shares, solids, gaps, further, guards)
+
+
+def _driven(
+    tape: Tape, structure: Structure, states: Sequence[tuple[list[Node], list[Node]]], first: int
+) -> tuple[dict[int, Acting], list[Node]]:
+    """What the laws of elements add to the equations, by the indices of the elements, and `Parts.further`.
+
+    first: the index of the first variable after the coordinates and velocities.
+    """
+    laws = {index: law for index, law in enumerate(structure.laws) if law is not None}
+    integrals = {index: first + place for place, index in enumerate(i for i, law in laws.items() if law.integrates)}
+    timed = any(law.timed for law in laws.values())
+    clock = tape.variable(first + len(integrals)) if timed else tape.zero
+    driven = {}
+    for index, law in laws.items():
+        numbers = {name: tape.parameter(place) for name, place in structure.law_places[index].items()}
+        integral = tape.variable(integrals[index]) if law.integrates else tape.zero
+        (q, *_), (u, *_) = states[index]
+        driven[index] = acting(tape, law, numbers, (q, u), (integral, clock))
+    return driven, [driven[index].error for index in integrals] + [tape.one] * timed
 
 
 def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
@@ -189,12 +226,27 @@ def derived(structure: Structure) -> Derived:
         driven,
         lambda right: solved(tape, freed, right, above),
     )
-    outputs = *rates, *accelerations
-    used = sorted(tape.operations[index][1] for index in needed(tape, outputs) if tape.operations[index][0] == "parameter")
     inertial = product(tape, matrix, accelerations)
-    slots = [moving.start for move, (_, moving) in zip(structure.dry, places, strict=True) if move]
-    strains = tuple((tape.subtract(inertial[index], right[index]), matrix[index, index]) for index in slots)
-    return Derived(tape, len(q) + len(u), outputs, tuple(used), strains)
+    slots = [places[index][1].start for index in structure.holding]
+    strains = tuple((tape.subtract(inertial[slot], right[slot]), matrix[slot, slot]) for slot in slots)
+    guards = [*parts.guards, *_holding(tape, structure, [strain for strain, _ in strains], [u[slot] for slot in slots])]
+    outputs = *rates, *accelerations, *parts.further
+    all_needed = needed(tape, (*outputs, *(guard.node for guard in guards)))
+    used = sorted(tape.operations[index][1] for index in all_needed if tape.operations[index][0] == "parameter")
+    return Derived(tape, len(outputs), outputs, tuple(used), strains, tuple(guards))
+
+
+def _holding(tape: Tape, structure: Structure, strains: Sequence[Node], velocities: Sequence[Node]) -> list[Guard]:
+    """The guards of elements that can be held: of the force that holds them, and of the velocity against dry friction."""
+    guards = []
+    for index, strain, velocity in zip(structure.holding, strains, velocities, strict=True):
+        numbers = {name: tape.parameter(place) for name, place in structure.law_places[index].items()}
+        guards.append(Guard(index, "high", tape.subtract(tape.multiply(numbers["high.share"], strain), numbers["high"])))
+        guards.append(Guard(index, "low", tape.subtract(numbers["low"], tape.multiply(numbers["low.share"], strain))))
+        law = structure.laws[index]
+        if law is not None and law.dry:
+            guards.append(Guard(index, "rest", velocity))
+    return guards
 
 
 def _states(

@@ -1,221 +1,265 @@
-"""The motion of a mechanism with dry friction by its Lagrangian, from change to change (heyoka; Linux only).
+"""The motion of a mechanism whose equations switch, by its Lagrangian, from change to change.
 
-Each element with dry friction slips one way or sticks. While it slips, friction is a constant force against its velocity; while
-it sticks, its velocity is zero. A change is a root of the velocity, or of the difference of the squares of the friction and of
-the friction that the motion requires. After a change the modes follow from the equations: see `friction`. No phase is taken
-from another way.
+A phase ends at an instant at which a controller computes, at a time of a table, or at the root of a guard (`laws.Guard`): a limit
+begins or ceases to act, an elastic stop is reached, a joint comes to rest against dry friction, the force that holds a joint at
+rest exceeds its bounds, or a rigid stop is hit. The modes after a change follow from the equations: see `changes`. No phase is
+taken from another way.
+
+The sign of a guard changes where the guard has a root. A guard that is zero at the beginning of a phase has no certain sign
+there: the sign is tested in the middle of the step, before the first root.
 """
 
-import functools
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, Protocol
 
-import heyoka as hy
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.independent.arithmetic import wide
 from bodycheck.reference.independent.border import MP, Number
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms.lagrangian import taylor
+from bodycheck.reference.mechanisms.lagrangian import changes
+from bodycheck.reference.mechanisms.lagrangian.changes import Phase
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
-from bodycheck.reference.mechanisms.lagrangian.friction import EXACT, Modes, Slipping, decided, reactions
-from bodycheck.reference.mechanisms.lagrangian.structure import Structure, friction_parameters
+from bodycheck.reference.mechanisms.lagrangian.friction import reactions
+from bodycheck.reference.mechanisms.lagrangian.laws import Guard, switched, switching
+from bodycheck.reference.mechanisms.lagrangian.sampled import Sampler, exact
+from bodycheck.reference.mechanisms.lagrangian.system import System
 
-#: The largest number of changes.
+#: The largest number of changes, without those at known times.
 MOST_CHANGES = 10_000
-
-#: The numbers of roundings up to which forces in an integrated state are equal, and velocities are zero.
-ROUNDINGS, STOPPED = 2.0**12, 2.0**5
 
 #: The part of the friction that may be unused where an element that sticks is watched after every step.
 WATCHED = 1e-9
 
-#: The part of its first step in which a root of an element that has begun to slip is rounding: its velocity is near zero there.
+#: The part of its first step in which a root of a guard that was zero at the beginning is rounding.
 BEGINNING = 2.0**-16
 
-#: A number that is added to velocities in event functions: an element begins to slip from zero, and heyoka does not find
-#: further roots of a function that is zero at the beginning of a step.
-_ABOVE_ZERO = 1e-60
 
+class Stepper(Protocol):
+    """An integrator of the equations of a structure that finds the roots of its guards.
 
-@dataclass(frozen=True, eq=False)
-class _Solver:
-    """heyoka's integrator, the times and elements of the roots in its last step, and the most steps that it may take."""
+    most: the largest number of steps of a motion. time, state: what is reached, in the units of the equations.
+    """
 
-    inner: Any
-    roots: list[tuple[Any, int]]
-    most: int
+    @property
+    def most(self) -> int: ...
+
+    @property
+    def time(self) -> Any: ...
+
+    @property
+    def state(self) -> WideArray: ...
+
+    def begin(self, time: Any, state: WideArray, parameters: WideArray) -> None:
+        """Begin at a time and a state, with all parameters of the structure."""
+
+    def step(self, until: Any) -> list[tuple[Any, int]]:
+        """Take a step, at most to a time, and return the times and guards of its roots in their order."""
 
     def at(self, time: Any) -> WideArray:
         """The state at a time in the last step."""
-        self.inner.update_d_output(time)
-        return np.array(self.inner.d_output)
 
 
 @dataclass(frozen=True, eq=False)
-class _Phase:
-    """The beginning of a phase: its time, state and modes, and the elements that begin to slip."""
+class _Change:
+    """The end of a phase at a change: its time, and the guards that change there."""
 
     time: Any
-    state: WideArray
-    modes: Modes
-    begun: frozenset[int]
+    guards: tuple[Guard, ...]
 
 
-@functools.lru_cache(maxsize=8)
-def _solver(structure: Structure, dtype: Any) -> _Solver:
-    equations, roots = derived(structure), list[tuple[Any, int]]()
-    dry = [index for index, rubs in enumerate(structure.dry) if rubs]
-    required = [pair[0] for pair in equations.strains]
-    variables, rates, strains = taylor.system(structure, required)
-    events = []
-    for number, (index, strain) in enumerate(zip(dry, strains, strict=True)):
-        force, moves = (hy.par[equations.used.index(each)] for each in friction_parameters(structure, index))
-        friction = hy.par[len(equations.used) + number]
-        velocity = variables[structure.places[-1][0].stop + structure.places[index][1].start]
-        margin = moves * (_ABOVE_ZERO - force * velocity) + (1.0 - moves) * (friction - strain) * (friction + strain)
-        falling = hy.event_direction.negative
-        events.append(hy.nt_event(margin, _noting(roots, index), direction=falling, fp_type=dtype))
-    inner, length = taylor.compiled(variables, rates, dtype, len(equations.used) + len(dry), events)
-    return _Solver(inner, roots, taylor.most_steps(length, structure))
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """What is followed: a system, by an integrator, at times.
+
+    rows: the states at the times so far. parameters: the system's, in the type of the times.
+    """
+
+    system: System
+    stepper: Stepper
+    times: WideArray
+    rows: list[WideArray]
+    parameters: WideArray
+
+    def changed(self, values: dict[int, Number]) -> WideArray:
+        """The parameters with given values instead of those with the same indices."""
+        parameters = self.parameters.copy()
+        for index, value in values.items():
+            parameters[index] = changes.rounded(value, self.times)
+        return parameters
 
 
-def _noting(roots: list[tuple[Any, int]], index: int) -> Callable[[Any, Any, int], None]:
-    # heyoka copies the callback of an event: a function as it is, but an object with all its members, such as a list.
-    def note(_: Any, time: Any, __: int) -> None:
-        roots.append((time, index))
-
-    return note
-
-
-def solve(slipping: Slipping, start: list[Number], times: WideArray) -> WideArray:
+def solve(system: System, start: list[Number], times: WideArray, stepper: Stepper) -> WideArray:
     """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations and in the type of the times.
 
     Raises `OutOfReach` if the integration fails or takes too many steps, or there are too many changes.
     """
-    dtype: Any = times.dtype.type
-    solver, rows = _solver(slipping.structure, dtype), list[WideArray]()
-    moving = {index: _sign(start[slipping.velocity(index)]) for index in slipping.frictions}
-    modes = decided(slipping, start, moving, EXACT)
-    phase = _Phase(dtype(0), np.array([_rounded(value, dtype) for value in start]), modes, _begun(modes, moving))
-    left = solver.most
-    with taylor.lock:
-        for _ in range(MOST_CHANGES):
-            change, left = _advanced(slipping, solver, phase, times, rows, left)
-            if change is None:
-                return np.array(rows).reshape(len(times), len(start))
-            time, index = change
-            state, modes = solver.at(time), phase.modes
-            if modes[index]:
-                state, modes = _stopped(slipping, state, modes, index)
-            else:
-                required = reactions(slipping, state.tolist(), slipping.with_modes(modes), float, math)[index].friction
-                modes = {**modes, index: -_sign(required)}
-            phase = _Phase(time, state, modes, _begun(modes, phase.modes))
-    raise OutOfReach(f"more than {MOST_CHANGES} changes between sticking and slipping, in the Lagrangian")
+    parameters = np.array([changes.rounded(value, times) for value in system.parameters], times.dtype)
+    course = _Course(system, stepper, times, [], parameters)
+    samplers = [
+        Sampler(index, element.controller)
+        for index, element in enumerate(system.border.elements)
+        if element.controller is not None and element.controller.rate is not None
+    ]
+    phase = changes.started(system, start, samplers, times)
+    left, count = stepper.most, 0
+    while True:
+        instant = _next(samplers, phase)
+        until = times[-1] if instant is None else min(changes.rounded(exact(instant) / system.units.time, times), times[-1])
+        change, left = _advanced(course, phase, until, left)
+        if len(course.rows) == len(times):
+            return np.array(course.rows).reshape(len(times), len(start))
+        if change is None:
+            assert instant is not None
+            phase = changes.renewed(system, replace(phase, time=until, state=stepper.state), samplers, instant)
+            continue
+        phase, count = changes.switched(system, phase, change.guards, change.time, stepper.at(change.time)), count + 1
+        if count > MOST_CHANGES:
+            raise OutOfReach(f"more than {MOST_CHANGES} changes between modes of motion, in the Lagrangian")
 
 
-def _begun(modes: Modes, before: Modes) -> frozenset[int]:
-    return frozenset(index for index, mode in modes.items() if mode and not before[index])
+def _next(samplers: list[Sampler], phase: Phase) -> Fraction | None:
+    """The next time (s) at which a controller computes or a table changes; None if there is none."""
+    ends = [part.until for part in phase.modes.pieces.values() if part.until is not None]
+    return min([*ends, *(sampler.next for sampler in samplers)], default=None)
 
 
-def _sign(value: Any) -> int:
-    return int(value > 0) - int(value < 0)
+def _advanced(course: _Course, phase: Phase, until: Any, most: int) -> tuple[_Change | None, int]:
+    """Follow a phase to the next change, at most to a time, and append the states at the times in it.
 
-
-def _rounded(value: Number, dtype: Any) -> Any:
-    return float(value) if dtype is np.float64 else wide(value)
-
-
-def _exact(state: WideArray) -> list[Number]:
-    """A state in numbers of a hundred digits, without rounding."""
-    if not np.isfinite(state.astype(float)).all():
-        raise OutOfReach("the motion exceeds the range of floating-point numbers")
-    total, rest = [MP.zero] * len(state), state
-    while rest.any():
-        part = rest.astype(float)
-        total, rest = [whole + MP.mpf(each) for whole, each in zip(total, part.tolist(), strict=True)], rest - part
-    return total
-
-
-def _advanced(
-    slipping: Slipping,
-    solver: _Solver,
-    phase: _Phase,
-    times: WideArray,
-    rows: list[WideArray],
-    most: int,
-) -> tuple[tuple[Any, int] | None, int]:
-    """Follow a phase to the next change, and append the states at the times in it.
-
-    Returns the time and the element of the change, or None after the last of the times, and the number of steps that are left.
+    Returns the change, or None at that time, and the number of steps that are left.
     """
-    time, state, modes, begun = phase.time, phase.state, phase.modes, phase.begun
-    dtype: Any = times.dtype.type
-    values = slipping.with_modes(modes)
-    used = [values[index] for index in derived(slipping.structure).used]
-    inner = solver.inner
-    inner.time, inner.state[:] = time, state
-    inner.pars[:] = [_rounded(value, dtype) for value in (*used, *slipping.frictions.values())]
-    watching = bool(_watched(slipping, state, modes))
+    system, stepper, modes = course.system, course.stepper, phase.modes
+    stepper.begin(phase.time, phase.state, course.changed(system.changed(modes)))
+    watching = bool(_watched(course.system, phase, phase.state))
+    time = phase.time
     for left in reversed(range(most)):
-        while len(rows) < len(times) and times[len(rows)] <= inner.time:
-            rows.append(solver.at(times[len(rows)]) if inner.time > time else np.array(inner.state))
-        if len(rows) == len(times):
+        _record(course, time, first=time == phase.time, state=phase.state)
+        if time >= until or len(course.rows) == len(course.times):
             return None, left
-        solver.roots.clear()
-        begin = inner.time
-        outcome, step = inner.step(max_delta_t=times[-1] - begin, write_tc=True)
-        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
-            raise OutOfReach(f"Taylor's method stopped at {float(begin):.6g} units of time: {outcome.name}")
-        early = begin + BEGINNING * step if begin == time else begin
-        changes = [(at, index) for at, index in solver.roots if at > early or index not in begun]
-        until = min(changes)[0] if changes else inner.time
-        changes = [(begin, index) for index in _overlooked(slipping, solver, modes, watching, (begin, until))] or changes
-        if changes:
-            change = min(changes)
-            while len(rows) < len(times) and times[len(rows)] <= change[0]:
-                rows.append(solver.at(times[len(rows)]))
+        begin, roots = time, stepper.step(until)
+        time = stepper.time
+        early = begin + BEGINNING * (time - begin) if begin == phase.time else begin
+        change, flips = _first(
+            course, phase, [root for root in roots if not (root[0] <= early and _begun(course, phase, root))]
+        )
+        span = begin, time if change is None else change.time
+        if wrong := _overlooked(course, phase, watching, span, flips):
+            change = _Change(begin, wrong)
+        else:
+            modes.signs.update({pair: sign for _, pair, sign in flips})
+        if change is not None:
+            _record(course, change.time, first=False, state=phase.state)
             return change, left
-        watching = watching and bool(_watched(slipping, inner.state, modes))
-    raise OutOfReach("Taylor's method stopped, since the motion needs too many steps")
+        watching = watching and bool(_watched(system, phase, stepper.state))
+    raise OutOfReach("the integration stopped, since the motion needs too many steps")
 
 
-def _watched(slipping: Slipping, state: WideArray, modes: Modes) -> list[int]:
-    """The elements that stick and use all of their friction, within `WATCHED`."""
-    if all(modes.values()):
+def _record(course: _Course, time: Any, *, first: bool, state: WideArray) -> None:
+    """Append the states at the times up to a time in the last step. first: whether it is the beginning of a phase."""
+    rows, times = course.rows, course.times
+    while len(rows) < len(times) and times[len(rows)] <= time:
+        rows.append(state if first else course.stepper.at(times[len(rows)]))
+
+
+def _begun(course: _Course, phase: Phase, root: tuple[Any, int]) -> bool:
+    guard = derived(course.system.structure).guards[root[1]]
+    return (guard.element, guard.name) in phase.begun
+
+
+#: The time, the guard by element and name, and the new sign of a guard where it has a root.
+_Flip = tuple[Any, tuple[int, str], int]
+
+
+def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple[_Change | None, list[_Flip]]:
+    """The first root in a step that ends the phase, and the guards whose signs change before it without any effect."""
+    system, modes = course.system, phase.modes
+    signs, flips = dict(modes.signs), list[_Flip]()
+    for time, number in roots:
+        guard = derived(system.structure).guards[number]
+        index, law = guard.element, system.laws[guard.element]
+        if _same_as_rest(system, (index, guard.name)):
+            continue
+        if guard.name in switching(law):
+            before, pair = _effects(system, index, signs), (index, guard.name)
+            signs[pair] = -signs[pair]
+            if _effects(system, index, signs) != before:
+                return _Change(time, (guard,)), flips
+            flips.append((time, pair, signs[pair]))
+        elif guard.name in law.rigid:
+            side = 1 if guard.name == "upper" else -1
+            if modes.sides[index] != side and side * course.stepper.at(time)[system.velocity(index)] > 0:
+                return _Change(time, (guard, *_together(course, roots, time, number))), flips
+        elif (modes.moves[index] != 0) == (guard.name == "rest"):
+            return _Change(time, (guard,)), flips
+    return None, flips
+
+
+def _same_as_rest(system: System, pair: tuple[int, str]) -> bool:
+    """Return whether a guard is the velocity of an element with dry friction, which has the guard "rest"."""
+    return pair[1] == "forwards" and system.laws[pair[0]].dry
+
+
+def _together(course: _Course, roots: list[tuple[Any, int]], time: Any, number: int) -> list[Guard]:
+    """The guards of other rigid stops whose roots are at the same time, up to rounding."""
+    near, guards = changes.NOISE * np.finfo(course.times.dtype).eps * abs(time), derived(course.system.structure).guards
+    others = {other for at, other in roots if other != number and abs(at - time) <= near}
+    return [guards[other] for other in sorted(others) if guards[other].name in course.system.laws[guards[other].element].rigid]
+
+
+def _effects(system: System, index: int, signs: dict[tuple[int, str], int]) -> dict[str, Number]:
+    law = system.laws[index]
+    return switched(law, {name: signs[index, name] for name in switching(law)}, system.constants[index])
+
+
+def _watched(system: System, phase: Phase, state: WideArray) -> list[int]:
+    """The elements that are held by almost all of the force that can hold them, within `WATCHED`."""
+    held = [index for index, mode in phase.modes.moves.items() if not mode]
+    if not held:
         return []
-    outcome = reactions(slipping, state.tolist(), slipping.with_modes(modes), float, math)
-    limits = {index: (1 - WATCHED) * float(friction) for index, friction in slipping.frictions.items()}
-    return [index for index, mode in modes.items() if not mode and abs(outcome[index].friction) > limits[index]]
+    outcome, near = changes.in_doubles(system, phase.modes, state), []
+    for index in held:
+        low, high = (float(bound) for bound in system.bounds(index, phase.modes.sides[index]))
+        room = WATCHED * (float(system.frictions[index]) or outcome[index].inertia)
+        if not low + room <= outcome[index].force <= high - room:
+            near.append(index)
+    return near
 
 
-def _overlooked(slipping: Slipping, solver: _Solver, modes: Modes, watching: bool, span: tuple[Any, Any]) -> list[int]:
-    """The elements that contradict their modes in a span of a step without a root: they had a root at its beginning.
+def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, Any], flips: list[_Flip]) -> tuple[Guard, ...]:
+    """The guards that contradict the modes in a span of a step without a change: they had roots at its beginning.
 
     In the middle of the span, no velocity is zero because an element is about to come to rest.
     """
-    halfway = solver.at((span[0] + span[1]) / 2)
-    back = [index for index, mode in modes.items() if mode * halfway[slipping.velocity(index)] < 0]
-    if back or not watching:
-        return back
-    state = solver.at(span[1])
-    outcome = reactions(slipping, _exact(state), slipping.with_modes(modes), MP.mpf, MP)
-    most = 1 + ROUNDINGS * float(np.finfo(state.dtype).eps)
-    return [
-        index for index, mode in modes.items() if not mode and abs(outcome[index].friction) > most * slipping.frictions[index]
-    ]
+    system, modes = course.system, phase.modes
+    guards = {(guard.element, guard.name): guard for guard in derived(system.structure).guards}
+    middle = (span[0] + span[1]) / 2
+    halfway = course.stepper.at(middle)
+    rest = [index for index, mode in modes.moves.items() if mode * halfway[system.velocity(index)] < 0]
+    wrong = [guards[index, "rest"] for index in rest if (index, "rest") in guards]
+    signs = modes.signs | {pair: sign for time, pair, sign in flips if time <= middle}
+    for pair, (value, room) in changes.guard_values(system, modes, halfway).items():
+        if _same_as_rest(system, pair):
+            continue
+        closed = pair[1] in system.laws[pair[0]].rigid
+        sign = (0 if modes.sides[pair[0]] and not modes.moves[pair[0]] else -1) if closed else signs[pair]
+        if sign * value < -room:
+            wrong.append(guards[pair])
+    if wrong or not watching:
+        return tuple(wrong)
+    return tuple(guards[pair] for pair in _exceeded(system, modes, course.stepper.at(span[1])))
 
 
-def _stopped(slipping: Slipping, state: WideArray, modes: Modes, index: int) -> tuple[WideArray, Modes]:
-    """The state in which an element, and those that stop with it, are at rest, and the modes of all elements from then on."""
-    state, moving, rounding = state.copy(), dict(modes), float(np.finfo(state.dtype).eps)
-    velocities = {each: modes[each] * float(state[slipping.velocity(each)]) for each in modes}
-    zero = STOPPED * rounding * max(abs(velocity) for velocity in velocities.values())
-    for each, velocity in velocities.items():
-        if each == index or velocity <= zero:
-            state[slipping.velocity(each)], moving[each] = 0, 0
-    return state, decided(slipping, _exact(state), moving, MP.mpf(ROUNDINGS * rounding))
+def _exceeded(system: System, modes: changes.Modes, state: WideArray) -> list[tuple[int, str]]:
+    """The bounds that the forces on held elements exceed in a state, by element and name."""
+    outcome = reactions(system, changes.exact_state(state), system.with_modes(modes), MP.mpf, MP)
+    exceeded, rounding = list[tuple[int, str]](), changes.ROUNDINGS * float(np.finfo(state.dtype).eps)
+    for index in (index for index, mode in modes.moves.items() if not mode):
+        low, high = system.bounds(index, modes.sides[index])
+        room = rounding * (system.frictions[index] or outcome[index].inertia)
+        if outcome[index].force > high + room:
+            exceeded.append((index, "high"))
+        if outcome[index].force < low - room:
+            exceeded.append((index, "low"))
+    return exceeded

@@ -14,15 +14,17 @@ import numpy as np
 
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.independent.arithmetic import Wide, wide
-from bodycheck.reference.independent.border import Number
+from bodycheck.reference.independent.border import MP, Number
 from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.mechanisms.lagrangian import phases
 from bodycheck.reference.mechanisms.lagrangian.border import Border, Element, border
 from bodycheck.reference.mechanisms.lagrangian.closing import independent
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 from bodycheck.reference.mechanisms.lagrangian.equations import parts_of, rows_of
-from bodycheck.reference.mechanisms.lagrangian.friction import Slipping
+from bodycheck.reference.mechanisms.lagrangian.laws import Law
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
+from bodycheck.reference.mechanisms.lagrangian.system import System
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
@@ -44,33 +46,52 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` if the mechanism has free bodies in loops, `OutOfReach` if the integration fails or takes too many
+    Raises `NotModelled` if the mechanism has free bodies in loops or stops in a mechanism with loops, `OutOfReach` if the integration fails or takes too many
     steps, and `ImportError` if heyoka is not installed.
     """
-    from bodycheck.reference.mechanisms.lagrangian import phases, taylor
+    from bodycheck.reference.mechanisms.lagrangian import taylor
 
-    if not any(joint.friction for joint in mechanism.joints):
-        return _followed(mechanism, times, dtype, taylor.solve)
     ready = prepared(mechanism)
-    slipping = Slipping(ready.border, ready.structure, ready.units, ready.parameters)
-    states = phases.solve(slipping, ready.start, times.astype(dtype) / dtype(ready.units.time))
-    return _motion(ready, mechanism, times, states)
+    if not _switches(mechanism):
+        return _followed(ready, mechanism, times, dtype, taylor.solve)
+    with taylor.lock:
+        return _in_phases(ready, mechanism, times.astype(dtype), taylor.stepper(ready.structure, dtype))
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
-    """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision.
-
-    Raises `NotModelled` also if the mechanism has dry friction.
-    """
+    """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision."""
     from bodycheck.reference.mechanisms.lagrangian import scipy_solver
 
-    if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction without heyoka")
-    return _followed(mechanism, times, np.float64, scipy_solver.solve)
-
-
-def _followed(mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
     ready = prepared(mechanism)
+    if not _switches(mechanism):
+        return _followed(ready, mechanism, times, np.float64, scipy_solver.solve)
+    end = float(times[-1]) / ready.units.time if len(times) else 0.0
+    return _in_phases(ready, mechanism, times, scipy_solver.stepper(ready.structure, end))
+
+
+def _switches(mechanism: Mechanism) -> bool:
+    """Return whether the equations of a mechanism switch, or depend on time."""
+    return bool(mechanism.controllers) or any(joint.friction or joint.stops for joint in mechanism.joints)
+
+
+def _in_phases(ready: Prepared, mechanism: Mechanism, times: WideArray, stepper: phases.Stepper) -> WideMotion:
+    """The motion of a mechanism whose equations switch. Raises `NotModelled` where the Lagrangian has no model of this."""
+    if mechanism.loops and any(joint.stops for joint in mechanism.joints):
+        raise NotModelled("stops in a mechanism with loops")
+    if any(law is not None and law.holds and leader is not None for law, leader in _with_leaders(ready.structure)):
+        raise NotModelled("rigid stops and dry friction of joints that follow others")
+    system = System(ready.border, ready.structure, ready.units, ready.parameters)
+    states = np.empty((0, len(ready.start)), times.dtype)
+    if len(times):
+        states = phases.solve(system, ready.start, times / times.dtype.type(ready.units.time), stepper)
+    return _motion(ready, mechanism, times, states)
+
+
+def _with_leaders(structure: Structure) -> list[tuple[Law | None, int | None]]:
+    return list(zip(structure.laws, structure.follows, strict=True))
+
+
+def _followed(ready: Prepared, mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
     start, parameters = _rounded(ready, dtype)
     if not len(start):
         return _motion(ready, mechanism, times, np.empty((len(times), 0), dtype))
@@ -98,6 +119,7 @@ def prepared(mechanism: Mechanism) -> Prepared:
     alone = [element for element in parts.elements if element.rule is None]
     start = [value for element in alone for value in _scaled_start(element, units)]
     start += [value for element in alone for value in _scaled_velocity(element, units)]
+    start += [MP.zero] * structure.further
     if structure.loops:
         chosen = independent(*_all_rows(structure), [float(value) for value in start], [float(value) for value in parameters])
         structure = replace(structure, rows=chosen)

@@ -3,6 +3,7 @@
 import functools
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import heyoka as hy
@@ -63,6 +64,73 @@ def compiled(
 def most_steps(length: int, structure: Structure) -> int:
     """Return the largest number of steps of an integration. length: of its equations."""
     return min(MAX_STEPS, (MAX_OPERATIONS_OF_LOOPS if structure.loops else MAX_OPERATIONS) // length)
+
+
+#: A number that is added to the functions of events: heyoka does not find further roots of one that is zero at the beginning of
+#: a step, such as the velocity of an element that begins to slip.
+_ABOVE_ZERO = 1e-60
+
+
+@dataclass(frozen=True, eq=False)
+class Stepper:
+    """heyoka's integrator with the guards of a structure, and the times and guards of the roots in its last step.
+
+    most: the largest number of steps of a motion.
+    """
+
+    inner: Any
+    roots: list[tuple[Any, int]]
+    used: list[int]
+    most: int
+
+    @property
+    def time(self) -> Any:
+        """The time that is reached, in the unit of time of the equations."""
+        return self.inner.time
+
+    @property
+    def state(self) -> WideArray:
+        """The state at this time."""
+        return np.array(self.inner.state)
+
+    def begin(self, time: Any, state: WideArray, parameters: WideArray) -> None:
+        """Begin at a time and a state, with all parameters of the structure."""
+        self.inner.time, self.inner.state[:] = time, state
+        self.inner.pars[:] = parameters[self.used]
+
+    def step(self, until: Any) -> list[tuple[Any, int]]:
+        """Take a step, at most to a time, and return the times and guards of its roots. Raises `OutOfReach` if it fails."""
+        self.roots.clear()
+        begin = self.inner.time
+        outcome, _ = self.inner.step(max_delta_t=until - begin, write_tc=True)
+        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            raise OutOfReach(f"Taylor's method stopped at {float(begin):.6g} units of time: {outcome.name}")
+        if outcome == hy.taylor_outcome.time_limit:
+            self.inner.time = until
+        return sorted(self.roots)
+
+    def at(self, time: Any) -> WideArray:
+        """The state at a time in the last step."""
+        self.inner.update_d_output(time)
+        return np.array(self.inner.d_output)
+
+
+@functools.lru_cache(maxsize=8)
+def stepper(structure: Structure, dtype: Any) -> Stepper:
+    """The compiled integrator of a structure with its guards as events."""
+    equations, roots = derived(structure), list[tuple[Any, int]]()
+    variables, rates, guards = system(structure, [guard.node for guard in equations.guards])
+    events = [hy.nt_event(guard + _ABOVE_ZERO, _noting(roots, number), fp_type=dtype) for number, guard in enumerate(guards)]
+    inner, length = compiled(variables, rates, dtype, len(equations.used), events)
+    return Stepper(inner, roots, list(equations.used), most_steps(length, structure))
+
+
+def _noting(roots: list[tuple[Any, int]], index: int) -> Callable[[Any, Any, int], None]:
+    # heyoka copies the callback of an event: a function as it is, but an object with all its members, such as a list.
+    def note(_: Any, time: Any, __: int) -> None:
+        roots.append((time, index))
+
+    return note
 
 
 @functools.lru_cache(maxsize=8)

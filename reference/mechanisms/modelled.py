@@ -1,0 +1,37 @@
+"""What the reference does not model of mechanisms, with the reason."""
+
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+
+
+def require_independent(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` for joints that follow others where this is not modelled: in loops, and with dry friction on them."""
+    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
+    if coupled and mechanism.loops:
+        raise NotModelled("joints that follow others in a mechanism with loops")
+    if dry := [mechanism.joints[index].name for index in sorted(coupled) if mechanism.joints[index].friction]:
+        raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
+
+
+def require_drivable(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` for controllers and stops where they are not modelled."""
+    if not sudden(mechanism):
+        return
+    if mechanism.loops:
+        raise NotModelled("controllers and stops in a mechanism with loops")
+    coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
+    joints = mechanism.joints
+    if rigid := [joints[index].name for index in sorted(coupled) if (stops := joints[index].stops) and stops.rigid]:
+        raise NotModelled(f"rigid stops of joints that follow others or are followed: {', '.join(rigid)}")
+
+
+def sudden(mechanism: Mechanism) -> bool:
+    """Return whether a mechanism has controllers or stops, by which its equations change at events."""
+    return bool(mechanism.controllers) or any(joint.stops for joint in mechanism.joints)
+
+
+def require_modelled(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
+    if mechanism.loops:
+        raise NotModelled("closed loops")
+    require_drivable(mechanism)
