@@ -21,7 +21,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Efforts, Method
 from bodycheck.adapters.control_laws import effort_of, integral_of, push_of, value_of
 from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -146,7 +146,7 @@ class Controls:
         self.each_step = self.continuous and (not staged or any(each.controller.ki for each in self.followers))
 
     @property
-    def computed(self) -> str:
+    def computed(self) -> Efforts:
         """When efforts are computed: "at stages" if any are computed there, else "between steps"."""
         return "at stages" if self.staged and self.continuous else "between steps"
 

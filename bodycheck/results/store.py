@@ -299,8 +299,8 @@ class Results:
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
                 work = {name: record.get(name) for name in ("rejected", "evaluations")}  # those of earlier versions have none
                 loads = truth_records.loads(record)
-                work["efforts"] = record.get("efforts", "")
-                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads, **work)
+                costs = record["steps"], record["wall_time"]
+                done = Completed(states, *costs, load, norm_error, loads, **work, efforts=record.get("efforts", ""))
                 return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
