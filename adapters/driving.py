@@ -72,11 +72,10 @@ class Sampler:
 
     def sample(self, position: float, velocity: float) -> None:
         """Compute the law at the next instant from the state of the joint."""
-        controller, time = self.controller, float(self.instant)
+        controller = self.controller
         assert controller.rate is not None
-        slack = float(SLACK) / controller.rate
-        self.total += value_of(controller.target, time, slack) - position
-        result = effort_of(controller, time, position, velocity, self.total / controller.rate, slack)
+        self.total += value_of(controller.target, self.instant) - position
+        result = effort_of(controller, self.instant, position, velocity, self.total / controller.rate)
         self.instants += 1
         self.waiting.append(result)
         if len(self.waiting) > controller.delay:
