@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
-from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
+from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, Sine, Stops
 from bodycheck.reference.mechanisms.driven import form, modes
