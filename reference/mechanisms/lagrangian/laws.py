@@ -55,17 +55,17 @@ class Law:
 
     @property
     def holds(self) -> bool:
-        """Whether dry friction or a rigid stop can hold the element at rest."""
+        """True if dry friction or a rigid stop can hold the element at rest."""
         return self.dry or bool(self.rigid)
 
     @property
     def integrates(self) -> bool:
-        """Whether the integral of the error is a variable of the state."""
+        """True if the integral of the error is a variable of the state."""
         return self.gains[2]
 
     @property
     def timed(self) -> bool:
-        """Whether the law depends on time within a phase."""
+        """True if the law depends on time within a phase."""
         return "sine" in self.signals or "table" in self.signals
 
     @property
