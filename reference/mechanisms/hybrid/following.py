@@ -35,6 +35,9 @@ MOST_EVENTS, MOST_AT_ONCE = 20_000, 100
 #: zero there except for rounding.
 JUST_BEGUN = 2.0**-20
 
+#: The part of a step within which two events may be one.
+SAME = 2.0**-40
+
 
 @dataclass(frozen=True, eq=False)
 class _Solver:
@@ -55,7 +58,7 @@ class _Solver:
         if not self.present:
             self.present.extend([None] * len(self.solver.pars))
         for index, (old, new) in enumerate(zip(self.present, values, strict=False)):
-            if new is not old and new != old:
+            if new is not old and (old is None or new != old):
                 self.solver.pars[index] = kind.number(new)
                 self.present[index] = new
 
@@ -223,19 +226,34 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
         soon = begin + JUST_BEGUN * step
         crossings = [each for each in solver.crossings if not (first and each[0].link in phase.begun and each[1] <= soon)]
         ends = [each for each in crossings if each[0].kind != "turn"]
-        event, time = min(ends, key=lambda each: each[1], default=(None, inner.time))
+        event, time = _first(ends, SAME * step) or (None, inner.time)
         state = np.array(inner.state) if event is None else solver.output(time)
         if first and phase.watched and (moved := _moved(run.problem, phase, state, time)) is not None:
             return Event(moved, "rest"), begin, phase.state, left
         require_consistent(run.problem.tree, run.problem.shape, phase, state, time)
         while len(run.rows) < len(run.instants) and run.instants[len(run.rows)] <= time:
             run.rows.append(solver.output(run.instants[len(run.rows)]))
-        _note_touches(run, [each for each in crossings if each[0].kind == "turn" and each[1] < time])
+        _note_touches(
+            run, [each for each in crossings if each[0].kind == "turn" and phase.rest.get(each[0].link) != 0 and each[1] < time]
+        )
         if event is not None or outcome == hy.taylor_outcome.time_limit:
             return event, until if event is None else time, state, left
         first, left = False, left - 1
     last = float(inner.time)
     raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
+
+
+def _first(crossings: Sequence[tuple[Event, Any]], same: Any) -> tuple[Event, Any] | None:
+    """The first of the events that end a phase, and its time.
+
+    Of those within a very short time `same` (s), it is one of a joint that stops or meets its stop: where a joint stops, the
+    saturation of its law may enter another cell, which such an event takes into account.
+    """
+    if not crossings:
+        return None
+    earliest = min(time for _, time in crossings)
+    near = [each for each in crossings if each[1] <= earliest + same]
+    return next((each for each in near if each[0].kind in ("rest", "stop")), min(near, key=lambda each: each[1]))
 
 
 def _note_touches(run: _Run, turns: Sequence[tuple[Event, Any]]) -> None:

@@ -19,7 +19,7 @@ from bodycheck.reference.mechanisms.growth import LARGEST, NUDGE
 from bodycheck.reference.mechanisms.hybrid.beginning import Hit, Problem, memories_at
 from bodycheck.reference.mechanisms.hybrid.equations import Event
 from bodycheck.reference.mechanisms.hybrid.impacts import struck
-from bodycheck.reference.mechanisms.hybrid.phases import Phase, joint_states, margins_of, places, rates_in
+from bodycheck.reference.mechanisms.hybrid.phases import Phase, joint_state, margins_of, places, rates_in
 from bodycheck.reference.mechanisms.hybrid.sampled import Memory
 from bodycheck.reference.trajectory import Array
 
@@ -144,7 +144,7 @@ def _margin(problem: Problem, phase: Phase, event: Event, base: Array, change: A
     if tree.links[event.link].follows is None:
         q, v = float(change[place - 1]), float(change[place])
     else:
-        (q, v), (q_base, v_base) = (joint_states(tree, state.tolist(), float)[event.link] for state in (base + change, base))
+        (q, v), (q_base, v_base) = (joint_state(tree, state.tolist(), event.link, float) for state in (base + change, base))
         q, v = q - q_base, v - v_base
     if event.kind == "stop":
         return q
