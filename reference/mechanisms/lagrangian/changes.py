@@ -138,7 +138,7 @@ def _with_forces(
     efforts = dict(phase.modes.efforts)
     for sampler in samplers:
         if sampler.next == instant:
-            efforts[sampler.element] = sampler.effort(*system.in_si(sampler.element, lambda place: state[place]))
+            efforts[sampler.element] = sampler.effort(*system.in_si(sampler.element, lambda slot: state[slot]))
     pieces = system.pieces_at(instant)
     modes = replace(phase.modes, efforts=efforts)
     if instant == 0 or pieces != modes.pieces:

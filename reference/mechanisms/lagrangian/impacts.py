@@ -34,8 +34,8 @@ class _Impact:
 
     def couples(self, one: int, other: int) -> bool:
         """Return whether an impulse on one element changes the velocity of the other."""
-        own = abs(self.coupling[one, one] * self.coupling[other, other])
-        return bool(abs(self.coupling[one, other]) > ROUNDED * MP.sqrt(own))
+        product = abs(self.coupling[one, one] * self.coupling[other, other])
+        return bool(abs(self.coupling[one, other]) > ROUNDED * MP.sqrt(product))
 
 
 def struck(system: System, state: Sequence[Number], modes: Modes, hits: dict[int, int]) -> tuple[list[Number], Modes]:
@@ -105,8 +105,8 @@ def _leaves(impact: _Impact, impulses: dict[int, Number], index: int) -> bool:
 
 def _restitution(system: System, index: int) -> Number:
     stops = system.border.elements[index].stops
-    assert stops is not None and stops.restitution is not None
-    return MP.mpf(stops.restitution)
+    assert stops is not None
+    return MP.mpf(stops.restitution or 0.0)
 
 
 def _responses(system: System, state: Sequence[Number], modes: Modes, chosen: Sequence[int]) -> dict[int, dict[int, Number]]:

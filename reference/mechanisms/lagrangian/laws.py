@@ -55,17 +55,17 @@ class Law:
 
     @property
     def holds(self) -> bool:
-        """Whether dry friction or a rigid stop can hold the element at rest."""
+        """True if dry friction or a rigid stop can hold the element at rest."""
         return self.dry or bool(self.rigid)
 
     @property
     def integrates(self) -> bool:
-        """Whether the integral of the error is a variable of the state."""
+        """True if the integral of the error is a variable of the state."""
         return self.gains[2]
 
     @property
     def timed(self) -> bool:
-        """Whether the law depends on time within a phase."""
+        """True if the law depends on time within a phase."""
         return "sine" in self.signals or "table" in self.signals
 
     @property
@@ -201,7 +201,7 @@ def places(laws: tuple[Law | None, ...], first: int) -> list[dict[str, int]]:
 
 @dataclass(frozen=True)
 class Acting:
-    """What a law adds to the equations: the force along the element's velocity, the error, and its guards by their names."""
+    """The additions of a law to the equations: the force along the velocity, the error, and the guards by their names."""
 
     force: Node
     error: Node

@@ -71,7 +71,7 @@ class _Change:
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """What is followed: a system, by an integrator, at times.
+    """A motion that is followed: a system, an integrator, and the times of the states.
 
     rows: the states at the times so far.
     """
