@@ -101,8 +101,8 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
 def follow_in_parts(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[JointStates]:
     """Yield the motion in double precision at ascending times, part by part. Each part is followed when it is asked for.
 
-    Taylor's method follows a part from the end of the one before if there are no dry friction, controllers and stops. Otherwise each part is followed
-    from t = 0. Raises as `follow` does.
+    Taylor's method follows a part from the end of the one before if there are no dry friction, controllers and stops. Otherwise
+    each part is followed from t = 0. Raises as `follow` does.
     """
     trees, kind = forest(mechanism).trees, FloatType(np.float64)
     if solver() is followed_by_dop853 or any(_has_events(tree) for tree in trees):

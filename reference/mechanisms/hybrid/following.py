@@ -159,6 +159,8 @@ def _follow(run: _Run) -> None:
             if events > MOST_EVENTS:
                 raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
             ended = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
+            if event.kind == "stop":
+                _note_depth(run, ended, event)
             next_one = _after(problem, ended, event)
             phase = next_one.phase
             _note(run, next_one)
@@ -263,6 +265,18 @@ def _note_touches(run: _Run, turns: Sequence[tuple[Event, Any]]) -> None:
     for event, time in turns:
         q = float(run.solver.output(time)[places(run.problem.tree)[event.link] - 1])
         if (near := touch(run.problem, event.link, float(time), q)) is not None:
+            run.touches.append(near)
+
+
+def _note_depth(run: _Run, phase: Phase, event: Event) -> None:
+    """Keep that a joint which meets its stop would turn back a little beyond it if there were no stop."""
+    problem, state = run.problem, in_numbers(phase.state, float)
+    rates = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state
+    rate_at = places(problem.tree)[event.link]
+    speed, acceleration = state[rate_at], rates[rate_at]
+    if speed * acceleration < 0:
+        q = state[rate_at - 1] - speed * speed / (2 * acceleration)
+        if (near := touch(problem, event.link, float(phase.time), q)) is not None:
             run.touches.append(near)
 
 

@@ -2,9 +2,9 @@
 
 A nudged motion goes through the same phases as the motion itself, with controllers that compute their laws from the nudged
 state. It reaches an event earlier or later; to first order, the jump of its deviation there follows from the derivatives before
-and after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
-chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the size
-of a nudge as often as it leaves it.
+and after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
+2004, chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the
+size of a nudge as often as it leaves it.
 """
 
 from collections.abc import Callable, Sequence

@@ -10,10 +10,11 @@ import pytest
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.mechanisms.certificate import certify_mechanism
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
-from bodycheck.reference.mechanisms.followed import by_recursion, followed
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
+from bodycheck.reference.mechanisms.followed import by_recursion, followed, witness_of
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism, Mimic
 from bodycheck.reference.mechanisms.observables import observe
 from bodycheck.reference.mechanisms.recursion import follow
+from bodycheck.reference.mechanisms.ways import apart
 from bodycheck.reference.trajectory import Array, Trajectory
 from tests.reference.mechanisms.hybrid import by_hand
 from tests.reference.mechanisms.hybrid.by_hand import ARM, PENDULUM
@@ -260,11 +261,50 @@ def test_controllers_of_joints_that_follow_others_act_on_what_they_move() -> Non
         followed(replace(scene, joints=(ARM.joints[0], replace(following, stops=Stops(None, 0.5)))), np.array([0.1]))
 
 
-def test_the_lagrangian_agrees_and_the_certificate_has_no_faults() -> None:
-    scene = replace(
-        stopped(ARM, None, Stops(-0.6, 0.6, 0.0)), controllers=(Controller(0, kp=20.0, kd=1.0, target=0.5, rate=50.0),)
-    )
-    certificate = certify_mechanism(scene, np.linspace(0.0, 0.5, 6))
+#: An arm with a sampled law and a stop that is reached.
+LIMITED = replace(
+    stopped(ARM, None, Stops(-0.6, 0.6, 0.0)), controllers=(Controller(0, kp=20.0, kd=1.0, target=0.5, rate=50.0),)
+)
+
+
+def test_the_witness_of_a_driven_tree_agrees_within_the_bounds() -> None:
+    times = np.linspace(0.0, 0.5, 6)
+    course = followed(LIMITED, times)
+    witness = witness_of(LIMITED, times, course)
+    assert witness is not None
+    differences = apart(LIMITED, course.way.motion, witness.motion)
+    assert all((2 * course.way.errors[name] >= difference).all() for name, difference in differences.items())
+    assert max(course.way.errors["error"]) < 1e-14
+
+
+@pytest.mark.slow
+def test_the_certificate_of_a_driven_tree_has_no_faults() -> None:
+    certificate = certify_mechanism(LIMITED, np.linspace(0.0, 0.5, 6))
     assert not certificate.faults
     assert len(certificate.differences) == 3
     assert certificate.bound[-1] < 1e-14
+
+
+def test_a_stop_that_is_only_touched_is_refused() -> None:
+    # Half an oscillation from rest at -0.5 ends at rest at 0.5.
+    joint = replace(HINGE.joints[0], start=(-0.5,), stiffness=2.0)
+    scene = stopped(replace(HINGE, joints=(joint,)), Stops(None, 0.5, 1.0))
+    with pytest.raises(OutOfReach):
+        by_recursion(scene, np.linspace(0.0, 1.0, 5))
+
+
+def test_an_impact_at_an_instant_of_a_controller_is_refused() -> None:
+    joint = replace(HINGE.joints[0], start=(-0.5,), start_velocity=(1.0,))
+    scene = stopped(replace(HINGE, joints=(joint,)), Stops(None, 0.0, 1.0))
+    controller = Controller(0, law="effort", effort=Samples((0.0, 0.5), (0.0, 1.0)), rate=2.0)
+    with pytest.raises(OutOfReach):
+        by_recursion(replace(scene, controllers=(controller,)), np.linspace(0.0, 1.0, 5))
+    reading = Controller(0, kd=1e-300, target_velocity=0.0, rate=2.0)
+    with pytest.raises(OutOfReach):
+        by_recursion(replace(scene, controllers=(reading,)), np.linspace(0.0, 1.0, 5))
+
+
+def test_controllers_in_loops_are_not_modelled() -> None:
+    loop = Loop((1, WORLD), ((0.0, 0.0, -0.5), (1.0, 0.0, -1.0)))
+    with pytest.raises(NotModelled, match="loops"):
+        followed(replace(ARM, loops=(loop,), controllers=(PD,)), np.array([0.1]))
