@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.bounds import EPS, STATES
+from bodycheck.reference.bounds import STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
@@ -22,7 +22,16 @@ from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
-from bodycheck.reference.mechanisms.growth import Growth, growth
+from bodycheck.reference.mechanisms.growth import (
+    CAUTION,
+    FEWEST_ROUNDINGS,
+    STORED_ROUNDINGS,
+    Growth,
+    growth,
+    rounding_errors,
+    roundings,
+    so_far,
+)
 from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
@@ -34,7 +43,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import require_drivable, require_independent, require_modelled, sudden
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
-from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
+from bodycheck.reference.mechanisms.ways import Motion, Way, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
 from bodycheck.reference.witness import DOUBLE_DIGITS
@@ -42,16 +51,6 @@ from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDE
 
 #: Instants, evenly spaced, at which the growth of an error is measured.
 GROWTH_INSTANTS = 129
-
-#: The least number of roundings of an integration by Taylor's method, before they grow.
-FEWEST_ROUNDINGS = 8.0
-
-#: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
-#: measured in a few directions only.
-CAUTION = 8.0
-
-#: Number of roundings of a stored number that grows with time, such as the angle of a wheel, and of numbers computed from it.
-STORED_ROUNDINGS = 16.0
 
 #: The largest gap of a loop, as a fraction of the length of the mechanism, in a motion by the Lagrangian.
 OPEN = 1e-9
@@ -265,16 +264,6 @@ def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
     return replace(way, name=way.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
 
 
-def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
-    """Return the number of roundings of an integration.
-
-    It is the largest difference of the integration in doubles, `base`, from the wide one, `wide`, divided by one rounding of
-    doubles times its growth, and at least `FEWEST_ROUNDINGS`.
-    """
-    off = apart(mechanism, base, wide)
-    return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
-
-
 def errors_of_witness(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
     """Bounds (n,) of the errors of a witness at times (n,), s; empty if they are not known.
 
@@ -298,12 +287,6 @@ def roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -
     ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
     motions = [way.motion for way in ways if way is not None]
     return roundings(mechanism, motions[1], motions[0], grown) if len(motions) == 2 else FEWEST_ROUNDINGS
-
-
-def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
-    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
-    largest = sizes(mechanism, motion)
-    return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
 
 
 def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
@@ -330,7 +313,7 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
     way = Way(
         f"closed form, {CLOSED_FORM_BACKEND}",
         motion,
-        {name: _so_far(values) for name, values in errors.items()},
+        {name: so_far(values) for name, values in errors.items()},
         EXTENDED_DIGITS,
     )
     measured: Measured | None = None
@@ -370,10 +353,6 @@ def growth_instants(times: Array) -> Array:
     """The instants (m,), s, from 0 to the last of times (n,), s, at which growth is measured."""
     end = float(times[-1]) if len(times) else 0.0
     return np.linspace(0.0, end, GROWTH_INSTANTS) if end else np.zeros(1)
-
-
-def _so_far(values: Array) -> Array:
-    return np.asarray(np.maximum.accumulate(values))
 
 
 def arithmetic() -> tuple[Any, str, int]:
