@@ -304,7 +304,7 @@ def test_an_impact_at_an_instant_of_a_controller_is_refused() -> None:
         by_recursion(replace(scene, controllers=(reading,)), np.linspace(0.0, 1.0, 5))
 
 
-def test_controllers_in_loops_are_not_modelled() -> None:
+def test_stops_in_loops_are_not_modelled() -> None:
     loop = Loop((1, WORLD), ((0.0, 0.0, -0.5), (1.0, 0.0, -1.0)))
     with pytest.raises(NotModelled, match="loops"):
-        followed(replace(ARM, loops=(loop,), controllers=(PD,)), np.array([0.1]))
+        followed(replace(stopped(ARM, Stops(-2.0, 2.0), None), loops=(loop,)), np.array([0.1]))
