@@ -8,7 +8,7 @@ type makes the same number of roundings, and they grow by the same factor.
 
 import contextlib
 import functools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
+from bodycheck.reference.mechanisms.friction.effects import add_doubts, errors_of_links, length_of
 from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.growth import (
     CAUTION,
@@ -36,8 +37,6 @@ from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
-from bodycheck.reference.mechanisms.link_states import Decision, floating
-from bodycheck.reference.mechanisms.link_states import sizes as sizes_in_state
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import require_drivable, require_independent, require_modelled, sudden
@@ -179,43 +178,11 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
     for decision in states.decisions:
         row = min(int(np.searchsorted(times, decision.time)), len(times) - 1)
         relative = eps * CAUTION * count * float(here.of_any[row])
-        doubtful += doubts(decision, relative, _of_links(decision, {name: float(errors[name][row]) for name in STATES}))
+        doubtful += doubts(decision, relative, errors_of_links(decision, {name: float(errors[name][row]) for name in STATES}))
         doubtful += cancellations(decision, eps, CAUTION * count)
-    _add(mechanism, here, doubtful, errors)
-    add_criticals(mechanism, times, states.criticals, eps * CAUTION * count * here.of_any, _length(mechanism), errors)
+    add_doubts(mechanism, here, doubtful, errors)
+    add_criticals(mechanism, times, states.criticals, eps * CAUTION * count * here.of_any, length_of(mechanism), errors)
     return errors
-
-
-def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
-    """The errors of the components of a state of links, from the errors of a motion by the names of `bounds.STATES`."""
-    of_components: list[float] = []
-    for link in decision.tree.links:
-        held, moving = sizes_in_state(link)
-        slides = link.kind == "prismatic"
-        of_components += [errors["position_error" if slides else "error"]] * held
-        of_components += [errors["velocity_error" if slides else "angular_velocity_error"]] * moving
-    for _ in floating(decision.tree.links):
-        of_components += [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
-    return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
-
-
-def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
-    """Add to errors (n,) what uncertain accelerations of joints cause, and its growth, at the instants of the growth."""
-    length = _length(mechanism)
-    for doubt in doubtful:
-        later = np.maximum(grown.t - doubt.since, 0.0)
-        slipped = doubt.acceleration * later * grown.of_start
-        moved = slipped * later / 2
-        errors["velocity_error"] += slipped * (length if doubt.turns else 1.0)
-        errors["position_error"] += moved * (length if doubt.turns else 1.0)
-        if doubt.turns:
-            errors["angular_velocity_error"] += slipped
-            errors["error"] += moved
-
-
-def _length(mechanism: Mechanism) -> float:
-    """The largest distance of a body from a joint that moves it (m)."""
-    return float(sum(np.linalg.norm(joint.position) for joint in mechanism.joints)) + reach(mechanism)
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
