@@ -1,4 +1,4 @@
-"""What uncertain decisions about joints with dry friction cause in the errors of a motion."""
+"""The effects of uncertain decisions about joints with dry friction on the errors of a motion."""
 
 from collections.abc import Iterable
 
