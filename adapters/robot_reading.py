@@ -242,3 +242,19 @@ class Touch:
 
     index: int
     pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Touches:
+    """The result of a search for contacts in states of a robot.
+
+    Attributes
+    ----------
+    first
+        The first state in which shapes touch; None if none do.
+    unseen
+        The bodies with shapes that may touch, but were left out because a mesh is not at hand, each with the reason.
+    """
+
+    first: Touch | None
+    unseen: Mapping[str, str]

@@ -89,7 +89,10 @@ def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence
     from bodycheck.casefile.robots import loading
 
     if model.resolve().parent != folder.resolve():
-        raise BadInput(f"--model {model}: must be in the folder of the case file, {folder.resolve()}")
+        raise BadInput(
+            f"--model {model}: must be in the folder of the case file, {folder.resolve()}; run the command in the folder of "
+            "the model"
+        )
     case = loading.load(model, packages=packages, ignore=ignore)
     named = case.name if name is None else name
     return _written(named, folder, file_text(case).replace(f'name = "{case.name}"', f'name = "{named}"', 1))

@@ -29,6 +29,7 @@ from bodycheck.casefile.mechanisms.grammar import MechanismTable
 from bodycheck.casefile.mechanisms.model import Expanded, expanded, with_model, with_scene
 from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
+from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
@@ -53,12 +54,16 @@ ORDER_TOLERANCE = 0.25
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a case file: its position, the value that was read, and what is allowed."""
+    """One fault of a case file: its position, the value that was read, and what is allowed.
+
+    ignore: the word of `[model] ignore` without which a robot's file is refused; None for all other faults.
+    """
 
     file: str
     message: str
     position: Position | None = None
     key: str = ""
+    ignore: Ignored | None = None
 
     def __str__(self) -> str:
         where = f":{self.position.line}:{self.position.column}" if self.position else ""

@@ -2,12 +2,11 @@
 
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.method import Method
@@ -22,10 +21,7 @@ from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_EXPECTATIONS, MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED, most_possible
-from bodycheck.reference.exact.start import defined_inertia
-from bodycheck.reference.inertia import satisfies_triangle_inequality
-from bodycheck.reference.robots.physical import MARGIN
-from bodycheck.reference.scene import Tensor
+from bodycheck.reference.possible_inertia import impossible_moments, impossible_tensor
 from bodycheck.suggestion import did_you_mean
 
 
@@ -136,9 +132,6 @@ PART_SIZES = {
     "sphere": ("radius",),
 }
 
-#: How far below zero rounding may move a moment of zero, relative to the largest moment; see `reference.robots.physical`.
-ROUNDING = MARGIN
-
 
 def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys of a raw table of a body, as pairs of path in the table and message.
@@ -169,13 +162,6 @@ def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator
             yield ("parts", index, "quaternion"), "its length is 0; any other length is allowed"
 
 
-#: The end of the message about an impossible tensor that would be possible with the opposite signs of the products of inertia.
-OTHER_SIGNS = (
-    "; with the opposite signs of Ixy, Ixz and Iyz it would be possible: the products of inertia stand in the tensor as "
-    "Ixy = -(sum of m x y)"
-)
-
-
 def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
     """Return why no body has the inertia in a document; None if a body may have it or the grammar reports the fault.
 
@@ -184,18 +170,15 @@ def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
     if zero_allowed and mass == 0:
         return _of_a_frame(inertia)
     if (moments := numbers(inertia, 3)) is not None:
-        return _impossible(moments, zero_allowed) if min(moments) > 0 or (zero_allowed and min(moments) == 0) else None
+        stated = min(moments) > 0 or (zero_allowed and min(moments) == 0)
+        return impossible_moments(moments, zero_allowed) if stated else None
     rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
     if len(rows) != 3 or not all(rows):
         return None
     tensor = np.array(rows)
     if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
         return "the tensor must be symmetric"
-    fault = _impossible(_principal_moments(tensor, mass), zero_allowed)
-    other_signs = 2 * np.diag(np.diag(tensor)) - tensor
-    if fault is not None and _impossible(_principal_moments(other_signs, mass), zero_allowed) is None:
-        return fault + OTHER_SIGNS
-    return fault
+    return impossible_tensor(tensor, mass, zero_allowed)
 
 
 def _of_a_frame(inertia: Any) -> str | None:
@@ -207,25 +190,6 @@ def _of_a_frame(inertia: Any) -> str | None:
         if any(isinstance(part, int | float) and part for part in parts)
         else None
     )
-
-
-def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
-    """Return why no body has three principal moments (kg m^2); None if a body may have them."""
-    if zero_allowed:
-        if min(moments) < -ROUNDING * max(moments):
-            return f"its smallest principal moment is {min(moments):.6g}; none may be negative"
-    elif min(moments) <= 0:
-        return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
-    if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        by = 2 * max(moments) - sum(moments)
-        return f"no body has these moments: no moment may exceed the sum of the other two; the largest does by {by:.3g} kg m^2"
-    return None
-
-
-def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
-    """Return the principal moments (kg m^2) of a tensor (3, 3), by the function that computes them for a case's body."""
-    a, b, c = ((float(row[0]), float(row[1]), float(row[2])) for row in tensor)
-    return [float(moment) for moment in defined_inertia(Tensor(mass, (a, b, c))).moments]
 
 
 def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:

@@ -24,6 +24,30 @@ class JointRange:
     lower: float | None
     upper: float | None
 
+    @property
+    def name(self) -> str:
+        """The name of the joint."""
+        return self.joint
+
+    @property
+    def terms(self) -> tuple[tuple[str, float], ...]:
+        """The joint with the coefficient 1."""
+        return ((self.joint, 1.0),)
+
+
+@dataclass(frozen=True)
+class TendonRange:
+    """The limits of a fixed tendon that its file states, and that the mechanics of the case does not have.
+
+    name: its name after the word "tendon". terms: the joints whose coordinates its length sums up, by their names, each with
+    its coefficient. lower, upper: limits of the length; None where the file states none.
+    """
+
+    name: str
+    terms: tuple[tuple[str, float], ...]
+    lower: float | None
+    upper: float | None
+
 
 @dataclass(frozen=True)
 class RobotNotes:
@@ -38,7 +62,8 @@ class RobotNotes:
     notices
         Sentences on parts of the file that do not act in a free motion, each kind of part once, with its number and lines.
     ranges
-        The limits of joints, which would act from the instant on at which a joint passes one; empty if the case ignores limits.
+        The limits of joints and of fixed tendons, which would act from the instant on at which one is passed; empty if the case
+        ignores limits.
     touching
         Whether bodies of the robot may touch each other or the world: the file has shapes for collisions, and the case does not
         ignore contacts.
@@ -49,7 +74,7 @@ class RobotNotes:
     file: str
     without: tuple[str, ...] = ()
     notices: tuple[str, ...] = ()
-    ranges: tuple[JointRange, ...] = ()
+    ranges: tuple[JointRange | TendonRange, ...] = ()
     touching: bool = False
     path: Path | None = field(default=None, compare=False)
     packages: tuple[Path, ...] = field(default=(), compare=False)

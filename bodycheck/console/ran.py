@@ -170,15 +170,26 @@ def ran_of(
     if selection.cases and not quiet:
         _tell_not_run(cases, tasks)
     jobs, without = processes(selection.jobs), without_method(cases, engines.records, tasks)
-    header = campaign.header(command, engines.records, engines.missing, without, noticed(cases, jobs, quiet))
+    samplings = {case.name: [task.method.sampling for task in tasks if task.case == case] for case in cases}
+    robots = noticed(cases, jobs, quiet, samplings)
+    header = campaign.header(command, engines.records, engines.missing, without, robots)
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", len(tasks), quiet) as progress:
-            files = given.files
-            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
+            done = campaign.results(
+                tasks,
+                folder,
+                header,
+                jobs,
+                progress=progress,
+                unchecked=lost,
+                files=given.files,
+                meet=meet,
+                known=robots.truths,
+            )
             results = stack.enter_context(done)
-        yield Ran(results, cases, files, engines)
+        yield Ran(results, cases, given.files, engines)
 
 
 def _tell_not_run(cases: Iterable[Case], tasks: Iterable[Task]) -> None:

@@ -7,7 +7,9 @@ from typing import TypeAlias
 
 from bodycheck import conversion
 from bodycheck.casefile.case import Case, load, parse_stored, shipped
+from bodycheck.casefile.mechanisms.grammar import IGNORED
 from bodycheck.console.arguments import case_names, load_case, load_cases, processes
+from bodycheck.console.options import AS_THEY_ARE, Robots
 from bodycheck.console.ran import Given
 from bodycheck.errors import BadInput
 
@@ -36,8 +38,23 @@ def listed(cases: Cases) -> tuple[OneCase, ...]:
     return tuple(one for one in each if isinstance(one, str | Path | Case))
 
 
-def given_cases(each: Sequence[OneCase]) -> Given:
+def robots(package_path: object, ignore: Names) -> Robots:
+    """Return the way in which robots' files are read. Raises `BadInput` for a word that leaves nothing out."""
+    words = names("--ignore", ignore)
+    if unknown := [word for word in words if word not in IGNORED]:
+        raise BadInput(f"Invalid value for --ignore: read {unknown[0]!r}; allowed: {', '.join(IGNORED)}.")
+    return Robots(paths("--package-path", package_path), tuple(word for word in IGNORED if word in words))
+
+
+def of_robots(robots: Robots) -> dict[str, list[str]]:
+    """Return the way in which robots' files are read as options for `command`."""
+    return {"package_path": list(map(str, robots.package_path)), "ignore": list(robots.ignore)}
+
+
+def given_cases(each: Sequence[OneCase], robots: Robots = AS_THEY_ARE) -> Given:
     """Return the cases that arguments stand for; all shipped cases if there are no arguments.
+
+    robots: the way in which robots' files are read, but not those of cases that were loaded.
 
     Raises `CaseFaults` with the faults of all files, and `BadInput` for a folder or a pattern that stands for no case file, for
     two different cases with the same name, and for a case that was changed after it was loaded.
@@ -47,19 +64,21 @@ def given_cases(each: Sequence[OneCase]) -> Given:
     for case in loaded:
         _check_unchanged(case)
     meant = case_names(tuple(texts)) if texts or not loaded else ()
-    read = load_cases(meant) if meant else []
+    if robots.ignore and not meant:
+        raise BadInput(f"--ignore {robots.ignore[0]}: is an argument of bodycheck.load for a case that is loaded")
+    read = load_cases(meant, robots) if meant else []
     of_files = Given.of(read, meant)
     known = of_files.shipped | {case.name for case in loaded if _is_shipped(case)}
     return Given(_distinct([*read, *loaded]), of_files.files, known)
 
 
-def one_case(case: OneCase) -> Case:
+def one_case(case: OneCase, robots: Robots = AS_THEY_ARE) -> Case:
     """Return the one case that an argument stands for. Raises as `given_cases`, and `BadInput` for several cases."""
     (one,) = listed((case,))
     if not isinstance(one, Case):
-        return load_case(str(one))
-    _check_unchanged(one)
-    return one
+        return load_case(str(one), robots)
+    (given,) = given_cases((one,), robots).cases
+    return given
 
 
 def names(option: str, given: Names) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """`bodycheck.export`: a run as a script for its engine alone."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from bodycheck import conversion
@@ -8,7 +9,7 @@ from bodycheck.console.arguments import check_engine, check_writable
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
 from bodycheck.interface import arguments
-from bodycheck.interface.arguments import OneCase
+from bodycheck.interface.arguments import Names, OneCase
 from bodycheck.running import exporting
 
 
@@ -18,6 +19,8 @@ def export(
     engine: str,
     integrator: str | None = None,
     timestep: float | None = None,
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
 ) -> str:
     """Return a run as a Python script for the engine alone, as the command `bodycheck export` writes it.
@@ -32,6 +35,8 @@ def export(
         The method, or `default` or `recommended`. If none is named, the first one that the engine offers for the case.
     timestep
         The time step (s). By default, the one that `simulate` chooses.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A file to which the script is also written.
 
@@ -47,7 +52,7 @@ def export(
     check_writable("--out", path)
     method = None if integrator is None else conversion.name("--integrator", integrator)
     step = None if timestep is None else conversion.number("--timestep", timestep)
-    loaded = arguments.one_case(case)
+    loaded = arguments.one_case(case, arguments.robots(package_path, ignore))
     try:
         script = exporting.script(loaded, name, method, step)
     except EngineMissing as error:

@@ -1,7 +1,7 @@
 """`bodycheck.run`: run cases in engines, and compare the motions with exact mechanics."""
 
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -144,6 +144,8 @@ def run(
     engine: Names = (),
     integrator: Names = (),
     timestep: Numbers = (),
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
     allow_missing: bool = False,
@@ -163,6 +165,10 @@ def run(
     timestep
         Time steps (s). By default, 2 ms and the time steps of the expectations; if no method is named either, also the default
         and the recommended method of each engine at their own time steps.
+    package_path
+        Folders of packages, in which files are found that a robot's file names.
+    ignore
+        What is left out of a robot's file that is given in the place of a case, such as "actuators".
     out
         A folder for the tables, the recorded runs and the report. Runs that were interrupted there are continued.
     jobs
@@ -178,7 +184,8 @@ def run(
         If all named engines fail when they are loaded.
     """
     each = arguments.listed(cases)
-    given = arguments.given_cases(each)
+    read = arguments.robots(package_path, ignore)
+    given = arguments.given_cases(each, read)
     selection = Selection(
         cases=(),
         engines=(engines := arguments.names("--engine", engine)),
@@ -188,7 +195,13 @@ def run(
         allow_missing=allow_missing,
     )
     command = arguments.command(
-        "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
+        "run",
+        each,
+        engine=engines,
+        integrator=integrators,
+        timestep=timesteps,
+        allow_missing=allow_missing,
+        **arguments.of_robots(read),
     )
     folder, compared = arguments.path("--out", out), judgement.Compared()
     with _kept(folder) as kept:

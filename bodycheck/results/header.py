@@ -1,6 +1,9 @@
 """The header of results: the versions, the machine and the command that they were made with."""
 
+from pathlib import Path
 from typing import Annotated, NotRequired, TypedDict, get_type_hints
+
+from bodycheck.casefile.content import Case
 
 
 class Header(TypedDict):
@@ -55,12 +58,26 @@ LATER: dict[str, dict[str, dict[str, str]]] = {
 class StoredCase(TypedDict):
     """A case in the header of a results folder: its name, and the text of its file when it was run.
 
-    file: the path that was given; empty for a shipped case. Results of earlier versions lack it.
+    file: the path that was given; empty for a shipped case. Results of earlier versions lack it. packages: the folders of
+    packages that the user named, if any, in which a robot's file finds others.
     """
 
     name: str
     text: str
     file: NotRequired[str]
+    packages: NotRequired[list[str]]
+
+
+def stored_case(case: Case, file: Path | None) -> StoredCase:
+    """Return a case as it is stored. file: the path that was given; None for a shipped case."""
+    stored = StoredCase(name=case.name, text=case.text, file=_shown(file))
+    packages = [] if case.robot is None else [shown for folder in case.robot.packages if (shown := _shown(folder))]
+    return StoredCase(**stored, packages=packages) if packages else stored
+
+
+def _shown(file: Path | None) -> str:
+    """Return a path as text; empty if there is none, or if it cannot be printed."""
+    return str(file) if file is not None and str(file).isprintable() else ""
 
 
 class StoredUnchecked(TypedDict):

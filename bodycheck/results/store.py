@@ -28,7 +28,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import journal, records, trajectory_files, truth_records
-from bodycheck.results.header import LATER, Header, StoredHeader
+from bodycheck.results.header import LATER, Header, StoredHeader, stored_case
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Run, Unsupported
 from bodycheck.results.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
@@ -59,7 +59,7 @@ class Writer:
         files: Mapping[str, Path] = NO_FILES,
     ) -> None:
         _refuse_other_things(folder)
-        texts = [{"name": case.name, "text": case.text, "file": _shown(files.get(case.name))} for case in cases]
+        texts = [stored_case(case, files.get(case.name)) for case in cases]
         contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked], "revisions": REVISIONS}
         self.folder = folder
         self.journal = journal.resume(
@@ -207,6 +207,12 @@ class Results:
         """The paths from which cases were read, as they were given, by the name of the case; shipped cases have none."""
         return {entry["name"]: file for entry in self.header["cases"] if (file := entry.get("file", ""))}
 
+    @property
+    def packages(self) -> dict[str, tuple[Path, ...]]:
+        """The folders of packages in which files of robots were found, by the name of the case, where the user named any."""
+        named = {entry["name"]: tuple(map(Path, entry.get("packages", ()))) for entry in self.header["cases"]}
+        return {name: packages for name, packages in named.items() if packages}
+
     @cached_property
     def unchecked(self) -> tuple[Unchecked, ...]:
         """The expectations that no run could check, because their engines cannot be used."""
@@ -297,10 +303,11 @@ class Results:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
-                work = {name: record.get(name) for name in ("rejected", "evaluations")}  # those of earlier versions have none
                 loads = truth_records.loads(record)
-                work["efforts"] = record.get("efforts", "")
-                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads, **work)
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads)
+                # Results of earlier versions have none of these.
+                work = {name: record[name] for name in ("rejected", "evaluations", "efforts") if name in record}
+                done = replace(done, **work)
                 return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
@@ -360,11 +367,6 @@ def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequen
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
     return trajectory_files.is_readable(folder / _path_of(record), bodies[record["case"]])
-
-
-def _shown(file: Path | None) -> str:
-    """Return a path as text; empty if there is none, or if it cannot be printed."""
-    return str(file) if file is not None and str(file).isprintable() else ""
 
 
 def _refuse_other_things(folder: Path) -> None:

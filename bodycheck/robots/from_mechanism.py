@@ -17,7 +17,7 @@ from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.joint_types import ElementaryMotion, MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.robots.model import RobotJoint, RobotJointType, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotJointType, RobotLink, RobotModel, Wide
 
 #: The axes of the frame of a joint, by their names.
 _AXES = dict(zip("xyz", np.eye(3, dtype=np.longdouble), strict=True))
@@ -34,7 +34,7 @@ def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
     links = [_still(root), *(_link(body) for body in mechanism.bodies)]
     joints: list[RobotJoint] = []
     for joint in mechanism.joints:
-        joints += _joints(joint, links)
+        joints += _joints(joint, links, _rule(joint, mechanism))
     names = {joint.name for joint in joints}
     for index, parent_joint in enumerate(mechanism.joint_of):
         if parent_joint is None:
@@ -66,7 +66,13 @@ def _link(body: JointedBody) -> RobotLink:
     return RobotLink(body.name, float(inertia.mass), _array(inertia.centre), tensor)
 
 
-def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
+def _rule(joint: Joint, mechanism: Mechanism) -> Mimic | None:
+    """Return the rule by which a joint follows another one; None if it moves by itself."""
+    rule = joint.mimic
+    return None if rule is None else Mimic(mechanism.joints[rule.joint].name, rule.multiplier, rule.offset)
+
+
+def _joints(joint: Joint, links: list[RobotLink], rule: Mimic | None) -> Iterator[RobotJoint]:
     """Return the joints of a robot model that make a joint; append the massless links between several joints to `links`."""
     rotation = np.stack([_array(row) for row in matrix(exact.turn(joint.attitude))])
     position = np.array(joint.position, np.longdouble)
@@ -78,6 +84,7 @@ def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
         friction=joint.friction,
         stiffness=joint.stiffness,
         rest=joint.rest,
+        mimic=rule,
     )
     if joint.form.robot is not None:
         last = joint.form.motions[-1] if joint.form.motions else None

@@ -91,6 +91,17 @@ def name(root: Element) -> None:
                 numbers[kind] += 1
 
 
+def tops_of(root: Element) -> list[Element]:
+    """Return the bodies in the world that have mass or joints in them."""
+    return [
+        element
+        for world in root.all("worldbody")
+        for element in own(world)
+        if element.tag == "body"
+        and any(inner.tag in ("joint", "freejoint", "inertial", "geom") for inner in element.everything())
+    ]
+
+
 def own(body: Element) -> Iterator[Element]:
     """Yield the elements of a body, also those inside its frames, but not the elements of bodies inside it."""
     left = list(reversed(body.children))

@@ -19,7 +19,12 @@ UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}
 
 
 def prepare(
-    root: Element, folders: Folders, into: Path, removed: Removed, needed: mjcf_meshes.Needed = mjcf_meshes.INERTIAL
+    root: Element,
+    folders: Folders,
+    into: Path,
+    removed: Removed,
+    needed: mjcf_meshes.Needed = mjcf_meshes.INERTIAL,
+    absent: dict[str, str] | None = None,
 ) -> None:
     """Change the elements of an MJCF file so that they need no file but meshes, which are copied.
 
@@ -35,6 +40,8 @@ def prepare(
         Counts of removed elements, to which this function adds.
     needed
         The meshes that are copied.
+    absent
+        The names of meshes that cannot be copied, with the reasons, to which this function adds; None if they are errors.
 
     Raises
     ------
@@ -52,7 +59,7 @@ def prepare(
             _flatten(element, removed)
     mjcf_assembly.name(root)
     origins = {element: path.parent for element, path in paths.items()}
-    kept = mjcf_meshes.prepare(root, folders, origins, into, removed, needed)
+    kept = mjcf_meshes.prepare(root, folders, origins, into, removed, needed, absent)
     remove(root, lambda element: local(element.tag) in UNWANTED, kept, removed)
 
 

@@ -33,7 +33,13 @@ class Needed:
 
 
 def prepare(
-    root: Element, folders: Folders, origins: dict[Element, Path], into: Path, removed: Removed, needed: Needed
+    root: Element,
+    folders: Folders,
+    origins: dict[Element, Path],
+    into: Path,
+    removed: Removed,
+    needed: Needed,
+    absent: dict[str, str] | None = None,
 ) -> frozenset[Element]:
     """Copy the meshes that are needed, and return the elements that name the copies.
 
@@ -51,6 +57,9 @@ def prepare(
         The counts of removed attributes, to which this function adds the files that are not copied.
     needed
         The meshes that are copied.
+    absent
+        The names of meshes that are needed, but cannot be copied, each with the reason, to which this function adds; small
+        meshes replace them. None if such a mesh is an error.
 
     Raises
     ------
@@ -70,12 +79,22 @@ def prepare(
             continue
         wanted = file.replace("\\", "/").rpartition("/")[2] if stripped else file
         bases = (folders.home / below, origins[mesh] / below, folders.home)
-        data, suffix = content(mesh, wanted, bases, folders, room, needed.what)
+        try:
+            data, suffix = content(mesh, wanted, bases, folders, room, needed.what)
+        except BadInput as error:
+            if absent is None:
+                raise
+            mesh.attributes = {"name": name, **SMALL}
+            absent[name] = str(error)
+            continue
         room -= len(data)
         copy = f"mesh-{len(kept)}{suffix}"
         writing.write(into / copy, data)
         mesh.attributes["file"] = copy
         kept.add(mesh)
+    for geom in root.everything():
+        if absent and local(geom.tag) == "geom" and geom.attributes.get("mesh") in absent:
+            geom.attributes["type"] = "mesh"  # no other shape is fitted to the small mesh
     return frozenset(kept)
 
 

@@ -19,7 +19,7 @@ from bodycheck.files.writing import as_utf8
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import slides
-from bodycheck.reference.truths import NoTruth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import resumption, store, versions
 from bodycheck.results.header import Header
 from bodycheck.results.outcome import Completed, Run
@@ -94,6 +94,7 @@ def results(
     unchecked: Sequence[Unchecked] = (),
     files: Mapping[str, Path] = store.NO_FILES,
     meet: Meet = unmet,
+    known: Mapping[str, Mapping[float, Truth]] = NO_ROBOTS.truths,
 ) -> Iterator[Results]:
     """Make all runs and the truths they need, write each as it finishes, and provide the results.
 
@@ -121,6 +122,8 @@ def results(
     meet
         A function that is called with the truth and a completed run, for each run that is made here while the truth of its case
         is in memory.
+    known
+        Truths that were computed before, by the name of the case and by sampling.
 
     Raises
     ------
@@ -143,7 +146,7 @@ def results(
             progress("", count.done)
         arrivals = _arrivals(meet, writer, left)
         with pool.Workers(perform, jobs, limit, memory, group, engines.home) as workers:
-            for task, result in workers.map(left):
+            for task, result in _performed(left, known, workers):
                 if isinstance(task, Task):
                     _add_run(writer, arrivals, task, result, indices[task], head["engines"][task.engine])
                     count.add_run(task)
@@ -153,6 +156,22 @@ def results(
         if any(slides(case.scene) for case in cases.values()):
             _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
+
+
+def _performed(
+    tasks: Sequence[TruthTask | Task],
+    known: Mapping[str, Mapping[float, Truth]],
+    workers: "pool.Workers[TruthTask | Task, Run | Truths]",
+) -> Iterator[tuple[TruthTask | Task, Run | Truths | Crashed | TimedOut]]:
+    """Yield tasks with their results: first those of known truths, then the others as workers finish them."""
+    others = []
+    for task in tasks:
+        truths_of_case = known.get(task.case.name, {}) if isinstance(task, TruthTask) else {}
+        if isinstance(task, TruthTask) and truths_of_case.keys() >= set(task.samplings):
+            yield task, dict(truths_of_case)
+        else:
+            others.append(task)
+    yield from workers.map(others)
 
 
 class _Count:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bodycheck.adapters.robot_reading import ModelRefused, RobotFile, Touch
+from bodycheck.adapters.robot_reading import ModelRefused, Touch, Touches
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.robot_notes import RobotNotes
 from bodycheck.errors import BadInput
@@ -27,7 +27,8 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.requirements import of_mechanism
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
-from bodycheck.robots.touching_copy import copied
+from bodycheck.reference.truths import Truth
+from bodycheck.robots.touching_copy import TouchingCopy, copied
 from bodycheck.running.engines import home
 from bodycheck.running.robot_readings import MJCF_ENGINE
 
@@ -36,6 +37,12 @@ if TYPE_CHECKING:
 
 #: Time limit (s) of the truth of one robot, and of the search for its contacts.
 TIME_LIMIT_S = 300.0
+
+#: The sampling of runs that are sampled at the instants of the case (`Method.sampling`).
+AT_INSTANTS = 0.0
+
+#: The samplings where no runs are planned.
+NO_SAMPLINGS: Mapping[str, Iterable[float]] = {}
 
 #: What a robot is without, by the words of `ignore` that say something else.
 WITHOUT = {"mimic": "mimic joints", "gravity_compensation": "gravity compensation"}
@@ -55,10 +62,13 @@ class Robots:
     departures
         The last instant (s) at which neither limits nor contacts have acted, by the name of the case; cases in which they do
         not act are missing.
+    truths
+        Truths that were computed for these sentences, by the name of the case and by sampling (`Method.sampling`).
     """
 
     sentences: Mapping[str, Sequence[str]] = field(default_factory=dict)
     departures: Mapping[str, float] = field(default_factory=dict)
+    truths: Mapping[str, Mapping[float, Truth]] = field(default_factory=dict)
 
 
 #: The sentences where there are no robots.
@@ -67,10 +77,11 @@ NO_ROBOTS = Robots()
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """The motion of a robot: the limits that it passes, and its states; None where they are not needed."""
+    """The motion of a robot: the limits that it passes, its states (None where they are not needed), and truths by sampling."""
 
     passings: "tuple[Passing, ...]"
     states: "States | None"
+    truths: Mapping[float, Truth]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +101,7 @@ class Search:
     """A search for contacts: a copy of the file, and the states in which it looks for them."""
 
     case: str
-    file: RobotFile
+    copy: TouchingCopy
     states: States
 
 
@@ -99,14 +110,18 @@ def as_loaded(cases: Sequence[Case]) -> Robots:
     return Robots({case.name: _said(case.robot, ()) for case in cases if case.robot is not None})
 
 
-def of(cases: Sequence[Case], jobs: int) -> Robots:
-    """Return what is said of cases, and from when on limits and contacts would act in them. jobs: the number of processes."""
+def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]] = NO_SAMPLINGS) -> Robots:
+    """Return what is said of cases, and from when on limits and contacts would act in them.
+
+    jobs: the number of processes. samplings: those of the runs of cases (`Method.sampling`), by the name of the case, whose
+    truths are computed in the same process, since they share the integrations.
+    """
     concerned = [case for case in cases if case.robot is not None and (case.robot.ranges or case.robot.touching)]
     if not concerned:
         return as_loaded(cases)
     moved: dict[str, Moved | str] = {}
     with pool.Workers(_moved, jobs, TIME_LIMIT_S, home=lambda _: home(None)) as workers:
-        for case, answer in workers.map(concerned):
+        for (case, _), answer in workers.map([(case, tuple(samplings.get(case.name, ()))) for case in concerned]):
             moved[case.name] = answer.reason if isinstance(answer, Crashed | TimedOut) else answer
     touching = _touching(concerned, moved, jobs)
     sentences, departures = {}, {}
@@ -117,7 +132,7 @@ def of(cases: Sequence[Case], jobs: int) -> Robots:
         sentences[case.name] = _said(case.robot, acting.sentences())
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
-    return Robots(sentences, departures)
+    return Robots(sentences, departures, {name: motion.truths for name, motion in moved.items() if isinstance(motion, Moved)})
 
 
 def described(case: Case) -> str:
@@ -147,28 +162,33 @@ def _listed(words: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
-def _moved(case: Case) -> Moved | str:
-    """Return the motion of a case, or why there is no truth of it."""
+def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
+    """Return the motion of a case and its truths for runs with some samplings, or why there is no truth of it."""
     from bodycheck.reference.mechanisms.ranges import passed
     from bodycheck.running import truths
 
+    case, samplings = asked
     scene, robot = case.scene, case.robot
     assert isinstance(scene, Mechanism)
     assert robot is not None
+    looked_at = robot.touching and robot.path is not None
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
-        passings = passed(scene, [each for each in robot.ranges if each.joint in single], case.duration) if robot.ranges else ()
-        if not robot.touching or robot.path is None:
-            return Moved(passings, None)
-        truth = truths.truth(case)
+        ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
+        passings = passed(scene, ranges, case.duration) if ranges else ()
+        batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
+        known = truths.of_runs(case, batches[0]) if batches else {}
     except (NotModelled, OutOfReach) as error:
         return str(error)
+    if not looked_at:
+        return Moved(passings, None, known)
+    truth = known[AT_INSTANTS]
     assert truth.joints is not None  # the truth of a mechanism has joints
     motions = by_name(scene, truth.joints)
     joints = {joint.name: _in_world(joint, motions[joint.name]["position"]) for joint in scene.joints if joint.type != "fixed"}
     massive = [(index, body.name) for index, body in enumerate(bodies(scene)) if body.mass]
     centres = {name: truth.trajectory.body(index).position for index, name in massive}
-    return Moved(passings, States(truth.trajectory.t, joints, centres))
+    return Moved(passings, States(truth.trajectory.t, joints, centres), known)
 
 
 def _in_world(joint: Joint, positions: Array) -> Array:
@@ -179,10 +199,10 @@ def _in_world(joint: Joint, positions: Array) -> Array:
     return np.hstack([np.array(joint.position) + rotate(turn, positions[:, :3]), multiply(turn, positions[:, 3:])])
 
 
-def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touch | str | None]:
-    """Return the first contact in each case whose motion is known, None if there is none, or why it was not looked for."""
-    answers: dict[str, Touch | str | None] = {}
-    with temporary_folder() as folder, pool.Workers(_first_touch, jobs, TIME_LIMIT_S, group=_mujoco, home=home) as workers:
+def _touching(cases: Sequence[Case], moved: Mapping[str, Moved | str], jobs: int) -> dict[str, Touches | str]:
+    """Return what was found of contacts in each case whose motion is known, or why they were not looked for."""
+    answers: dict[str, Touches | str] = {}
+    with temporary_folder() as folder, pool.Workers(_touches, jobs, TIME_LIMIT_S, group=_mujoco, home=home) as workers:
         searches = []
         for index, case in enumerate(cases):
             motion, robot = moved[case.name], case.robot
@@ -213,8 +233,8 @@ def _mujoco(_: Search) -> str:
     return MJCF_ENGINE
 
 
-def _first_touch(search: Search) -> Touch | str | None:
-    """Return the first contact in the states of a search, or why MuJoCo has not looked for it."""
+def _touches(search: Search) -> Touches | str:
+    """Return what was found of contacts in the states of a search, or why MuJoCo has not looked for them."""
     # The adapter of MuJoCo is imported in the worker process of MuJoCo.
     from bodycheck.adapters.mujoco import collisions
 
@@ -224,10 +244,10 @@ def _first_touch(search: Search) -> Touch | str | None:
         for index in range(len(states.t))
     ]
     try:
-        touch: Touch | None = collisions.first_touch(search.file, at, states.centres)
+        touches: Touches = collisions.touches(search.copy.file, at, states.centres, search.copy.absent)
     except ModelRefused as error:
         return str(error)
-    return touch
+    return touches
 
 
 @dataclass(frozen=True)
@@ -240,20 +260,25 @@ class _Acting:
         The case.
     moved
         Its motion, or why it has no truth; None if nothing can act in it.
-    touch
-        The first contact; None if there is none; or why it was not looked for.
+    touches
+        What was found of contacts, or why they were not looked for; None if nothing can touch.
     """
 
     case: Case
     moved: Moved | str | None
-    touch: Touch | str | None
+    touches: Touches | str | None
+
+    @property
+    def touch(self) -> Touch | None:
+        """The first contact, as far as is known."""
+        return self.touches.first if isinstance(self.touches, Touches) else None
 
     def departure(self) -> float | None:
         """Return the last instant (s) at which nothing has acted; None if nothing acts, as far as is known."""
         instants = []
         if isinstance(self.moved, Moved):
             instants += [passing.time - passing.error for passing in self.moved.passings[:1]]
-        if isinstance(self.touch, Touch):
+        if self.touch is not None:
             instants.append(self.between(self.touch)[0])
         return max(min(instants), 0.0) if instants else None
 
@@ -270,15 +295,21 @@ class _Acting:
         acting = []
         if self.moved is not None and self.moved.passings:
             acting.append((self.moved.passings[0].time, self._of_limits(self.moved.passings)))
-        if isinstance(self.touch, Touch):
+        if self.touch is not None:
             acting.append((self.between(self.touch)[1], self._of_contacts(self.touch)))
         yield from (sentence for _, sentence in sorted(acting))
-        if isinstance(self.touch, str):
-            yield f"Contacts were not looked for: {self.touch}."
+        if isinstance(self.touches, str):
+            yield f"Contacts were not looked for: {self.touches}."
+        elif self.touches is not None and self.touches.unseen:
+            yield self._of_unseen(self.touches.unseen)
+
+    def _of_unseen(self, unseen: Mapping[str, str]) -> str:
+        names, reason = list(unseen), next(iter(unseen.values()))
+        listed = _listed([*names[:MOST_NAMED], *([f"{more} more bodies"] if (more := len(names) - MOST_NAMED) > 0 else [])])
+        return f"Contacts of {listed} were looked for without the shapes whose meshes cannot be read, such as {reason}."
 
     def _of_limits(self, passings: "Sequence[Passing]") -> str:
-        assert isinstance(self.case.scene, Mechanism)
-        first, names = passings[0], [self.case.scene.joints[passing.joint].name for passing in passings]
+        first, names = passings[0], [passing.name for passing in passings]
         start = sum(passing.time == 0 for passing in passings)
         later = len(passings) - max(start, 1)
         more = f", and {later} more {'limits are' if later > 1 else 'limit is'} passed later" if later else ""

@@ -22,7 +22,7 @@ from typing import Any
 from bodycheck.casefile.content import Case
 from bodycheck.console import tables as terminal
 from bodycheck.console.arguments import Engines, load_engines
-from bodycheck.console.options import View
+from bodycheck.console.options import Robots, View
 from bodycheck.console.output import say
 from bodycheck.console.robots import noticed
 from bodycheck.interface import arguments
@@ -125,17 +125,27 @@ def function(name: str) -> Callable[..., PlainResults]:
         *,
         engine: Names = (),
         integrator: Names = (),
+        package_path: str | Path | Iterable[str | Path] = (),
+        ignore: Names = (),
         out: str | Path | None = None,
         jobs: int | None = None,
     ) -> PlainResults:
-        return called(name, cases, engine, integrator, out, jobs)
+        return called(name, cases, engine, integrator, arguments.robots(package_path, ignore), out, jobs)
 
     study.__name__ = study.__qualname__ = name
     study.__doc__ = registry.about(name)
     return study
 
 
-def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str | Path | None, jobs: int | None) -> PlainResults:
+def called(
+    name: str,
+    cases: Cases,
+    engine: Names,
+    integrator: Names,
+    robots: Robots,
+    out: str | Path | None,
+    jobs: int | None,
+) -> PlainResults:
     """Make a study with the arguments of its Python function.
 
     Raises `BadInput` with the same messages as the command line.
@@ -143,8 +153,8 @@ def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str |
     each = arguments.listed(cases)
     chosen, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
     processes = arguments.jobs_of(jobs)
-    given = suited(name, arguments.given_cases(each).cases, named=bool(each))
-    command = arguments.command(name, each, engine=chosen, integrator=spellings)
+    given = suited(name, arguments.given_cases(each, robots).cases, named=bool(each))
+    command = arguments.command(name, each, engine=chosen, integrator=spellings, **arguments.of_robots(robots))
     output = Output(arguments.path("--out", out))
     return carry_out(name, given, load_engines(chosen, integrators=spellings), spellings, command, processes, output)
 

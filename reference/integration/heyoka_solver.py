@@ -112,6 +112,26 @@ def step_tolerance(dtype: Any, bits: int | None = None) -> float:
     return tolerance if order % 4 else math.exp(1 - 2 * order)  # in the middle of the range that gives one order more
 
 
+def dense(solver: Any, start: WideArray, parameters: WideArray, end: Any, most: int, limit: int) -> Any:
+    """Return the solution of an integrator's equations from t = 0 to `end` as a function of times (n,) with states (n, k).
+
+    The states are those of `solve`. Returns None if the solution has more than `limit` bytes. most, start, parameters: as in
+    `solve`, which raises the same exceptions.
+    """
+    size = (solver.order + 1) * len(start) * start.itemsize
+    with integrator_lock:
+        solver.time = start.dtype.type(0)
+        solver.state[:] = start
+        solver.pars[:] = parameters[: len(solver.pars)]
+        steps_kept = min(most, limit // size)
+        outcome, _, _, steps, solution, _ = solver.propagate_until(end, max_steps=steps_kept, c_output=True)
+    if outcome == hy.taylor_outcome.step_limit and steps_kept < most:
+        return None
+    if outcome != hy.taylor_outcome.time_limit:
+        raise _stopped(outcome, steps, solver)
+    return solution
+
+
 def solve(
     solver: Any,
     start: WideArray,
@@ -156,5 +176,9 @@ def solve(
         grid = instants.astype(start.dtype)
         outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most or MAX_STEPS, callback=reducer)
     if outcome != hy.taylor_outcome.time_limit:
-        raise Stopped(f"Taylor's method stopped after {steps} steps: {outcome.name}", float(solver.time))
+        raise _stopped(outcome, steps, solver)
     return np.asarray(solution[rows[1:]])
+
+
+def _stopped(outcome: Any, steps: int, solver: Any) -> Stopped:
+    return Stopped(f"Taylor's method stopped after {steps} steps: {outcome.name}", float(solver.time))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.reference.bounds import STATES
+from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
@@ -33,8 +33,22 @@ STARTS = (0.0, 0.0, 1 / 3, 2 / 3)
 #: The growth at which nothing is known of a motion any more, in any arithmetic.
 LARGEST = 1e30
 
+#: The number of instants after which the deviation of the first nudged motion is looked at.
+AHEAD = 16
+
 #: The largest number of pieces of a nudged motion, between which its deviation is scaled back.
 MOST_PIECES = 40
+
+
+#: The least number of roundings of an integration by Taylor's method, before they grow.
+FEWEST_ROUNDINGS = 8.0
+
+#: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
+#: measured in a few directions only.
+CAUTION = 8.0
+
+#: Number of roundings of a stored number that grows with time, such as the angle of a wheel, and of numbers computed from it.
+STORED_ROUNDINGS = 16.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +89,8 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     mechanism
         The mechanism.
     follow
-        The function that follows a mechanism in double precision, from t = 0 on. A nudged motion for which it raises
-        `OutOfReach` does not count.
+        The function that follows a mechanism in double precision. A nudged motion for which it raises `OutOfReach` does not
+        count.
     base
         The motion at the instants t in double precision.
     t
@@ -84,9 +98,10 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     """
     units = scales(mechanism, base, float(t[-1]))
     figures = {name: np.full(len(t), units[name]) for name in STATES}
-    of_start = np.ones(len(t))
+    of_start, ahead = np.ones(len(t)), AHEAD
     for first, nudged, turned_only in _nudges(mechanism, base, t, units):
-        for rows, each in _deviations(mechanism, follow, base, t, first, units, nudged):
+        for rows, each in _deviations(mechanism, follow, base, t, first, units, nudged, ahead):
+            ahead = rows.stop - rows.start
             for name in STATES:
                 figures[name][rows] = np.maximum(figures[name][rows], each[name])
             if turned_only:
@@ -144,32 +159,32 @@ def _deviations(
     first: int,
     units: dict[str, float],
     start: Mechanism,
+    ahead: int,
 ) -> Iterator[tuple[slice, dict[str, Array]]]:
     """Yield the deviations per nudge of a motion that is nudged at the instant t[first], piece by piece.
 
     Each piece has the slice of its instants and the deviations there, by the names of `bounds.STATES`. start: the mechanism
-    that starts from the nudged state at that instant.
+    that starts from the nudged state at that instant. ahead: the number of instants that the first piece probably has.
     """
-    grown, ahead = 1.0, len(t)
+    grown = 1.0
     for _ in range(MOST_PIECES):
         if first + 1 >= len(t) or grown >= LARGEST:
             return
         try:
-            nudged, differences, relative = _followed(mechanism, follow, base, t, first, units, start, ahead)
+            end, differences, relative = _followed(mechanism, follow, base, t, first, units, start, ahead)
         except OutOfReach:  # such as a nudge that leaves undecided whether a joint sticks
             return
         # The loops of a nudged mechanism are closed before it is followed, which changes the size of the nudge.
         nudge = float(relative[0]) if mechanism.loops else NUDGE
         if not nudge:
             return
-        large = np.flatnonzero(relative[1:] > SMALL)
-        at = int(large[0]) + 1 if len(large) else len(relative) - 1
-        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / nudge) for name, values in differences.items()}
+        at = len(relative) - 1
+        yield slice(first, first + at + 1), {name: values * (grown / nudge) for name, values in differences.items()}
         if first + at + 1 >= len(t):
             return
         grown *= float(relative[at]) / nudge
-        start = _between(mechanism, base.part([first + at]), nudged.part([at]), NUDGE / float(relative[at]))
-        first, ahead = first + at, 2 * at
+        start = _between(mechanism, base.part([first + at]), end, NUDGE / float(relative[at]))
+        first, ahead = first + at, at + 1
 
 
 def _followed(
@@ -182,18 +197,33 @@ def _followed(
     start: Mechanism,
     ahead: int,
 ) -> tuple[Motion, dict[str, Array], Array]:
-    """A nudged motion until its deviation is large, or to the end, its deviations, and the largest relative to their units.
+    """A nudged motion until its deviation is large, or to the end.
 
-    ahead: the number of instants to which it is followed first; if its deviation is small there, it is followed twice as far.
+    Returns its state there, its deviations until there, and the largest of these relative to their units. ahead: the number of
+    instants after which the deviation is looked at for the first time.
     """
-    while True:
-        last = min(first + ahead + 1, len(t))
-        nudged = follow(start, t[first:last] - t[first])
-        differences = apart(mechanism, nudged, base.part(slice(first, last)))
-        relative = np.max([differences[name] / units[name] for name in STATES], axis=0)
-        if last == len(t) or (relative[1:] > SMALL).any():
-            return nudged, differences, relative
-        ahead *= 2
+    parts = _parts(first, ahead, len(t))
+    differences: dict[str, list[Array]] = {name: [] for name in STATES}
+    for rows, nudged in zip(parts, follow(start, [t[rows] - t[first] for rows in parts]), strict=True):
+        here = apart(mechanism, nudged, base.part(rows))
+        large = np.max([here[name] / units[name] for name in STATES], axis=0) > SMALL
+        large[0] &= rows.start > first
+        last = int(np.argmax(large)) if large.any() else len(large) - 1
+        for name in STATES:
+            differences[name].append(here[name][: last + 1])
+        if large.any() or rows.stop == len(t):
+            break
+    joined = {name: np.concatenate(values) for name, values in differences.items()}
+    return nudged.part([last]), joined, np.max([joined[name] / units[name] for name in STATES], axis=0)
+
+
+def _parts(first: int, ahead: int, end: int) -> list[slice]:
+    """The instants from `first` to `end` in parts: the first has `ahead` instants, the next a quarter, and then ever more."""
+    parts, size = [slice(first, min(first + ahead, end))], ahead // 4 + 1
+    while (begin := parts[-1].stop) < end:
+        parts.append(slice(begin, min(begin + size, end)))
+        size *= 2
+    return parts
 
 
 def _nudged(
@@ -258,3 +288,24 @@ def _started(mechanism: Mechanism, q: Array, u: Array, states: Trajectory) -> Me
         body if body.start is None else replace(body, start=begun(index)) for index, body in enumerate(mechanism.bodies)
     )
     return replace(mechanism, joints=joints, bodies=bodies)
+
+
+def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
+    """Return the number of roundings of an integration.
+
+    It is the largest difference of the integration in doubles, `base`, from the wide one, `wide`, divided by one rounding of
+    doubles times its growth, and at least `FEWEST_ROUNDINGS`.
+    """
+    off = apart(mechanism, base, wide)
+    return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
+
+
+def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
+    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
+    largest = sizes(mechanism, motion)
+    return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * so_far(largest[name])) for name in STATES}
+
+
+def so_far(values: Array) -> Array:
+    """Return the largest of the values (n,) up to each of them."""
+    return np.asarray(np.maximum.accumulate(values))

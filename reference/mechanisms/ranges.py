@@ -1,4 +1,4 @@
-"""The instants at which joints pass the limits of their coordinates, along a motion without these limits.
+"""The instants at which joints pass limits of their coordinates, or of linear forms of these, in a motion without the limits.
 
 A limit is passed where the coordinate is beyond it by more than the bound of its own error: a coordinate that only touches a
 limit does not pass it. The motion is followed at evenly spaced instants. Between two instants the coordinate is a cubic with
@@ -40,10 +40,17 @@ DOUBLINGS = 24
 
 
 class Range(Protocol):
-    """The limits of a joint with one coordinate: its name, and the limits (rad or m); None where there is none."""
+    """The limits of a linear form of the coordinates of joints with one coordinate, as of one of them alone.
+
+    name: of the joint, or of the tendon whose length the form is. terms: the joints by their names, each with its coefficient.
+    lower, upper: the limits (rad or m); None where there is none.
+    """
 
     @property
-    def joint(self) -> str: ...
+    def name(self) -> str: ...
+
+    @property
+    def terms(self) -> Sequence[tuple[str, float]]: ...
 
     @property
     def lower(self) -> float | None: ...
@@ -54,19 +61,19 @@ class Range(Protocol):
 
 @dataclass(frozen=True)
 class Passing:
-    """The first instant at which a joint passes one of its limits.
+    """The first instant at which a joint, or a linear form of the coordinates of joints, passes one of its limits.
 
     Attributes
     ----------
-    joint
-        The index of the joint in the mechanism.
+    name
+        The name of the joint, or of the form.
     side, limit
         The limit (rad or m), and which of the two it is.
     time, error
         The instant (s), 0 for a joint that is beyond the limit at the start, and the bound of its error (s).
     """
 
-    joint: int
+    name: str
     side: Literal["lower", "upper"]
     limit: float
     time: float
@@ -79,13 +86,14 @@ _Follow = Callable[[Array], tuple[WideArray, WideArray]]
 
 @dataclass(frozen=True)
 class _Limit:
-    """One limit of one joint.
+    """One limit of one linear form of coordinates.
 
-    sign: 1 for an upper limit, -1 for a lower one. start, velocity: the exact excess of the coordinate over the limit at t = 0,
-    and its derivative.
+    terms: the indices of joints, each with its coefficient. sign: 1 for an upper limit, -1 for a lower one. start, velocity:
+    the exact excess of the form over the limit at t = 0, and its derivative.
     """
 
-    joint: int
+    name: str
+    terms: tuple[tuple[int, float], ...]
     sign: int
     value: float
     start: Fraction
@@ -96,7 +104,7 @@ class _Limit:
         return self.start > 0 or (self.start == 0 and self.velocity > 0)
 
     def passing(self, time: float, error: float) -> Passing:
-        return Passing(self.joint, "upper" if self.sign > 0 else "lower", self.value, time, error)
+        return Passing(self.name, "upper" if self.sign > 0 else "lower", self.value, time, error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,12 +121,13 @@ class _Samples:
     error: Array
 
     def excess(self, limit: _Limit) -> tuple[Array, Array, Array]:
-        """The excess (n,) of a coordinate over a limit, its derivative, and the bound of its error, which is 0 at t = 0."""
-        column = self.columns[limit.joint]
-        over = (self.position[:, column] - self.position.dtype.type(limit.value)).astype(float) * limit.sign
-        error = self.error[:, column].copy()
+        """The excess (n,) of a form over a limit, its derivative, and the bound of its error, which is 0 at t = 0."""
+        columns = [self.columns[joint] for joint, _ in limit.terms]
+        factors = np.array([factor for _, factor in limit.terms], dtype=self.position.dtype)
+        over = (self.position[:, columns] @ factors - self.position.dtype.type(limit.value)).astype(float) * limit.sign
+        error = self.error[:, columns] @ np.abs(factors.astype(float))
         over[0], error[0] = float(limit.start), 0.0
-        return over, self.velocity[:, column].astype(float) * limit.sign, error
+        return over, (self.velocity[:, columns] @ factors).astype(float) * limit.sign, error
 
     def with_others(self, others: "_Samples") -> "_Samples":
         """These samples and others at other instants, in order of time."""
@@ -137,14 +146,14 @@ class _Samples:
 
 
 def passed(mechanism: Mechanism, ranges: Sequence[Range], duration: float) -> tuple[Passing, ...]:
-    """Return for each limit that a joint passes within a duration (s) the first instant, in order of time.
+    """Return for each limit that is passed within a duration (s) the first instant, in order of time.
 
     A joint that begins beyond a limit, or on it and moves outwards, passes it at 0 s.
 
     Raises
     ------
     ValueError
-        If a range is that of no joint with one coordinate.
+        If a range is that of a joint that the mechanism does not have, or that has not one coordinate.
     NotModelled, OutOfReach
         As `mechanism_truth`; also `NotModelled` for a mechanism with a plane or pushes.
     """
@@ -163,19 +172,25 @@ def passed(mechanism: Mechanism, ranges: Sequence[Range], duration: float) -> tu
 def _limits(mechanism: Mechanism, ranges: Sequence[Range]) -> Iterator[_Limit]:
     indices = {joint.name: index for index, joint in enumerate(mechanism.joints)}
     for each in ranges:
-        index = indices.get(each.joint, -1)
-        if index < 0 or mechanism.joints[index].type not in ("revolute", "prismatic"):
-            raise ValueError(f"{each.joint} is no revolute or prismatic joint of the mechanism")
-        begin, velocity = mimicry.start(mechanism.joints, index)
+        terms = tuple((indices.get(joint, -1), factor) for joint, factor in each.terms)
+        if any(index < 0 or mechanism.joints[index].type not in ("revolute", "prismatic") for index, _ in terms):
+            raise ValueError(f"{each.name} is no revolute or prismatic joint of the mechanism")
+        starts = [mimicry.start(mechanism.joints, index) for index, _ in terms]
+        begin, velocity = (
+            sum((Fraction(factor) * pair[part] for (_, factor), pair in zip(terms, starts, strict=True)), Fraction(0))
+            for part in (0, 1)
+        )
         for sign, value in ((-1, each.lower), (1, each.upper)):
             if value is not None and math.isfinite(value):
-                yield _Limit(index, sign, value, sign * (begin - Fraction(value)), sign * velocity)
+                yield _Limit(each.name, terms, sign, value, sign * (begin - Fraction(value)), sign * velocity)
 
 
 def _passings(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -> Iterator[Passing]:
     coarse = growth_instants(np.array([duration]))
     way = followed(mechanism, coarse).way
-    sample = _sampler(mechanism, tuple(dict.fromkeys(limit.joint for limit in limits)), coarse, way.errors)
+    sample = _sampler(
+        mechanism, tuple(dict.fromkeys(joint for limit in limits for joint, _ in limit.terms)), coarse, way.errors
+    )
     samples = sample(_evenly(mechanism, way.motion, duration))
     for find in (*[_within] * ROUNDS, _around):
         wanted = np.unique(np.concatenate([find(samples, limit) for limit in limits]))

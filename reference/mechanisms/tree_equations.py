@@ -5,16 +5,19 @@ joints, and zeros in the same places: all other numbers are parameters. heyoka k
 module raises `ImportError` if heyoka is not installed.
 """
 
+import contextlib
 import functools
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import heyoka as hy
+import numpy as np
 
+from bodycheck.reference.errors import Stopped
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
+from bodycheck.reference.integration.heyoka_solver import Equations, dense, integrator, solve
 from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.link_states import (
     Course,
@@ -29,6 +32,10 @@ from bodycheck.reference.mechanisms.link_states import (
     start,
 )
 from bodycheck.reference.mechanisms.tree import Link, Tree
+from bodycheck.reference.trajectory import Array
+
+#: A solution of equations: states at times, or a function of times.
+Solution = TypeVar("Solution")
 
 #: The value of a number that is known when the equations are written: 0, 1 or -1, and None for a parameter.
 Mark = int | None
@@ -45,9 +52,16 @@ _CHANGING = ("force", "moves")
 #: it would take half a minute, and for two hundred several minutes; without optimisation, these compile in fifteen seconds.
 MOST_OPTIMISED = 24
 
+#: The largest number of coordinates for which an integration begins with code that is not optimised, and the steps after which
+#: it begins again with optimised code. Optimising takes a second, in which such code makes some 3,000 steps.
+MOST_QUICK, QUICK_STEPS = 14, 512
+
 #: The number of operations (steps times the length of the equations) after which an integration stops: some ten seconds in
 #: 80 bits. A joint whose damping or spring makes it much faster than all other joints needs that many.
 MAX_OPERATIONS = 40_000_000
+
+#: The largest size of the motion of a tree that is kept: 2,000 steps of thirty coordinates and velocities.
+KEPT_BYTES = 2**25
 
 #: Velocity (rad/s or m/s) that is added to the velocity of a joint in its event function, since a joint begins to slip from
 #: zero, and heyoka does not find further roots of a function that has a root at the very beginning of a step.
@@ -70,8 +84,16 @@ class Shape:
     @property
     def large(self) -> bool:
         """True if there are too many equations for optimised code."""
-        rates = sum(sizes(link)[1] for link in self.links) + 3 * sum(link.kind == "free" for link in self.links)
-        return rates > MOST_OPTIMISED
+        return self._rates > MOST_OPTIMISED
+
+    @property
+    def quick(self) -> bool:
+        """True if there are so few equations that a short motion takes less time than optimising the code."""
+        return self._rates <= MOST_QUICK
+
+    @property
+    def _rates(self) -> int:
+        return sum(sizes(link)[1] for link in self.links) + 3 * sum(link.kind == "free" for link in self.links)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,12 +117,54 @@ def most_steps(solver: Any) -> int:
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     """The motion of the links of a tree without dry friction at times (n,) >= 0, s, in any order.
 
+    The motion of a tree in 80 bits is kept, since the truth and the search for limits of joints ask for it at several instants.
+
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """
-    shape = shape_of(tree)
-    solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
-    rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
+    end = float(times.max(initial=0.0))
+    motion = _kept(tree, end, MAX_OPERATIONS) if kind.dtype is np.longdouble and end else None
+    if motion is not None:
+        return Course(split(tree, motion(times.astype(np.longdouble)), times, kind))
+    state, numbers = kind.array(start(tree)), kind.array(parameters(tree))
+    rows = _patient(tree, kind, lambda solver, most: solve(solver, state, numbers, times, most=most))
     return Course(split(tree, rows, times, kind))
+
+
+def in_parts(tree: Tree, parts: Sequence[Array], kind: FloatType) -> Iterator[Course]:
+    """Yield the motion of `followed` at ascending times (n,) >= 0, s, part by part, each from the end of the one before."""
+    state, numbers, begin = kind.array(start(tree)), kind.array(parameters(tree)), 0.0
+    for part in parts:
+
+        def solved(solver: Any, most: int, state: WideArray = state, times: Array = part - begin) -> WideArray:
+            return solve(solver, state, numbers, times, most=most)
+
+        rows = _patient(tree, kind, solved)
+        yield Course(split(tree, rows, part, kind))
+        state, begin = rows[-1], float(part[-1])
+
+
+@functools.lru_cache(maxsize=8)
+def _kept(tree: Tree, end: float, operations: int) -> Any:
+    """The states of a tree from 0 to `end` (s) in 80 bits as a function of times; None if they are too many to keep.
+
+    operations: `MAX_OPERATIONS`, on which the result depends.
+    """
+    kind = FloatType(np.longdouble)
+    state, numbers = kind.array(start(tree)), kind.array(parameters(tree))
+    return _patient(tree, kind, lambda solver, most: dense(solver, state, numbers, np.longdouble(end), most, KEPT_BYTES))
+
+
+def _patient(tree: Tree, kind: FloatType, solved: Callable[[Any, int], Solution]) -> Solution:
+    """The solution of the equations of a tree by code that is optimised only if the solution has many steps.
+
+    solved: the function that returns the solution by an integrator with at most a number of steps, or raises `Stopped`.
+    """
+    shape = shape_of(tree)
+    if shape.quick:
+        with contextlib.suppress(Stopped):
+            return solved(integrator(_equations(shape), kind.dtype, kind.bits, large=True), QUICK_STEPS)
+    solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
+    return solved(solver, most_steps(solver))
 
 
 @functools.cache
@@ -147,6 +211,11 @@ def with_mode(link: Link, mode: int) -> Constants:
 
 def _changing(link: Link) -> tuple[str, ...]:
     return _CHANGING if link.friction else ()
+
+
+def field_sizes() -> list[tuple[str, int]]:
+    """The names of the fields of `Constants`, and how many numbers each has, in the order of `numbers`."""
+    return [(field.name, _SIZES.get(field.name, 1)) for field in fields(Constants)]
 
 
 def numbers(constants: Constants, changing: Collection[str]) -> Iterator[tuple[Mark, Real]]:

@@ -1,6 +1,7 @@
 """The commands that reproduce single runs."""
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.judging.judgement import Verdict
@@ -30,13 +31,13 @@ def curve_anchor(case: str, quantity: str) -> str:
     return f"curve-{case}-{quantity}"
 
 
-def command(verdict: Verdict, file: str) -> str:
+def command(verdict: Verdict, case: Sequence[str]) -> str:
     """Return the command that reproduces a run, or that compares the log of a recorded motion again.
 
-    file: the path of the case file, or the name of a shipped case.
+    case: the path of the case file, or the name of a shipped case, with the options by which it is read.
     """
     run = verdict.run
     if run.is_recorded:
-        return shlex.join(["bodycheck", "compare", "LOG.csv", file, "--name", run.engine, "--version", run.version])
+        return shlex.join(["bodycheck", "compare", "LOG.csv", *case, "--name", run.engine, "--version", run.version])
     asked = ("--engine", run.engine, "--integrator", run.method.name, "--timestep", repr(run.method.timestep))
-    return shlex.join(["bodycheck", "run", file, *asked])
+    return shlex.join(["bodycheck", "run", *case, *asked])

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.identity import identity
+from bodycheck.casefile.robots.loading import is_robot, options
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
@@ -37,6 +38,13 @@ class Shown:
         """Return the path of the case file as it was given for the set with this label, or the name of a shipped case."""
         name = self.case.name
         return next((one.results.files[name] for one in self.sets if one.label == label and name in one.results.files), name)
+
+    def argument(self, label: str) -> list[str]:
+        """Return the file as `file` does, with the options by which a robot's file is read."""
+        name, file = self.case.name, self.file(label)
+        packages = next((one.results.packages.get(name, ()) for one in self.sets if one.label == label), ())
+        ignored = self.case.robot.without if self.case.robot is not None and is_robot(file) else ()
+        return [file, *options(packages, ignored)]
 
 
 @dataclass(frozen=True)

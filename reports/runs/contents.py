@@ -280,7 +280,7 @@ def _section(
             Command(
                 anchors[verdict.key],
                 lines[verdict.key.over_cases].label,
-                command(verdict, shown.file(verdict.label)),
+                command(verdict, shown.argument(verdict.label)),
             )
             for verdict in verdicts
         ),

@@ -1,11 +1,15 @@
 """Mechanisms of case files as robot models. Their accelerations are compared in `tests/reference/robots/test_dynamics.py`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms import mechanism as mechanisms
 from bodycheck.reference.robots.dynamics import terms
+from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.robots.from_mechanism import robot_model
 from tests.support.jointed import ball_chain, four_bar, free_chain, tree
@@ -60,8 +64,6 @@ def test_bodies_are_where_the_mechanism_has_them() -> None:
 
 
 def test_names_are_unlike_those_of_the_mechanism() -> None:
-    from dataclasses import replace
-
     mechanism = free_chain()
     first, *others = mechanism.bodies
     model = robot_model(replace(mechanism, bodies=(replace(first, name="world"), *others)), "chain")
@@ -71,3 +73,12 @@ def test_names_are_unlike_those_of_the_mechanism() -> None:
 def test_closed_chains_are_refused() -> None:
     with pytest.raises(BadInput, match="bar has closed loops"):
         robot_model(four_bar(), "bar")
+
+
+def test_a_joint_that_follows_another_one_does_so_in_the_model() -> None:
+    mechanism = tree()
+    slide, hinge, *others = mechanism.joints
+    rule = mechanisms.Mimic(1, -2.5, 0.1)
+    model = robot_model(replace(mechanism, joints=(replace(slide, mimic=rule), hinge, *others)), "tree")
+    assert [joint.mimic for joint in model.joints if joint.mimic is not None] == [Mimic("hinge", -2.5, 0.1)]
+    assert model.joints[0].name == "slide"

@@ -39,6 +39,9 @@ MAX_NOTICES = 200
 MAX_KEYFRAME = 10**6
 MAX_IGNORED = 50
 
+#: The largest number of tendons with limits.
+MAX_TENDONS = 1000
+
 NonNegativeVector = tuple[NonNegative, NonNegative, NonNegative]
 Pair = tuple[Number, Number]
 AnyInertia = Annotated[
@@ -207,6 +210,17 @@ class RangeTable(Table):
     upper: Number | None = Field(default=None, description="largest coordinate, rad or m")
 
 
+class TendonTable(Table):
+    """The limits of a fixed tendon, which the mechanics of a case does not have."""
+
+    name: PartName = Field(description="its name")
+    terms: Annotated[tuple[tuple[PartName, Number], ...], Field(min_length=1, max_length=MAX_BODIES)] = Field(
+        description="joints, and the coefficients of their coordinates in the length"
+    )
+    lower: Number | None = Field(default=None, description="smallest length")
+    upper: Number | None = Field(default=None, description="largest length")
+
+
 #: Tables of bodies, joints or loops in `[model.stored]`, which are checked where they stand in for those of a case file.
 StoredTables = Annotated[tuple[dict[str, Any], ...], Field(max_length=MAX_BODIES)]
 
@@ -229,6 +243,9 @@ class StoredTable(Table):
         default=(), description="sentences on parts of the file that are no mechanics of the case"
     )
     ranges: Annotated[tuple[RangeTable, ...], Field(max_length=MAX_BODIES)] = Field(default=(), description="limits of joints")
+    tendons: Annotated[tuple[TendonTable, ...], Field(max_length=MAX_TENDONS)] = Field(
+        default=(), description="limits of fixed tendons"
+    )
     touching: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="whether bodies have shapes that may touch"
     )
@@ -258,6 +275,9 @@ class ModelTable(Table):
     )
     keyframe: Keyframe | None = Field(
         default=None, description="of MJCF, by its name or its number from 0, at which the joints start"
+    )
+    upright: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="of MJCF: the axes of the world are turned so that the gravity of the file is along -z"
     )
     stored: StoredTable | None = Field(default=None, description="what was read of it; bodycheck writes it")
 
@@ -337,6 +357,7 @@ TABLES: dict[Path, type[Table]] = {
     ("model", "stored"): StoredTable,
     ("model", "stored", "files"): FileTable,
     ("model", "stored", "ranges"): RangeTable,
+    ("model", "stored", "tendons"): TendonTable,
     ("initial",): ModelStartTable,
     ("initial", "base"): BaseStartTable,
     ("joints", "mimic"): MimicTable,

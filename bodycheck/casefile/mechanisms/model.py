@@ -18,7 +18,7 @@ from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.mechanisms import stored
 from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
 from bodycheck.casefile.raw_values import mapping, numbers
-from bodycheck.casefile.robot_notes import JointRange, RobotNotes
+from bodycheck.casefile.robot_notes import JointRange, RobotNotes, TendonRange
 from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
@@ -137,6 +137,7 @@ def choice(table: Mapping[str, Any]) -> dict[str, Any]:
         "ignore": frozenset(word for word in IGNORED if word in ignore) if isinstance(ignore, list) else frozenset(),
         "base": "free" if table.get("base") == "free" else "fixed",
         "keyframe": keyframe if isinstance(keyframe, str) or (type(keyframe) is int and keyframe >= 0) else None,
+        "upright": table.get("upright") is True,
     }
 
 
@@ -182,13 +183,14 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         faults += _of_base(starts, None if base is None else names[base])
         if base is not None:
             joints[base]["initial"] = mapping(joints[base].get("initial")) | _base_start(mapping(initial["base"]))
-    ranges = tuple(JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
+    of_joints = (JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
+    of_tendons = (TendonRange(each.name, each.terms, each.lower, each.upper) for each in read.tendons)
     return Expanded(
         {**document, "bodies": bodies, "joints": joints, **({"loops": loops} if loops else {})},
         tuple(faults),
         base,
         read.timestep,
-        RobotNotes(file, read.without, read.notices, ranges, read.touching),
+        RobotNotes(file, read.without, read.notices, (*of_joints, *of_tendons), read.touching),
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from bodycheck.casefile.mechanisms import model_sentences as sentences
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.mechanisms.model_files import ModelFiles, NoFiles
+from bodycheck.casefile.robot_notes import JointRange, TendonRange
 from bodycheck.casefile.robots.mjcf import tree as mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.urdf import tree as urdf_tree
@@ -18,18 +19,26 @@ from bodycheck.robots import elements
 READERS = {"robot": urdf_tree.tree, "mujoco": mjcf_tree.tree}
 
 
+class StillActing(BadInput):
+    """Features of a file that act from the beginning of a motion, and are not ignored; the text has a line for each."""
+
+    def __init__(self, refusals: Sequence[sentences.Refusal]) -> None:
+        super().__init__("\n".join(refusal.sentence() for refusal in refusals))
+        self.refusals = refusals
+
+
 def read(text: str, file: str, choice: Choice) -> Read:
     """Return the result of reading the text of a robot's file.
 
-    Raises `BadInput` with a line for each fault of the file, and for each feature of the file that acts from the beginning of a
-    motion, but that a case can neither state nor ignores.
+    Raises `BadInput` with a line for each fault of the file, and `StillActing` for features of the file that act from the
+    beginning of a motion, but that a case can neither state nor ignores.
     """
     root = elements.parsed(text.encode("utf-8", "replace"), file)
     if root.tag not in READERS:
         elements.refuse_root(root)
     result = READERS[root.tag](root, WORLD, choice)
-    if reasons := list(sentences.refusals(result, choice.ignore)):
-        raise BadInput("\n".join(reasons))
+    if refusals := list(sentences.refusals(result, choice.ignore)):
+        raise StillActing(refusals)
     if not result.tables["bodies"]:
         advice = '; base = "free" lets it move' if result.welded else ""
         raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world{advice}")
@@ -40,20 +49,23 @@ def read(text: str, file: str, choice: Choice) -> Read:
 
 def stored(result: Read, choice: Choice, file: str) -> dict[str, Any]:
     """Return the table `[model.stored]` for the result of reading a file, without the files that were read."""
+    limits = () if "limits" in choice.ignore else result.ranges
     table = {
         "base": result.base,
         "timestep": result.timestep,
         "without": list(sentences.without(result, choice.ignore)),
         "notices": list(sentences.notices(result, choice.ignore, file)),
         "touching": result.touching and "contacts" not in choice.ignore,
-        "ranges": [] if "limits" in choice.ignore else [_range(each) for each in result.ranges],
+        "ranges": [_range(each) for each in limits if isinstance(each, JointRange)],
+        "tendons": [_range(each) for each in limits if isinstance(each, TendonRange)],
         **{name: result.tables.get(name, []) for name in ("bodies", "joints", "loops")},
     }
     return {name: value for name, value in table.items() if value not in (None, [], False)}
 
 
-def _range(limits: Any) -> dict[str, Any]:
-    return {name: value for name, value in vars(limits).items() if value is not None}
+def _range(limits: JointRange | TendonRange) -> dict[str, Any]:
+    table = {name: value for name, value in vars(limits).items() if value is not None}
+    return table | {"terms": [list(term) for term in limits.terms]} if isinstance(limits, TendonRange) else table
 
 
 def stored_of_file(path: Path, packages: Sequence[Path], follow: bool, **keys: Any) -> dict[str, Any]:
@@ -77,10 +89,14 @@ def stored_of_file(path: Path, packages: Sequence[Path], follow: bool, **keys: A
     """
     files = ModelFiles(path, packages, follow)
     choice = Choice(files, **keys)
-    result = read(files.texts[path.name], path.name, choice)
+    return with_files(read(files.texts[path.name], path.name, choice), choice, path.name, files)
+
+
+def with_files(result: Read, choice: Choice, file: str, files: ModelFiles) -> dict[str, Any]:
+    """Return the table `[model.stored]` for the result of reading a file, with the files that were read."""
     return {
         "files": [{"name": name, "sha256": digest} for name, digest in files.digests.items()],
-        **stored(result, choice, path.name),
+        **stored(result, choice, file),
         "texts": [[name, text] for name, text in files.texts.items()],
     }
 

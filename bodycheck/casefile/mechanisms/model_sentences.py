@@ -1,6 +1,7 @@
 """Sentences on the parts of a robot's file that are no mechanics of a case: notices, and reasons to refuse the file."""
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 
 from bodycheck.casefile.mechanisms.grammar import WORLD
 from bodycheck.casefile.robots.reading import Feature, Ignored, Read
@@ -9,13 +10,32 @@ from bodycheck.casefile.robots.reading import Feature, Ignored, Read
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
     "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
+    "they": "it",
 }  # fmt: skip
 
 #: Most lines, or ranges of lines, that a sentence lists; more are given as one range from the first to the last.
 MAX_RANGES = 3
 
 #: The notice on a root link with mass that is fixed to the world.
-WELDED = 'The base is fixed; base = "free" lets it fall.'
+WELDED = 'The base is fixed; base = "free" in the table [model] of a case lets it fall.'
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a case refuses a feature of a file that acts from the beginning.
+
+    clause: the feature, and what it does. word: the word of `ignore` that leaves it out; None if no word does. them: "it" if
+    the file has it once, else "them".
+    """
+
+    clause: str
+    word: Ignored | None
+    them: str
+
+    def sentence(self, option: str = 'ignore = ["{}"]') -> str:
+        """Return the sentence, with advice on leaving the feature out. option: what leaves something out, {} for the word."""
+        advice = "" if self.word is None else f"; {option.format(self.word)} leaves {self.them} out"
+        return f"{self.clause}, which a case cannot state yet{advice}"
 
 
 def notices(read: Read, ignore: Collection[Ignored], file: str) -> Iterator[str]:
@@ -41,13 +61,13 @@ def _is_held(read: Read) -> bool:
     return "free" not in of_world and (read.welded or "fixed" in of_world)
 
 
-def refusals(read: Read, ignore: Collection[Ignored]) -> Iterator[str]:
-    """Yield a sentence on each feature that acts from the beginning and is not ignored, with the word that leaves it out."""
+def refusals(read: Read, ignore: Collection[Ignored]) -> Iterator[Refusal]:
+    """Yield the reason for each feature that acts from the beginning and is not ignored."""
     for feature in read.features:
         if feature.acts and feature.word not in ignore:
             clause = feature.text.removeprefix(feature.noun[1]).strip()
-            advice = "" if feature.word is None else f'; ignore = ["{feature.word}"] leaves {_them(feature)} out'
-            yield (f"{_subject(feature, None)} {_agreeing(clause, len(feature.lines))}, which a case cannot state yet{advice}")
+            them = "it" if len(feature.lines) == 1 else "them"
+            yield Refusal(f"{_subject(feature, None)} {_agreeing(clause, len(feature.lines))}", feature.word, them)
 
 
 def without(read: Read, ignore: Collection[Ignored]) -> Iterator[Ignored]:
@@ -64,10 +84,6 @@ def _acting_later(read: Read) -> Iterator[tuple[Ignored, bool]]:
 def _subject(feature: Feature, file: str | None) -> str:
     count = len(feature.lines)
     return f"{count} {feature.noun[count > 1]} ({places(feature.lines, file)})"
-
-
-def _them(feature: Feature) -> str:
-    return "it" if len(feature.lines) == 1 else "them"
 
 
 def _agreeing(clause: str, count: int) -> str:

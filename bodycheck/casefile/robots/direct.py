@@ -1,19 +1,19 @@
 """The case that a robot's file is by itself: the scene of the file, with its keyframe or zero, its gravity, and one second."""
 
-import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from bodycheck.casefile.case import CaseFaults, Fault, loaded
+from bodycheck.casefile.case import CaseFaults, Fault, parse
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.mechanisms import model_reading
+from bodycheck.casefile.mechanisms import model_reading, stored
 from bodycheck.casefile.mechanisms.grammar import IGNORED
 from bodycheck.casefile.mechanisms.model import BASE_KEYS
 from bodycheck.casefile.mechanisms.model_files import ModelFiles
-from bodycheck.casefile.robots.reading import Choice, Ignored, Read
+from bodycheck.casefile.robots.named import case_name, short_name
+from bodycheck.casefile.robots.reading import FIRST_IF_ANY, Choice, Ignored, Read
 from bodycheck.casefile.toml_text import in_line, key_in_text
-from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
 from bodycheck.robots.elements import quoted
@@ -24,8 +24,8 @@ GRAVITY = 9.81
 #: The duration (s) and the number of samples.
 DURATION, SAMPLES = 1.0, 101
 
-#: The stems of files that name no robot: the folder of such a file names it.
-COMMON_STEMS = frozenset({"main", "model", "robot", "scene"})
+#: What leaves out a feature of a robot's file that is given in the place of a case.
+OPTION = "--ignore {}"
 
 
 def scene_of_robot(
@@ -41,14 +41,21 @@ def scene_of_robot(
     Raises `CaseFaults` if the file cannot be read, or is no case.
     """
     try:
-        text = text_of_robot(path, packages, base=base, ignore=ignore, name=name)
+        files, choice, read = _read(path, packages, base, ignore)
+        text = _text(path, choice, read, name)
+        whole = stored.appended(text, model_reading.with_files(read, choice, path.name, files))
+    except model_reading.StillActing as error:
+        faults = (Fault(str(path), each.sentence(OPTION), ignore=each.word) for each in error.refusals)
+        raise CaseFaults(tuple(faults)) from error
     except BadInput as error:
         raise CaseFaults(tuple(Fault(str(path), line) for line in str(error).splitlines())) from error
+    except ValueError as error:
+        raise CaseFaults((Fault(str(path), "has a number that is too large"),)) from error
     try:
-        return loaded(text, str(path), path.parent, packages, follow=True)
+        return parse(whole, str(path))
     except CaseFaults as error:  # the case has no file, so that lines and keys in it say nothing
-        read = f"read {quoted(path.name)}; "
-        raise CaseFaults(tuple(Fault(str(path), fault.message.removeprefix(read)) for fault in error.faults)) from error
+        start = f"read {quoted(path.name)}; "
+        raise CaseFaults(tuple(Fault(str(path), fault.message.removeprefix(start)) for fault in error.faults)) from error
 
 
 def text_of_robot(
@@ -81,22 +88,44 @@ def text_of_robot(
     BadInput
         The file cannot be read as a case, with a line for each reason.
     """
-    words: tuple[Ignored, ...] = tuple(word for word in IGNORED if word in set(ignore))
-    read, keyframe = _read(path, packages, base, frozenset(words))
+    _, choice, read = _read(path, packages, base, ignore)
+    return _text(path, choice, read, name)
+
+
+def _read(
+    path: Path, packages: Sequence[Path], base: Literal["fixed", "free"], ignore: Iterable[Ignored]
+) -> tuple[ModelFiles, Choice, Read]:
+    """Return the files of a robot, the way in which they are read, and the result, whose joints start at the first keyframe."""
+    files = ModelFiles(path, packages, follow=True)
+    choice = Choice(files, frozenset(ignore), base, FIRST_IF_ANY)
+    read = model_reading.read(files.texts[path.name], path.name, choice)
+    x, y, z = read.gravity or (0.0, 0.0, 0.0)
+    if not (x or y or z > 0):
+        return files, choice, read
+    files = ModelFiles(path, packages, follow=True)
+    choice = replace(choice, files=files, upright=True)
+    return files, choice, model_reading.read(files.texts[path.name], path.name, choice)
+
+
+def _text(path: Path, choice: Choice, read: Read, name: str | None) -> str:
+    """Return the text of a case file for the result of reading a robot's file."""
+    words = [word for word in IGNORED if word in choice.ignore]
+    keyframe = _first_keyframe(read)
     lines = [
         "format = 2",
-        f"name = {in_line(name or case_name(path))}",
+        f"name = {in_line(name or case_name(short_name(path)))}",
         f"title = {in_line(f'The robot {quoted(path.name)[1:-1]}')}",
         "",
         "[model]",
         f"file = {in_line(path.name)}",
-        f"base = {in_line(base)}  # fixed: as the file says; free: the root link floats",
-        f"ignore = {in_line(list(words))}  # what is left out on purpose, of: {', '.join(IGNORED)}",
+        f"base = {in_line(choice.base)}  # fixed: as the file says; free: the root link floats",
+        f"ignore = {in_line(words)}  # what is left out on purpose, of: {', '.join(IGNORED)}",
+        *(["upright = true  # the world is turned so that the gravity of the file is along -z"] if choice.upright else []),
         *([] if keyframe is None else [f"keyframe = {in_line(keyframe)}  # the states below replace its states"]),
         *_starts(read),
         "",
         "[scene]",
-        f"gravity = {in_line(_gravity(read, path.name))}  # m/s^2, along -z",
+        f"gravity = {in_line(_gravity(read))}  # m/s^2, along -z",
         "",
         "[run]",
         f"duration = {in_line(DURATION)}  # s",
@@ -105,28 +134,12 @@ def text_of_robot(
     return "\n".join(lines) + "\n"
 
 
-def case_name(path: Path) -> str:
-    """Return the name of the case of a robot's file: its stem, or its folder if many robots have files of this name."""
-    names = [path.stem, path.resolve().parent.name]
-    for name in reversed(names) if path.stem.lower() in COMMON_STEMS else names:
-        if allowed := re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:MAX_NAME_LENGTH]:
-            return allowed
-    return "robot"
-
-
-def _read(
-    path: Path, packages: Sequence[Path], base: Literal["fixed", "free"], ignore: frozenset[Ignored]
-) -> tuple[Read, str | int | None]:
-    """Return the result of reading a file, and its first keyframe, by its name or number; None if it has none."""
-    files = ModelFiles(path, packages, follow=True)
-    text = files.texts[path.name]
-    read = model_reading.read(text, path.name, Choice(files, ignore, base))
+def _first_keyframe(read: Read) -> str | int | None:
+    """Return the first keyframe of a file, by its name or its number; None if it has none."""
     if not read.keyframes:
-        return read, None
+        return None
     first = read.keyframes[0]
-    keyframe: str | int = first if first and read.keyframes.count(first) == 1 else 0
-    again = ModelFiles(path, packages, follow=True)
-    return model_reading.read(text, path.name, Choice(again, ignore, base, keyframe)), keyframe
+    return first if first and read.keyframes.count(first) == 1 else 0
 
 
 def _starts(read: Read) -> list[str]:
@@ -149,12 +162,6 @@ def _listed(value: float | Sequence[float]) -> float | list[float]:
     return value if isinstance(value, int | float) else list(value)
 
 
-def _gravity(read: Read, file: str) -> float:
-    """Return the gravitational acceleration of a file (m/s^2). Raises `BadInput` if it is not along -z."""
-    if read.gravity is None:
-        return GRAVITY
-    x, y, z = read.gravity
-    if x or y or z > 0:
-        listed = " ".join(f"{part:g}" for part in read.gravity)
-        raise BadInput(f"{quoted(file)[1:-1]}: has the gravity {listed} m/s^2; a case has gravity along -z only")
-    return abs(z)
+def _gravity(read: Read) -> float:
+    """Return the gravitational acceleration of a file (m/s^2), which is along -z in the world of the case."""
+    return GRAVITY if read.gravity is None else abs(read.gravity[2])

@@ -11,12 +11,8 @@ from bodycheck.casefile.case import CaseFaults, Fault
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.finding import is_case_file
 from bodycheck.casefile.robots import direct
-from bodycheck.casefile.robots.named import distinct, is_named_as_robot, short_name
+from bodycheck.casefile.robots.named import case_name, distinct, is_named_as_robot
 from bodycheck.casefile.robots.reading import Ignored
-from bodycheck.casefile.values import MAX_NAME_LENGTH
-
-#: The name of a case of a robot whose file and folder have no name with letters or digits.
-NAMELESS = "robot"
 
 
 def is_robot(argument: str | Path) -> bool:
@@ -27,7 +23,7 @@ def is_robot(argument: str | Path) -> bool:
 def names(arguments: Sequence[str]) -> Mapping[str, str]:
     """Return the names of the cases of those arguments that are robots' files, each with a name of its own."""
     robots = {Path(argument): argument for argument in arguments if is_robot(argument)}
-    return {robots[path]: name for path, name in distinct(list(robots), _case_name).items()}
+    return {robots[path]: name for path, name in distinct(list(robots), case_name).items()}
 
 
 def load(case: str | Path, *, packages: Sequence[Path] = (), ignore: Sequence[Ignored] = (), name: str | None = None) -> Case:
@@ -56,9 +52,9 @@ def load(case: str | Path, *, packages: Sequence[Path] = (), ignore: Sequence[Ig
     if isinstance(case, str | Path) and is_robot(case):
         path = Path(case)
         try:
-            loaded = direct.scene_of_robot(path, packages, ignore=ignore, name=name or _case_name(short_name(path)))
+            loaded = direct.scene_of_robot(path, packages, ignore=ignore, name=name)
         except CaseFaults as error:
-            raise CaseFaults(tuple(_of_robot(path, error.faults))) from error
+            raise CaseFaults(tuple(_of_robot(path, packages, ignore, error.faults))) from error
     else:
         loaded = case_files.load(case, packages)
         path = Path(case).parent / loaded.robot.file if loaded.robot is not None else Path()
@@ -67,23 +63,19 @@ def load(case: str | Path, *, packages: Sequence[Path] = (), ignore: Sequence[Ig
     return replace(loaded, robot=replace(loaded.robot, path=path, packages=tuple(packages)))
 
 
-#: The advice in a fault of a robot's file on the key of [model] by which a case leaves something out.
-ADVICE = re.compile(r'ignore = \["(\w+)"\] leaves')
-
-
-def _of_robot(path: Path, faults: Sequence[Fault]) -> Iterator[Fault]:
-    """Yield the faults of a robot's file with advice on options, and the command that runs it if they all can be avoided."""
-    words = [match[1] for fault in faults if (match := ADVICE.search(fault.message)) is not None]
+def _of_robot(path: Path, packages: Sequence[Path], ignore: Sequence[Ignored], faults: Sequence[Fault]) -> Iterator[Fault]:
+    """Yield the faults of a robot's file, each with its line, and the command that runs it if they all can be avoided."""
     for fault in faults:
-        message = ADVICE.sub(r"--ignore \1 leaves", fault.message)
-        in_file = re.match(rf"{re.escape(path.name)}:(\d+:)? ", message)
+        in_file = re.match(rf"{re.escape(path.name)}:(\d+:)? ", fault.message)
         line = "" if in_file is None or in_file[1] is None else f":{in_file[1].rstrip(':')}"
-        yield Fault(f"{path}{line}", message if in_file is None else message[in_file.end() :])
+        yield Fault(f"{path}{line}", fault.message if in_file is None else fault.message[in_file.end() :], ignore=fault.ignore)
+    words = [fault.ignore for fault in faults if fault.ignore is not None]
     if len(words) == len(faults):
-        options = [option for word in dict.fromkeys(words) for option in ("--ignore", word)]
-        yield Fault(str(path), f"runs without them by: {shlex.join(['bodycheck', 'run', str(path), *options])}")
+        command = ["bodycheck", "run", str(path), *options(packages, (*ignore, *words))]
+        yield Fault(str(path), f"runs without them by: {shlex.join(command)}")
 
 
-def _case_name(text: str) -> str:
-    """Return the name of a case, made from the name or the path of a robot's file."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:MAX_NAME_LENGTH].rstrip("-") or NAMELESS
+def options(packages: Sequence[Path], ignore: Sequence[str]) -> list[str]:
+    """Return the options of the command line by which a robot's file is read."""
+    named = [word for package in packages for word in ("--package-path", str(package))]
+    return [*named, *(option for word in dict.fromkeys(ignore) for option in ("--ignore", word))]

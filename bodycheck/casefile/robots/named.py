@@ -15,7 +15,10 @@ SUFFIXES = (".urdf", ".mjcf", ".xml")
 OF_ANY_KIND = ".xml"
 
 #: The names of files that many robots have. A file of such a name has the name of its folder.
-OF_ANY_ROBOT = ("robot", "model")
+OF_ANY_ROBOT = frozenset({"main", "model", "robot", "scene"})
+
+#: The name of a case of a robot whose file or folder has a name without letters and digits.
+NAMELESS = "robot"
 
 
 def is_named_as_robot(path: str | Path) -> bool:
@@ -44,6 +47,13 @@ def short_name(path: Path) -> str:
     whole = Path(os.path.abspath(path))
     stem, folder = re.sub(r"\.case$", "", whole.stem), whole.parent.name
     return folder if folder and stem.lower() in OF_ANY_ROBOT else stem
+
+
+def case_name(text: str) -> str:
+    """Return the name of a case, made from the short name or the path of a robot's file."""
+    from bodycheck.casefile.values import MAX_NAME_LENGTH  # the pytest plug-in finds files, and needs no grammar of cases
+
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:MAX_NAME_LENGTH].rstrip("-") or NAMELESS
 
 
 def distinct(paths: Sequence[Path], written: Callable[[str], str] = str) -> dict[Path, str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from bodycheck.casefile.robot_notes import Ignored as Ignored
-from bodycheck.casefile.robot_notes import JointRange
+from bodycheck.casefile.robot_notes import JointRange, TendonRange
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.reference.scene import Vector
 
@@ -28,6 +28,10 @@ class Files(Protocol):
         ...
 
 
+#: The number of a keyframe that stands for the first one, or for the zeros of the joints if the file has none.
+FIRST_IF_ANY = -1
+
+
 @dataclass(frozen=True)
 class Choice:
     """The way in which a robot's file is read: the keys of `[model]`.
@@ -41,13 +45,16 @@ class Choice:
     base
         "free" if the root link floats, "fixed" if it is as the file says.
     keyframe
-        The name or the number of the keyframe at which the joints start; None for their zeros.
+        The name or the number of the keyframe at which the joints start, or `FIRST_IF_ANY`; None for their zeros.
+    upright
+        Whether the axes of the world are turned so that the gravity of the file is along -z.
     """
 
     files: Files
     ignore: frozenset[Ignored] = frozenset()
     base: Literal["fixed", "free"] = "fixed"
     keyframe: str | int | None = None
+    upright: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,7 @@ class Read:
     features
         The parts that are no mechanics, in the order of the file, those that are ignored on purpose included.
     ranges
-        The limits of joints.
+        The limits of joints and of fixed tendons.
     touching
         Whether the file has shapes that may touch each other.
     welded
@@ -96,7 +103,7 @@ class Read:
     keyframes
         The names of the keyframes of the file, in its order; empty texts for keyframes without a name.
     gravity
-        The gravitational acceleration of the file, world (m/s^2); None if it states none.
+        The gravitational acceleration of the file, in the world of the case (m/s^2); None if it states none.
     timestep
         The time step (s) that the file states; None if it states none.
     """
@@ -104,7 +111,7 @@ class Read:
     tables: Tables
     base: str | None = None
     features: tuple[Feature, ...] = ()
-    ranges: tuple[JointRange, ...] = ()
+    ranges: tuple[JointRange | TendonRange, ...] = ()
     touching: bool = False
     welded: bool = False
     keyframes: tuple[str, ...] = ()

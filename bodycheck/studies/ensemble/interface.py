@@ -1,6 +1,6 @@
 """`bodycheck.ensemble`: how often methods fail over many members of a case, and how their errors are distributed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -107,6 +107,8 @@ def ensemble(
     integrator: Names = (),
     timestep: Numbers = (),
     from_: str | Path | None = None,
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> EnsembleResults:
@@ -122,6 +124,8 @@ def ensemble(
         The same as the parameters of `bodycheck.run`.
     from_
         A table (.parquet or .csv) with a row for each member, in place of [ensemble] in the case.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A folder for the runs, the tables, the worst members as case files, and the report. An interrupted ensemble in it is
         resumed.
@@ -131,7 +135,7 @@ def ensemble(
     BadInput, Failed
         In the same cases as by `bodycheck.run`, and `BadInput` for a case without a table [ensemble].
     """
-    loaded = arguments.one_case(case)
+    loaded = arguments.one_case(case, read := arguments.robots(package_path, ignore))
     size = None if members is None else conversion.whole_number("--members", members)
     methods = arguments.names("--integrator", integrator), arguments.numbers("--timestep", timestep)
     named, table = arguments.names("--engine", engine), arguments.path("--from", from_)
@@ -139,7 +143,14 @@ def ensemble(
     source = drawing.drawn(loaded, size) if table is None else drawing.tabled(loaded, table, size)
     drawing.check(loaded, source)
     command = arguments.command(
-        "ensemble", (case,), members=size, engine=named, integrator=methods[0], timestep=methods[1], from_=table
+        "ensemble",
+        (case,),
+        members=size,
+        engine=named,
+        integrator=methods[0],
+        timestep=methods[1],
+        from_=table,
+        **arguments.of_robots(read),
     )
     results = carry_out(
         loaded, source, load_engines(named, integrators=methods[0]), methods, Own(processes), command, Output(folder)

@@ -1,9 +1,10 @@
 """`bodycheck.extremes`: where and how methods fail when cases are pushed to extreme values."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names
 from bodycheck.studies import plain
 from bodycheck.studies.extremes.rows import Limit, Row
@@ -29,6 +30,8 @@ def extremes(
     *,
     engine: Names = (),
     integrator: Names = (),
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> ExtremesResults:
@@ -41,6 +44,8 @@ def extremes(
         without this table has axes that fit its scene.
     engine, integrator, jobs
         The same as the parameters of `bodycheck.run`.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A folder for the tables and the report. An interrupted study in it is resumed.
 
@@ -49,5 +54,6 @@ def extremes(
     BadInput, Failed
         In the same cases as by `bodycheck.run`.
     """
-    results = plain.called("extremes", cases, engine, integrator, out, jobs)
+    read = arguments.robots(package_path, ignore)
+    results = plain.called("extremes", cases, engine, integrator, read, out, jobs)
     return ExtremesResults(results.report, results.rows_by_table, results.described)

@@ -1,6 +1,6 @@
 """`bodycheck.recommend`: the cheapest method that keeps its error within a limit, and its largest such time step."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,6 +104,8 @@ def recommend(
     engine: Names = (),
     integrator: Names = (),
     reuse: str | Path | None = None,
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> RecommendResults:
@@ -125,6 +127,8 @@ def recommend(
         The same as the parameters of `bodycheck.run`.
     reuse
         A folder with results of `tradeoff` or `run`. The time steps of these runs are not measured again.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A folder for the tables and the report. An interrupted search in it is resumed.
 
@@ -136,7 +140,7 @@ def recommend(
     Failed
         If the case has no truth, or if all named engines fail when they are loaded.
     """
-    loaded = arguments.one_case(case)
+    loaded = arguments.one_case(case, read := arguments.robots(package_path, ignore))
     wanted = conversion.number("--error", error)
     figure = conversion.name("--quantity", quantity)
     named, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
@@ -145,7 +149,14 @@ def recommend(
     planned = study.prepare(loaded, engines.records, spellings, figure, wanted)
     earlier = arguments.path("--reuse", reuse)
     command = arguments.command(
-        "recommend", (case,), error=wanted, quantity=figure, engine=named, integrator=spellings, reuse=earlier
+        "recommend",
+        (case,),
+        error=wanted,
+        quantity=figure,
+        engine=named,
+        integrator=spellings,
+        reuse=earlier,
+        **arguments.of_robots(read),
     )
     output = Output(arguments.path("--out", out))
     return carry_out(planned, engines, command, jobs, output, earlier)

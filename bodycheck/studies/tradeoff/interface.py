@@ -80,6 +80,8 @@ def tradeoff(
     integrator: Names = (),
     timestep: Numbers = (),
     batch: int | str | Iterable[int | str] = (),
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> TradeoffResults:
@@ -95,6 +97,8 @@ def tradeoff(
         Numbers of scenes. For each of them, the case and turned copies of it, so many scenes in all, are also run in one batch
         with the engines that step many scenes at once. If no time steps are given, each method is run with that of its time
         steps which is nearest to 2 ms.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A folder for the tables, the recorded runs and the report. An interrupted study in it is resumed.
 
@@ -104,7 +108,7 @@ def tradeoff(
         In the same cases as by `bodycheck.run`.
     """
     each = arguments.listed(cases)
-    selected = arguments.given_cases(each)
+    selected = arguments.given_cases(each, read := arguments.robots(package_path, ignore))
     selection = Selection(
         cases=(),
         engines=(engines := arguments.names("--engine", engine)),
@@ -113,7 +117,15 @@ def tradeoff(
         jobs=arguments.jobs_of(jobs),
     )
     sizes = batch_sizes("--batch", map(str, (batch,) if isinstance(batch, int | str) else batch))
-    command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps, batch=sizes)
+    command = arguments.command(
+        "tradeoff",
+        each,
+        engine=engines,
+        integrator=integrators,
+        timestep=timesteps,
+        batch=sizes,
+        **arguments.of_robots(read),
+    )
     folder = arguments.path("--out", out)
     with ran_of(selected, selection, study.plan, folder, command, quiet=True) as runs:
         return carry_out(runs, timesteps, sizes, Output(folder))

@@ -46,8 +46,8 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` if the mechanism has free bodies in loops or stops in a mechanism with loops, `OutOfReach` if the integration fails or takes too many
-    steps, and `ImportError` if heyoka is not installed.
+    Raises `NotModelled` for free bodies in loops and for stops in a mechanism with loops, `OutOfReach` if the integration fails
+    or takes too many steps, and `ImportError` if heyoka is not installed.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
@@ -92,10 +92,42 @@ def _with_leaders(structure: Structure) -> list[tuple[Law | None, int | None]]:
 
 
 def _followed(ready: Prepared, mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
-    start, parameters = _rounded(ready, dtype)
-    if not len(start):
-        return _motion(ready, mechanism, times, np.empty((len(times), 0), dtype))
-    return _motion(ready, mechanism, times, solve(ready.structure, start, parameters, times / ready.units.time))
+    """The motion of a mechanism. Elements that do not act on one another are followed apart, each with steps of its own."""
+    coordinates = ready.structure.places[-1][0].stop if ready.structure.places else 0
+    states = np.empty((len(times), len(ready.start)), dtype)
+    for indices in _groups(ready.border):
+        group = _prepared(_part(ready.border, indices), ready.units)
+        start, parameters = _rounded(group, dtype)
+        if not len(start):
+            continue
+        slices = [ready.structure.places[index] for index in indices]
+        columns = [column for held, _ in slices for column in range(held.start, held.stop)]
+        columns += [coordinates + column for _, moving in slices for column in range(moving.start, moving.stop)]
+        states[:, columns] = solve(group.structure, start, parameters, times / ready.units.time)
+    return _motion(ready, mechanism, times, states)
+
+
+def _groups(parts: Border) -> list[list[int]]:
+    """The indices of elements in groups, so that no element acts on one of another group; of loops, one group has them all."""
+    elements = parts.elements
+    if parts.loops:
+        return [list(range(len(elements)))]
+    index_of = {element.joint: index for index, element in enumerate(elements)}
+    names = list(range(len(elements)))
+    for index, element in enumerate(elements):
+        for other in (element.parent, None if element.rule is None else index_of[element.rule[0]]):
+            if other is not None:
+                one, two = names[index], names[other]
+                names = [two if name == one else name for name in names]
+    return [[index for index, each in enumerate(names) if each == name] for name in dict.fromkeys(names)]
+
+
+def _part(parts: Border, indices: list[int]) -> Border:
+    """Some elements of a mechanism, without those of other groups."""
+    at = {index: position for position, index in enumerate(indices)}
+    elements = [parts.elements[index] for index in indices]
+    chosen = [replace(each, parent=None if each.parent is None else at[each.parent]) for each in elements]
+    return replace(parts, elements=tuple(chosen))
 
 
 def _rounded(ready: Prepared, dtype: Any) -> tuple[WideArray, WideArray]:
@@ -114,7 +146,10 @@ def prepared(mechanism: Mechanism) -> Prepared:
     parts = border(mechanism)
     if any(index is not None and parts.elements[index].falls for ends in parts.loops for index, _ in ends):
         raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
-    units = _units(parts)
+    return _prepared(parts, _units(parts))
+
+
+def _prepared(parts: Border, units: Units) -> Prepared:
     structure, parameters = numbers(parts, units)
     alone = [element for element in parts.elements if element.rule is None]
     start = [value for element in alone for value in _scaled_start(element, units)]

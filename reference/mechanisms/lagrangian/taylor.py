@@ -1,5 +1,6 @@
 """The solution of the Lagrangian's equations by Taylor's method (heyoka)."""
 
+import contextlib
 import functools
 import threading
 from collections.abc import Callable, Sequence
@@ -19,6 +20,10 @@ from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
 #: The number of operations (steps times the length of the equations) after which an integration stops: some 20 s in 80 bits.
 MAX_OPERATIONS = 60_000_000
+
+#: The largest number of coordinates and velocities for which equations are first solved by code that is not optimised, and the
+#: number of steps after which the solution begins again with optimised code, whose compilation takes a second longer.
+MOST_BRIEF, BRIEF_STEPS = 28, 512
 
 #: The same for a mechanism with loops, whose steps become ever shorter near a position in which it can change to another mode
 #: of motion.
@@ -43,7 +48,12 @@ def system(structure: Structure, further: Sequence[Node] = ()) -> tuple[list[Any
 
 
 def compiled(
-    variables: Sequence[Any], rates: Sequence[Any], dtype: Any, parameters: int, events: Sequence[Any] = ()
+    variables: Sequence[Any],
+    rates: Sequence[Any],
+    dtype: Any,
+    parameters: int,
+    events: Sequence[Any] = (),
+    optimised: bool = True,
 ) -> tuple[Any, int]:
     """A compiled integrator of equations with a number of parameters, and the length of the equations."""
     prepare_heyoka()
@@ -55,7 +65,7 @@ def compiled(
         fp_type=dtype,
         # Code that is not compact takes much longer to compile.
         compact_mode=True,
-        opt_level=OPTIMISATION,
+        opt_level=OPTIMISATION if optimised else 0,
         nt_events=list(events),
     )
     return solver, len(solver.decomposition)
@@ -134,10 +144,10 @@ def _noting(roots: list[tuple[Any, int]], index: int) -> Callable[[Any, Any, int
 
 
 @functools.lru_cache(maxsize=8)
-def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
+def integrator(structure: Structure, dtype: Any, optimised: bool) -> tuple[Any, int]:
     """The compiled integrator of a structure, and the length of its equations."""
     variables, rates, _ = system(structure)
-    return compiled(variables, rates, dtype, len(derived(structure).used))
+    return compiled(variables, rates, dtype, len(derived(structure).used), optimised=optimised)
 
 
 def solve(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray) -> WideArray:
@@ -145,15 +155,23 @@ def solve(structure: Structure, start: WideArray, parameters: WideArray, times: 
 
     Raises `OutOfReach` if the integration fails or takes too many steps.
     """
+    if len(start) <= MOST_BRIEF:
+        with contextlib.suppress(OutOfReach):
+            return _solved(structure, start, parameters, times, optimised=False)
+    return _solved(structure, start, parameters, times, optimised=True)
+
+
+def _solved(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray, *, optimised: bool) -> WideArray:
     dtype: Any = start.dtype.type
-    solver, length = integrator(structure, dtype)
+    solver, length = integrator(structure, dtype, optimised)
+    most = most_steps(length, structure) if optimised else BRIEF_STEPS
     instants, rows = np.unique(np.append(0.0, times), return_inverse=True)
     grid = instants.astype(start.dtype)
     with lock:
         solver.time = grid[0]
         solver.state[:] = start
         solver.pars[:] = parameters[list(derived(structure).used)]
-        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most_steps(length, structure))
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most)
     if outcome != hy.taylor_outcome.time_limit:
         raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
     return np.asarray(solution[rows[1:]])

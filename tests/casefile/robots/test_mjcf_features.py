@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bodycheck.casefile.robot_notes import TendonRange
 from bodycheck.casefile.robots.mjcf import schema
 from bodycheck.casefile.robots.reading import Read
 from bodycheck.errors import BadInput
@@ -69,19 +70,44 @@ def test_an_actuator_acts_without_control_if_it_does_so_in_mujoco(actuator: str)
 
 
 TENDONS = {
-    **dict.fromkeys(("", 'springlength="1"', 'range="0 1" limited="false"'), False),
-    **dict.fromkeys(('stiffness="3"', 'damping="1"', 'frictionloss="1"', 'armature="1"', 'range="0 1"'), True),
+    **dict.fromkeys(("", 'springlength="1"', 'range="0 1"', 'range="0 1" limited="false"'), False),
+    **dict.fromkeys(('stiffness="3"', 'damping="1"', 'frictionloss="1"', 'armature="1"'), True),
 }
 
 
 @pytest.mark.parametrize("attributes", TENDONS)
-def test_a_tendon_acts_if_it_exerts_forces_or_has_limits(attributes: str) -> None:
+def test_a_tendon_acts_if_it_exerts_forces(attributes: str) -> None:
     for sections in (
         f'<tendon><fixed {attributes}><joint joint="j" coef="1"/></fixed></tendon>',
         f'<default><tendon {attributes}/></default><tendon><fixed><joint joint="j" coef="1"/></fixed></tendon>',
     ):
         mujoco.MjModel.from_xml_string(text(sections))
         assert acting(read_text(text(sections))) == ({"tendons"} if TENDONS[attributes] else set())
+
+
+@pytest.mark.parametrize(
+    ("tendon", "limits"),
+    [
+        ('<fixed name="t" range="-0.1 0.3"><joint joint="j" coef="-2"/><joint joint="k" coef="0.5"/></fixed>', (-0.1, 0.3)),
+        ('<fixed limited="false" range="-0.1 0.3"><joint joint="j" coef="-2"/></fixed>', None),
+        ('<fixed range="-0.1 0.3" stiffness="1"><joint joint="j" coef="-2"/></fixed>', None),
+        ('<spatial range="0 0.3"><site site="s"/><site site="r"/></spatial>', None),
+    ],
+)
+def test_the_limits_of_fixed_tendons_are_those_of_mujoco(tendon: str, limits: tuple[float, float] | None) -> None:
+    """So is the length: the linear form of the coordinates with which it is limited."""
+    model = text(f"<tendon>{tendon}</tendon>", BODY + '<site name="r"/>')
+    compiled = mujoco.MjModel.from_xml_string(model)
+    ranges = [each for each in read_text(model).ranges if isinstance(each, TendonRange)]
+    assert [(each.lower, each.upper) for each in ranges] == ([] if limits is None else [limits])
+    for each in ranges:
+        assert (each.lower, each.upper) == tuple(compiled.tendon_range[0])
+        data = mujoco.MjData(compiled)
+        data.qpos[:] = np.arange(1.0, 1.0 + compiled.nq)
+        mujoco.mj_fwdPosition(compiled, data)
+        form = sum(factor * data.qpos[compiled.joint(joint).qposadr[0]] for joint, factor in each.terms)
+        assert data.ten_length[0] == form
+    assert not any(isinstance(each, TendonRange) for each in read_text(model, ignore=frozenset({"tendons"})).ranges)
 
 
 ACTS = {

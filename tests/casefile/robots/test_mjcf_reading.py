@@ -77,12 +77,12 @@ def _limits(read: Read, compiled: Any) -> float:
         for index in range(compiled.njnt)
         if compiled.jnt_limited[index] and compiled.jnt_type[index] in SINGLE
     }
-    if [each.joint for each in read.ranges] != list(limited):
+    if [each.name for each in read.ranges] != list(limited):
         return np.inf
     ends = [
         abs(end - there)
         for each in read.ranges
-        for end, there in zip((each.lower, each.upper), limited[each.joint], strict=True)
+        for end, there in zip((each.lower, each.upper), limited[each.name], strict=True)
     ]
     return max(ends, default=0.0)
 

@@ -139,7 +139,10 @@ def test_the_joint_of_the_base_has_a_name_of_its_own(tmp_path: Path) -> None:
         ("keyframe = 0\n", [("model.file", "has no keyframes, as it is a URDF")]),
         ("keyframe = -1\n", [("model.keyframe", "greater than or equal to 0")]),
         ("keyframe = 1.5\n", [("model.keyframe", "should be a valid integer")]),
-        ("bse = 1\n", [("model.bse", "unknown key; allowed: file, base, ignore, keyframe, stored; did you mean 'base'?")]),
+        (
+            "bse = 1\n",
+            [("model.bse", "unknown key; allowed: file, base, ignore, keyframe, upright, stored; did you mean 'base'?")],
+        ),
         ("[initial.base]\n", [("initial.base", 'the base of the model is fixed; base = "free" in [model] lets it float')]),
         (
             'base = "free"\n[initial.base]\nposition = [1.0]\nspeed = 1.0\neuler_zxz = [0.0, 0.0, 0.0]\n'

@@ -17,9 +17,14 @@ from tests.support.jointed import cart_pole, four_bar, free_chain, on_one_joint
 
 @dataclass(frozen=True)
 class Limits:
-    joint: str
+    name: str
     lower: float | None = None
     upper: float | None = None
+    form: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def terms(self) -> tuple[tuple[str, float], ...]:
+        return self.form or ((self.name, 1.0),)
 
 
 def sine(velocity: float = 2.0, start: float = 0.0) -> Mechanism:
@@ -58,9 +63,9 @@ def test_a_limit_that_is_touched_or_not_reached_is_not_passed(limit: float) -> N
 @pytest.mark.parametrize(
     ("start", "velocity", "limits", "expected"),
     [
-        (0.5, 0.0, Limits("joint", upper=0.4), (Passing(0, "upper", 0.4, 0.0, 0.0),)),
-        (0.5, 0.1, Limits("joint", upper=0.5), (Passing(0, "upper", 0.5, 0.0, 0.0),)),
-        (0.5, -0.1, Limits("joint", lower=0.5), (Passing(0, "lower", 0.5, 0.0, 0.0),)),
+        (0.5, 0.0, Limits("joint", upper=0.4), (Passing("joint", "upper", 0.4, 0.0, 0.0),)),
+        (0.5, 0.1, Limits("joint", upper=0.5), (Passing("joint", "upper", 0.5, 0.0, 0.0),)),
+        (0.5, -0.1, Limits("joint", lower=0.5), (Passing("joint", "lower", 0.5, 0.0, 0.0),)),
         (0.5, 0.0, Limits("joint", upper=0.5), ()),
         (0.0, 0.0, Limits("joint", 0.0, 0.0), ()),
     ],
@@ -88,13 +93,38 @@ def test_the_truth_is_within_the_limit_before_and_beyond_it_after(mechanism: Mec
     width = 0.3
     limits = [Limits(joint.name, joint.start[0] - width, joint.start[0] + width) for joint in mechanism.joints]
     passings = passed(mechanism, limits, 1.0)
+    names = [joint.name for joint in mechanism.joints]
     assert passings
     assert list(passings) == sorted(passings, key=lambda each: each.time)
     for each in passings:
         apart = max(each.error, 1e-9)
         motion = mechanism_truth(mechanism, np.array([each.time - apart, each.time + apart])).joints
         assert motion is not None
-        before, after = motion.position[:, each.joint]
+        before, after = motion.position[:, names.index(each.name)]
+        assert before < each.limit < after if each.side == "upper" else after < each.limit < before
+
+
+def test_a_multiple_of_a_coordinate_passes_when_the_coordinate_does() -> None:
+    limits = Limits("tendon", -1.2, 1.2, (("joint", -2.0),))
+    passings = passed(sine(), [limits], 4.0)
+    assert [each.side for each in passings] == ["lower", "upper"]
+    assert encloses(passings[0], math.asin(0.6) / 2)
+    assert encloses(passings[1], (math.pi + math.asin(0.6)) / 2)
+
+
+def test_a_linear_form_is_within_its_limit_before_and_beyond_it_after() -> None:
+    mechanism = cart_pole()
+    names = [joint.name for joint in mechanism.joints]
+    terms = tuple(zip(names, (0.7, -1.3), strict=True))
+    start = sum(joint.start[0] * factor for joint, (_, factor) in zip(mechanism.joints, terms, strict=True))
+    passings = passed(mechanism, [Limits("tendon", start - 0.2, start + 0.2, terms)], 1.0)
+    assert passings
+    for each in passings:
+        apart = max(each.error, 1e-9)
+        motion = mechanism_truth(mechanism, np.array([each.time - apart, each.time + apart])).joints
+        assert motion is not None
+        before, after = motion.position @ [factor for _, factor in terms]
+        assert each.name == "tendon"
         assert before < each.limit < after if each.side == "upper" else after < each.limit < before
 
 

@@ -12,7 +12,7 @@ from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.kinematics import geodesic_angle, rotate
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
-from bodycheck.reference.mechanisms.recursion import JointStates, follow
+from bodycheck.reference.mechanisms.recursion import JointStates, follow, follow_in_parts
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth
 from tests.support.jointed import body, cart_pole, four_bar, free_chain, tree
@@ -223,3 +223,19 @@ def test_a_motion_that_needs_too_many_steps_is_refused(friction: float, monkeypa
     monkeypatch.undo()
     tree_equations.most_steps.cache_clear()
     follow(plain, TIMES)
+
+
+def test_a_motion_in_parts_is_the_whole_motion() -> None:
+    whole = follow(tree(), TIMES, np.float64)
+    parts = list(follow_in_parts(tree(), [TIMES[:5], TIMES[5:6], TIMES[6:]]))
+    # Each part begins with the rounded end of the one before, and has steps of its own.
+    np.testing.assert_allclose(np.concatenate([part.position for part in parts]), whole.position, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(np.concatenate([part.velocity for part in parts]), whole.velocity, rtol=0, atol=1e-11)
+
+
+def test_code_that_is_not_optimised_gives_the_same_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    quick = follow(rods(2), TIMES)
+    monkeypatch.setattr(tree_equations, "QUICK_STEPS", 1)
+    tree_equations._kept.cache_clear()
+    optimised = follow(rods(2), TIMES)
+    np.testing.assert_allclose(quick.position.astype(float), optimised.position.astype(float), rtol=0, atol=CLOSE * 100)

@@ -96,14 +96,14 @@ def _follow(element: Element, tree: Tree) -> bool:
 def _coordinates(element: Element, attribute: str, tree: Tree) -> Form | None:
     """Return the joint, or the linear form of a fixed tendon, that an equality names; None for a spatial tendon."""
     if element.tag == "joint":
-        return [(_joint(element, attribute, tree), MP.mpf(1))]
+        return [(joint_named(element, attribute, tree), MP.mpf(1))]
     name = element.attributes.get(attribute, "")
     if name not in tree.tendons:
         refuse(element, attribute, f"there is no tendon {quoted(name)}{did_you_mean(name, tree.tendons)}")
     tendon = tree.tendons[name]
     if tendon.tag != "fixed":
         return None
-    return [(_joint(each, "joint", tree), MP.mpf(number(each, "coef"))) for each in tendon.all("joint")]
+    return [(joint_named(each, "joint", tree), MP.mpf(number(each, "coef"))) for each in tendon.all("joint")]
 
 
 def _bind(form: Form, constant: Real, tree: Tree) -> bool:
@@ -140,8 +140,8 @@ def _leads(follower: JointOfFile, leader: JointOfFile, tree: Tree) -> bool:
     return leader is follower
 
 
-def _joint(element: Element, attribute: str, tree: Tree) -> JointOfFile:
-    """Return the hinge or slide that an equality names. Raises `BadInput` if there is none of that name."""
+def joint_named(element: Element, attribute: str, tree: Tree) -> JointOfFile:
+    """Return the hinge or slide that an element names. Raises `BadInput` if there is none of that name."""
     name = element.attributes.get(attribute, "")
     single = {joint.name: joint for joint in tree.joints if joint.kind in ("hinge", "slide")}
     if name not in single:

@@ -45,31 +45,31 @@ class Features:
         return tuple(Feature(*kind, tuple(sorted(places))) for kind, places in ordered)
 
 
-def _idle(noun: str, plural: str, text: str = "exert nothing") -> Kind:
+def idle(noun: str, plural: str, text: str = "exert nothing") -> Kind:
     return None, False, text, (noun, plural)
 
 
 #: Elements that do not act in a free motion, by the element that contains them and their own tag; an empty tag stands for all.
 IDLE: dict[tuple[str, str], Kind] = {
-    ("sensor", ""): _idle("sensor", "sensors"),
-    ("custom", ""): _idle("custom datum", "custom data"),
-    ("keyframe", "key"): _idle("keyframe", "keyframes", "state where motions may begin"),
-    ("asset", "texture"): _idle("texture", "textures"),
-    ("asset", "material"): _idle("material", "materials"),
-    ("asset", "skin"): _idle("skin", "skins"),
-    ("deformable", "skin"): _idle("skin", "skins"),
-    ("contact", "pair"): _idle("pair of geoms", "pairs of geoms", "are for contacts"),
-    ("contact", "exclude"): _idle("excluded pair of bodies", "excluded pairs of bodies", "are for contacts"),
-    ("mujoco", "visual"): _idle("element <visual>", "elements <visual>", "are for pictures"),
-    ("mujoco", "statistic"): _idle("element <statistic>", "elements <statistic>", "are for pictures"),
-    ("mujoco", "size"): _idle("element <size>", "elements <size>", "are for memory"),
+    ("sensor", ""): idle("sensor", "sensors"),
+    ("custom", ""): idle("custom datum", "custom data"),
+    ("keyframe", "key"): idle("keyframe", "keyframes", "state where motions may begin"),
+    ("asset", "texture"): idle("texture", "textures"),
+    ("asset", "material"): idle("material", "materials"),
+    ("asset", "skin"): idle("skin", "skins"),
+    ("deformable", "skin"): idle("skin", "skins"),
+    ("contact", "pair"): idle("pair of geoms", "pairs of geoms", "are for contacts"),
+    ("contact", "exclude"): idle("excluded pair of bodies", "excluded pairs of bodies", "are for contacts"),
+    ("mujoco", "visual"): idle("element <visual>", "elements <visual>", "are for pictures"),
+    ("mujoco", "statistic"): idle("element <statistic>", "elements <statistic>", "are for pictures"),
+    ("mujoco", "size"): idle("element <size>", "elements <size>", "are for memory"),
 }
 
 #: Elements of bodies that do not act in a free motion.
 IDLE_OF_BODIES = {
-    "site": _idle("site", "sites"),
-    "camera": _idle("camera", "cameras"),
-    "light": _idle("light", "lights"),
+    "site": idle("site", "sites"),
+    "camera": idle("camera", "cameras"),
+    "light": idle("light", "lights"),
 }
 
 #: Elements that act, and that no word leaves out, by their tags.
@@ -82,9 +82,6 @@ ACTING = {"composite": COMPOSITE, "flexcomp": FLEX, "flex": FLEX, "plugin": PLUG
 GRAVCOMP: Kind = ("gravity_compensation", True, "have gravity compensation", ("body", "bodies"))
 MOCAP: Kind = (None, False, "are at rest, as nothing moves them", ("mocap body", "mocap bodies"))
 MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
-
-#: Attributes by which a tendon exerts a force.
-OF_TENDONS = ("stiffness", "damping", "frictionloss", "armature")
 
 
 def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
@@ -102,7 +99,6 @@ def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> 
         if section.tag == "worldbody":
             for element in section.everything():
                 _of_body(element, features)
-    _of_tendons(root, features)
     if "actuation" not in options.off:
         for kind, element in _of_actuators(root):
             features.add(kind, element)
@@ -119,22 +115,6 @@ def _of_body(element: Element, features: Features) -> None:
             features.add(GRAVCOMP, element)
         if word(element, "mocap", "false", ("true", "false")) == "true":
             features.add(MOCAP, element)
-
-
-def _of_tendons(root: Element, features: Features) -> None:
-    defaults = Defaults(root, "tendon")
-    for section in root.all("tendon"):
-        for element in section.children:
-            tendon = defaults.resolved(element, None)
-            noun = ("tendon", "tendons")
-            exerts = any(any(numbers(tendon, name, (1, 2, 3), (0.0,))) for name in OF_TENDONS)
-            limited = word(tendon, "limited", "auto", ("true", "false", "auto"))
-            if exerts:
-                features.add(("tendons", True, "exert forces", noun), element)
-            elif limited == "true" or (limited == "auto" and any(numbers(tendon, "range", (2,), (0.0, 0.0)))):
-                features.add(("tendons", True, "have limits", noun), element)
-            else:
-                features.add(_idle(*noun, "exert nothing by themselves"), element)
 
 
 #: The actuators whose defaults are those of each other.
@@ -183,7 +163,7 @@ def _of_actuators(root: Element) -> Iterator[tuple[Kind, Element]]:
             if acts_alone(actuator):
                 yield ("actuators", True, "exert forces without control", noun), element
             else:
-                yield _idle(*noun, "are without control and exert nothing"), element
+                yield idle(*noun, "are without control and exert nothing"), element
 
 
 def acts_alone(actuator: Element) -> bool:

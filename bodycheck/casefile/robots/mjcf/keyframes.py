@@ -4,7 +4,11 @@ from collections.abc import Sequence
 
 from bodycheck.casefile.robots.mjcf.joints import SIZES, JointOfFile
 from bodycheck.casefile.robots.numbers import many
+from bodycheck.casefile.robots.reading import FIRST_IF_ANY
+from bodycheck.casefile.robots.tables import doubles, turned
 from bodycheck.errors import BadInput
+from bodycheck.reference.exact.numbers import MP, Quaternion4, vector
+from bodycheck.reference.exact.rotations import IDENTITY, multiply
 from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean, first_names
 
@@ -14,14 +18,16 @@ def keyframe_names(root: Element) -> tuple[str, ...]:
     return tuple(key.attributes.get("name", "") for key in _keys(root))
 
 
-def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile]) -> None:
+def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile], up: Quaternion4) -> None:
     """Let joints begin at a keyframe, given by its name or its number; None for the pose of the file.
 
-    joints: the joints of the file that move, in its order.
+    `FIRST_IF_ANY` is allowed as a number.
+
+    joints: the joints of the file that move, in its order. up: the rotation of the world of the file into that of the case.
 
     Raises `BadInput` if there is no such keyframe, or it does not fit the joints.
     """
-    if keyframe is None:
+    if keyframe is None or (keyframe == FIRST_IF_ANY and not _keys(root)):
         return
     key = _chosen(root, keyframe)
     for attribute, keys, which in (("qpos", POSITIONS, 0), ("qvel", VELOCITIES, 1)):
@@ -36,6 +42,19 @@ def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOf
             for name, size in keys[joint.kind]:
                 part, values = values[:size], values[size:]
                 initial[name] = part if size > 1 else part[0]
+                if joint.kind == "free" and up != IDENTITY:
+                    initial[name] = _in_case(name, part, up)
+
+
+def _in_case(name: str, part: Sequence[float], up: Quaternion4) -> list[float]:
+    """Return a part of the state of a free joint in the world of the case, given that in the world of the file."""
+    match name:
+        case "quaternion":
+            w, x, y, z = map(MP.mpf, part)
+            return doubles(multiply(up, (w, x, y, z)))
+        case "velocity":  # along the axes of the body
+            return list(part)
+    return doubles(turned(up, vector(part)))
 
 
 #: The keys of the table `initial` of a joint, and how many coordinates or velocities each has, in MuJoCo's order.
@@ -59,6 +78,8 @@ def _keys(root: Element) -> list[Element]:
 
 def _chosen(root: Element, keyframe: str | int) -> Element:
     keys, known = _keys(root), keyframe_names(root)
+    if keyframe == FIRST_IF_ANY:
+        return keys[0]
     if isinstance(keyframe, int) and 0 <= keyframe < len(keys):
         return keys[keyframe]
     if isinstance(keyframe, str) and keyframe and keyframe in known:

@@ -16,6 +16,7 @@ from bodycheck.casefile.robots.mjcf.carriers import Carrier, Tree
 from bodycheck.casefile.robots.mjcf.equalities import WORLD, loops_of
 from bodycheck.casefile.robots.mjcf.features import features_of
 from bodycheck.casefile.robots.mjcf.file import assemble
+from bodycheck.casefile.robots.mjcf.gravity import strength, upright
 from bodycheck.casefile.robots.mjcf.inertia import inertia_of, principal_frame, scaled, within
 from bodycheck.casefile.robots.mjcf.joints import JointOfFile, anchor, chain, joints_of, kind_of, limits
 from bodycheck.casefile.robots.mjcf.keyframes import keyframe_names, start_at
@@ -24,15 +25,16 @@ from bodycheck.casefile.robots.mjcf.options import options
 from bodycheck.casefile.robots.mjcf.parts import Part, classes_of, parts_of, pose_of
 from bodycheck.casefile.robots.mjcf.settings import TRUTHS, settings, word
 from bodycheck.casefile.robots.mjcf.springs import set_springs
+from bodycheck.casefile.robots.mjcf.tendons import add_tendons
 from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.tables import BASE, HERE, RESERVED, Pose, unique
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP
-from bodycheck.reference.exact.rotations import ORIGIN
+from bodycheck.reference.exact.rotations import IDENTITY, ORIGIN
 from bodycheck.robots.elements import Element, quoted, refuse
-from bodycheck.robots.mjcf_assembly import own
+from bodycheck.robots.mjcf_assembly import own, tops_of
 from bodycheck.robots.orientations import turned_inertia
 
 #: The mass properties of a body without mass.
@@ -48,13 +50,15 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     of_file, rules = options(root), settings(root)
     base = _float(root) if choice.base == "free" else None
     features = features_of(root, of_file, choice.ignore)
+    up = upright(root, of_file, features) if choice.upright else IDENTITY
     read = Tree(rules, classes_of(root), MeshesOfFile(root, rules, choice.files), features)
-    _walk(root, world, read)
+    _walk(root, Carrier(world, Pose(ORIGIN, up), Pose(ORIGIN, up)), read)
     _scale(read)
     set_springs(read)
     moving = [joint for joint in read.joints if joint.kind != "fixed"]
-    start_at(root, choice.keyframe, [joint for joint in moving if joint.element is not base])
+    start_at(root, choice.keyframe, [joint for joint in moving if joint.element is not base], up)
     ranges = () if "limit" in of_file.off else tuple(_ranges(moving, read))
+    of_tendons = add_tendons(root, read)
     loops = loops_of(root, read)
     floating = [joint.name for joint in moving if joint.table["type"] == "free"]
     return Read(
@@ -65,22 +69,21 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
         },
         base=floating[0] if len(floating) == 1 else None,
         features=features.all(),
-        ranges=ranges,
-        touching="contact" not in of_file.off and _touching(root, read),
+        ranges=(*ranges, *of_tendons),
+        touching="contact" not in of_file.off and up == IDENTITY and _touching(root, read),
         welded=any(joint.kind == "fixed" and joint.table["parent"] == world for joint in read.joints),
         keyframes=keyframe_names(root),
-        gravity=of_file.gravity,
+        gravity=of_file.gravity if up == IDENTITY else (0.0, 0.0, -strength(of_file)),
         timestep=of_file.timestep,
     )
 
 
-def _walk(root: Element, world: str, read: Tree) -> None:
-    """Read all bodies of a file, each before those in it, in the order of the file."""
+def _walk(root: Element, around: Carrier, read: Tree) -> None:
+    """Read all bodies of a file, each before those in it, in the order of the file. around: the world."""
     read.tendons |= {each.attributes.get("name", ""): each for part in root.all("tendon") for each in part.children}
     bodies, joints = read.taken
     bodies |= {*RESERVED, *(body.attributes["name"] for body in root.everything() if _names(body, "body"))}
     joints |= {joint.attributes["name"] for joint in root.everything() if _names(joint, "joint", "freejoint")}
-    around = Carrier(world, HERE, HERE)
     left: list[tuple[Part, Carrier]] = []
     for top in root.all("worldbody"):
         parts = parts_of(top, None, read.rules, read.classes)
@@ -219,13 +222,7 @@ def _float(root: Element) -> Element | None:
 
     Raises `BadInput` if there is no such body, or several, or it has other joints.
     """
-    tops = [
-        element
-        for world in root.all("worldbody")
-        for element in own(world)
-        if element.tag == "body"
-        and any(inner.tag in ("joint", "freejoint", "inertial", "geom") for inner in element.everything())
-    ]
+    tops = tops_of(root)
     listed = ", ".join(quoted(body.attributes["name"]) for body in tops[:20])
     if len(tops) != 1:
         raise BadInput(f"{root.file}: has {len(tops) or 'no'} bodies in the world, {listed}; one that is alone there can float")

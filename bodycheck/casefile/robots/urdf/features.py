@@ -4,7 +4,9 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from bodycheck.casefile.robots.reading import Feature, Ignored
+from bodycheck.casefile.robots.urdf.rigid import Rigid, sentence
 from bodycheck.robots.elements import Element, quoted
+from bodycheck.robots.urdf import Parts
 from bodycheck.robots.urdf_parts import JointPart
 
 #: The elements that are read, by the elements that contain them.
@@ -46,15 +48,22 @@ DYNAMICS: dict[str, _Kind] = {
     "friction": _Kind("friction", ("dry friction of a joint", "dry frictions of joints"), SEVERAL),
 }
 MIMIC = _Kind("mimic", ("element <mimic>", "elements <mimic>"), "")
+ONE_BODY = "have an inertia that no body has, and are read as one body with the links that they are fixed to, which is possible"
+AT_REST = "have an inertia that no body has, and are fixed to the world, where inertia does not act"
 WEIGHTLESS = _Kind(None, ("link", "links"), "have inertia without mass, which is added to what carries them")
+
+
+#: The most links of impossible inertia that a sentence names.
+MOST_NAMED = 3
 
 
 def features(
     root: Element,
-    joints: Collection[JointPart],
+    read: Parts,
     ignore: Collection[Ignored],
     mimics: Collection[Element],
     weightless: Collection[Element],
+    rigid: Rigid,
 ) -> tuple[Feature, ...]:
     """Return the parts of a file that are no mechanics of a case, each kind once, in the order of the file.
 
@@ -62,22 +71,34 @@ def features(
     ----------
     root
         The root of the file.
-    joints
-        Its joints.
+    read
+        Its links and joints.
     ignore
         What the case leaves out on purpose.
     mimics
         The elements <mimic> that it leaves out.
     weightless
         The links with inertia, but without mass, that are fixed to other links.
+    rigid
+        The links that are read as parts of what carries them.
     """
-    parts = [*_idle(root), *_of_joints(joints, ignore)]
+    parts = [*_idle(root), *_of_joints(read.joints, ignore), *_impossible(read, rigid)]
     parts += [(MIMIC, True, element) for element in mimics] + [(WEIGHTLESS, False, element) for element in weightless]
     lines: dict[tuple[_Kind, bool], list[tuple[str, int]]] = {}
     for kind, acts, element in parts:
         lines.setdefault((kind, acts), []).append((element.file, element.line))
     ordered = sorted(lines.items(), key=lambda entry: min(entry[1]))
     return tuple(Feature(kind.word, acts, kind.text, kind.noun, tuple(places)) for (kind, acts), places in ordered)
+
+
+def _impossible(read: Parts, rigid: Rigid) -> Iterator[tuple[_Kind, bool, Element]]:
+    """Yield the links whose inertia no body has, but which are fixed to the world or to links that make it possible."""
+    noun = ("link", "links")
+    for grounded, text in ((False, ONE_BODY), (True, AT_REST)):
+        faults = {name: fault for name, fault in rigid.faults.items() if (name in rigid.grounded) == grounded}
+        listed = sentence(list(faults.items()), MOST_NAMED)
+        kind = _Kind(None, noun, f"{text}: {listed}")
+        yield from ((kind, False, link.element) for link in read.links if link.name in faults)
 
 
 def _idle(root: Element) -> Iterator[tuple[_Kind, bool, Element]]:

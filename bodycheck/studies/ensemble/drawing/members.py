@@ -110,7 +110,10 @@ def drawn(case: Case, members: int | None = None) -> Source:
         The case has no such table, or the number of members is not allowed.
     """
     if case.ensemble is None:
-        raise BadInput(f"{case.name}: has no table [ensemble], and members are not given by a table either")
+        advice = (
+            "" if case.robot is None else "; `bodycheck new NAME --model FILE` writes a case of a robot, to which it is added"
+        )
+        raise BadInput(f"{case.name}: has no table [ensemble], and members are not given by a table either{advice}")
     size = case.ensemble.members if members is None else members
     if not 1 <= size <= MAX_MEMBERS:
         raise BadInput(f"read {size} members; allowed: 1 to {MAX_MEMBERS:,}")
