@@ -4,10 +4,11 @@
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from bodycheck.casefile.robot_notes import Ignored as Ignored
 from bodycheck.casefile.robot_notes import JointRange
+from bodycheck.casefile.robot_notes import Used as Used
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.reference.scene import Vector
 
@@ -42,12 +43,18 @@ class Choice:
         "free" if the root link floats, "fixed" if it is as the file says.
     keyframe
         The name or the number of the keyframe at which the joints start; None for their zeros.
+    use
+        What the case takes over beside bodies and joints. A word that `ignore` has too leaves out what cannot be taken over.
+    driven
+        The names of the joints that have a controller of the case itself, in place of actuators of the file.
     """
 
     files: Files
     ignore: frozenset[Ignored] = frozenset()
     base: Literal["fixed", "free"] = "fixed"
     keyframe: str | int | None = None
+    use: frozenset[Used] = frozenset()
+    driven: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,8 @@ class Read:
         The gravitational acceleration of the file, world (m/s^2); None if it states none.
     timestep
         The time step (s) that the file states; None if it states none.
+    controllers
+        The tables of the controllers that actuators of the file become, if the case uses them.
     """
 
     tables: Tables
@@ -110,3 +119,4 @@ class Read:
     keyframes: tuple[str, ...] = ()
     gravity: Vector | None = None
     timestep: float | None = None
+    controllers: tuple[dict[str, Any], ...] = ()
