@@ -46,11 +46,17 @@ _number: TypeAdapter[float] = TypeAdapter(Number)
 
 @dataclass(frozen=True)
 class _Reference:
-    """A signal that names a column of a file: the path of its table in the document, and the two names."""
+    """A signal that names a column of a file: the index of its controller, the key of the signal, and the two names."""
 
-    path: Path
+    controller: int
+    key: str
     file: str
     column: str
+
+    @property
+    def path(self) -> Path:
+        """The path of the table of the signal in the document."""
+        return ("controllers", self.controller, self.key)
 
 
 @dataclass(frozen=True)
@@ -109,12 +115,12 @@ def resolved(document: dict[str, Any]) -> tuple[dict[str, Any], tuple[tuple[Path
     columns = {(each["file"], each["column"]): each for each in _valid(document)}
     controllers, faults = [dict(table) for table in tables_of(document, "controllers", 2 * MAX_BODIES)], []
     for each in references:
-        _, index, key = each.path
         if (read := columns.get((each.file, each.column))) is None:
             faults.append(((*each.path, "file"), "is read only where a case file is loaded from its folder"))
             continue
-        others = {name: value for name, value in controllers[int(index)][key].items() if name not in ("file", "column")}
-        controllers[int(index)][key] = {"times": read["times"], "values": read["values"], **others}
+        controller = controllers[each.controller]
+        others = {name: value for name, value in controller[each.key].items() if name not in ("file", "column")}
+        controller[each.key] = {"times": read["times"], "values": read["values"], **others}
     return {**document, "controllers": controllers}, tuple(faults)
 
 
@@ -137,7 +143,7 @@ def _references(document: Mapping[str, Any]) -> Iterator[_Reference]:
             signal = mapping(controller.get(key))
             file, column = signal.get("file"), signal.get("column")
             if kind_of_signal(signal) == "file" and isinstance(file, str) and isinstance(column, str):
-                yield _Reference(("controllers", index, key), file, column)
+                yield _Reference(index, key, file, column)
 
 
 def _content(name: str, folders: Folders, contents: dict[str, "_Csv | _Faults"]) -> _Csv:
