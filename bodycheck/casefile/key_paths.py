@@ -1,7 +1,8 @@
 """Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
 
 Bodies and joints of a mechanism are given by their names, as in `joints.pin.damping`, or counted from 0, as in
-`joints.1.damping`; controllers are given by the names of their joints, as in `controllers.pin.kp`. Names that are numbers or have special characters are quoted, as in `joints."8".damping`.
+`joints.1.damping`; controllers are given by the names of their joints, as in `controllers.pin.kp`. Names that are numbers or
+have special characters are quoted, as in `joints."8".damping`.
 
 The key paths follow from the content of the file and from the grammar of the tables that determine the motion: a new key of
 such a table can be drawn at once.
