@@ -15,7 +15,7 @@ from bodycheck.casefile.mechanisms.control_faults import MAX_CONTROLS
 from bodycheck.casefile.toml_text import written
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.requirements import requirements_of_mechanism
+from bodycheck.reference.requirements import of_mechanism
 from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE
 
 LIMITS = "limits = {lower = -1.0, upper = 1.0}\n"
@@ -66,7 +66,7 @@ def test_every_key_of_a_controller_and_of_stops() -> None:
         ),
     )
     assert [joint.stops for joint in scene.joints] == [None, Stops(-1.0, 1.0, 0.0)]
-    assert {"controllers", "rigid stops"} <= set(requirements_of_mechanism(scene))
+    assert {"controllers", "rigid stops"} <= set(of_mechanism(scene).effects)
 
 
 @pytest.mark.parametrize(
