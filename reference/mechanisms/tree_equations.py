@@ -213,6 +213,11 @@ def _changing(link: Link) -> tuple[str, ...]:
     return _CHANGING if link.friction else ()
 
 
+def field_sizes() -> list[tuple[str, int]]:
+    """The names of the fields of `Constants`, and how many numbers each has, in the order of `numbers`."""
+    return [(field.name, _SIZES.get(field.name, 1)) for field in fields(Constants)]
+
+
 def numbers(constants: Constants, changing: Collection[str]) -> Iterator[tuple[Mark, Real]]:
     """The numbers of a link in order, with their marks. changing: the fields that are parameters whatever their values are."""
     for field in fields(Constants):

@@ -14,6 +14,7 @@ rounding. The law of the case itself has its motion from the truth. The continuo
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -143,11 +144,20 @@ def _held(
     coordinates = []
     for end in ends:
         for number in range(step, end):
-            controls.exert(number * Fraction(h), lambda at=(position, velocity): np.array(at)[:, None], lambda efforts: None)
+            state = np.array([position]), np.array([velocity])
+            controls.exert(number * Fraction(h), partial(_same, state), _nothing)
             position, velocity = move(position, velocity, (controls.samplers[0].effort + load) / inertia, h)
         step = end
         coordinates.append(position)
     return np.array(coordinates)
+
+
+def _same(state: tuple[Array, Array]) -> tuple[Array, Array]:
+    return state
+
+
+def _nothing(efforts: Array) -> None:
+    """Do nothing with efforts, which `Controls` keeps."""
 
 
 def _implicit(law: Controller, begin: tuple[float, float], load: float, inertia: float, h: float, ends: Sequence[int]) -> Array:

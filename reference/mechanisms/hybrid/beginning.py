@@ -14,7 +14,7 @@ from bodycheck.reference.mechanisms.hybrid.cells import elastic, saturation
 from bodycheck.reference.mechanisms.hybrid.closing import CLEAR, closed
 from bodycheck.reference.mechanisms.hybrid.equations import Shape
 from bodycheck.reference.mechanisms.hybrid.impacts import blow, restitution
-from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, joint_states, places, rates_in, wanted
+from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, joint_state, places, rates_in, wanted
 from bodycheck.reference.mechanisms.hybrid.sampled import Memory, computed, signals_at
 from bodycheck.reference.mechanisms.hybrid.signals import piece, signals
 from bodycheck.reference.mechanisms.link_states import start
@@ -26,8 +26,9 @@ AHEAD = 2.0**-30
 #: The number of roundings, relative to 1 or the place of a stop, up to which a joint is at its stop.
 AT_STOP = 2.0**10
 
-#: The time that all further rebounds take together, as a part of the duration, below which they accumulate.
-ACCUMULATED = 2.0**-20
+#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part
+#: of its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
+ACCUMULATED, LOST = 2.0**-20, 2.0**-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +42,8 @@ class Problem:
 
     def joint(self, phase: Phase, index: int) -> tuple[Any, Any]:
         """The coordinate and the velocity of a link's joint in the state of a phase, as they are stored."""
-        place = places(self.tree)[index]
-        return phase.state[place - 1], phase.state[place]
+        rate_at = places(self.tree)[index]
+        return phase.state[rate_at - 1], phase.state[rate_at]
 
     def limits(self, index: int) -> list[tuple[int, Real]]:
         """The sides of a link's stops, -1 or 1, and their coordinates."""
@@ -154,16 +155,16 @@ def _computed(problem: Problem, phase: Phase, instant: Fraction | None) -> Phase
 
 
 def memories_at(problem: Problem, phase: Phase, state: WideArray, instant: Fraction) -> dict[int, Memory]:
-    """What controllers remember after an instant at which some of them compute their laws from a state."""
+    """The memories of controllers after an instant at which some of them compute their laws from a state."""
     memories, number = dict(phase.memories), float if problem.kind.dtype is np.float64 else real
-    joints = joint_states(problem.tree, in_numbers(state, number), number)
     for index, memory in phase.memories.items():
         controller = problem.tree.links[index].controller
         assert controller is not None
         assert controller.rate is not None
         if memory.count / Fraction(controller.rate) == instant:
             target, target_velocity, effort = (number(value) for value in signals_at(controller, real(instant)))
-            memories[index] = computed(controller, memory, (target, target_velocity, effort), *joints[index])
+            joint = joint_state(problem.tree, state, index, number)
+            memories[index] = computed(controller, memory, (target, target_velocity, effort), *joint)
     return memories
 
 
@@ -200,22 +201,22 @@ def _with_cells(problem: Problem, phase: Phase, ahead: float | None) -> Phase:
     tree, shape = problem.tree, problem.shape
     state, time = in_numbers(phase.state, real), phase.time
     beyond = {
-        part.link: _beyond(problem, part.link, joint_states(tree, state, real)[part.link][0])
+        part.link: _beyond(problem, part.link, joint_state(tree, state, part.link, real)[0])
         for part in shape.parts
         if part.elastic
     }
     if ahead is not None:
         rates = [real(rate) for rate in rates_in(tree, shape, phase, in_numbers(phase.state, float), time, float).state]
-        accelerations = joint_states_rates(tree, state, rates)
         for index, (lower, upper) in beyond.items():
-            v, a = accelerations[index]
+            _, v = joint_state(tree, state, index, real)
+            a = joint_state(tree, rates, index, real)[1]
             moved = ahead * v + ahead**2 / 2 * a
             beyond[index] = lower - moved, upper + moved
         state = [value + ahead * rate for value, rate in zip(state, rates, strict=True)]
         time = time + ahead
-    laws, springs, joints = dict(phase.laws), dict(phase.springs), joint_states(tree, state, real)
+    laws, springs = dict(phase.laws), dict(phase.springs)
     for part in shape.parts:
-        q, v = joints[part.link]
+        q, v = joint_state(tree, state, part.link, real)
         controller, stops = tree.links[part.link].controller, tree.links[part.link].stops
         if part.continuous and controller is not None:
             laws[part.link] = saturation(controller, wanted(tree, shape, phase, part.link, state, q, v, time, real), v)
@@ -224,20 +225,8 @@ def _with_cells(problem: Problem, phase: Phase, ahead: float | None) -> Phase:
     return replace(phase, laws=laws, springs=springs)
 
 
-def joint_states_rates(tree: Tree, state: list[Real], rates: list[Real]) -> list[tuple[Any, Any]]:
-    """The velocities and the accelerations of all joints with one coordinate."""
-    velocities = joint_states(tree, state, real)
-    at = places(tree)
-    leading = [(index if link.follows is None else link.follows) for index, link in enumerate(tree.links)]
-    shares = [MP.mpf(1) if link.follows is None else link.constants.ratio for link in tree.links]
-    return [
-        (velocity, share * rates[at[leader]] if velocity is not None else None)
-        for (_, velocity), leader, share in zip(velocities, leading, shares, strict=True)
-    ]
-
-
 def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
-    """How far a coordinate is beyond the lower and the upper stop of a link; -1 where there is no stop."""
+    """The distances of a coordinate beyond the lower and the upper stop of a link; -1 where there is no stop."""
     limits = dict(problem.limits(index))
     lower, upper = (side * (q - limits[side]) if side in limits else MP.mpf(-1) for side in (-1, 1))
     return lower, upper
@@ -246,11 +235,14 @@ def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
 def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     """Raise `Stopped` if the rebounds of a joint that has hit its stop end within a very short time."""
     kept = restitution(problem.tree, hit.link)
-    if not 0 < kept < 1:
+    if not kept:
         return
     state = in_numbers(phase.state, float)
-    rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
-    speed, acceleration = state[place], rates[place]
-    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < (1 - kept) * ACCUMULATED * problem.duration:
+    rates, rate_at = (
+        rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state,
+        places(problem.tree)[hit.link],
+    )
+    speed, acceleration = state[rate_at], rates[rate_at]
+    if speed * acceleration < 0 and 2 * abs(speed / acceleration) < max(1 - kept, LOST) * ACCUMULATED * problem.duration:
         time = float(phase.time)
         raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)

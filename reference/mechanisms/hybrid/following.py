@@ -1,7 +1,7 @@
 """The motion of trees with controllers and stops, from event to event, by Taylor's method (heyoka; Linux only).
 
-A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time at
-which a controller computes its law or a piece of a signal ends.
+A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time
+at which a controller computes its law or a piece of a signal ends.
 """
 
 import functools
@@ -35,6 +35,9 @@ MOST_EVENTS, MOST_AT_ONCE = 20_000, 100
 #: zero there except for rounding.
 JUST_BEGUN = 2.0**-20
 
+#: The part of a step within which two events may be one.
+SAME = 2.0**-40
+
 
 @dataclass(frozen=True, eq=False)
 class _Solver:
@@ -55,7 +58,7 @@ class _Solver:
         if not self.present:
             self.present.extend([None] * len(self.solver.pars))
         for index, (old, new) in enumerate(zip(self.present, values, strict=False)):
-            if new is not old and new != old:
+            if new is not old and (old is None or new != old):
                 self.solver.pars[index] = kind.number(new)
                 self.present[index] = new
 
@@ -155,16 +158,20 @@ def _follow(run: _Run) -> None:
             events += 1
             if events > MOST_EVENTS:
                 raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
-            at = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
-            begun = _after(problem, at, event)
-            phase = begun.phase
-            _note(run, begun)
-            _lead_shadows(run, before, phase, event, begun.hits, state)
+            ended = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
+            if event.kind == "stop":
+                _note_depth(run, ended, event)
+            next_one = _after(problem, ended, event)
+            phase = next_one.phase
+            _note(run, next_one)
+            _lead_shadows(run, before, phase, event, next_one.hits, state)
         elif instant is not None:
-            at = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
-            begun = settled(problem, at, kind.eps, instant)
-            phase = begun.phase
-            _note(run, begun)
+            ended = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
+            next_one = settled(problem, ended, kind.eps, instant)
+            if next_one.hits:
+                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s")
+            phase = next_one.phase
+            _note(run, next_one)
             _update_shadows(run, before, phase, state, instant)
             instant = next(ahead, None)
 
@@ -223,14 +230,16 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
         soon = begin + JUST_BEGUN * step
         crossings = [each for each in solver.crossings if not (first and each[0].link in phase.begun and each[1] <= soon)]
         ends = [each for each in crossings if each[0].kind != "turn"]
-        event, time = min(ends, key=lambda each: each[1], default=(None, inner.time))
+        event, time = _first(ends, SAME * step) or (None, inner.time)
         state = np.array(inner.state) if event is None else solver.output(time)
         if first and phase.watched and (moved := _moved(run.problem, phase, state, time)) is not None:
             return Event(moved, "rest"), begin, phase.state, left
         require_consistent(run.problem.tree, run.problem.shape, phase, state, time)
         while len(run.rows) < len(run.instants) and run.instants[len(run.rows)] <= time:
             run.rows.append(solver.output(run.instants[len(run.rows)]))
-        _note_touches(run, [each for each in crossings if each[0].kind == "turn" and each[1] < time])
+        _note_touches(
+            run, [each for each in crossings if each[0].kind == "turn" and phase.rest.get(each[0].link) != 0 and each[1] < time]
+        )
         if event is not None or outcome == hy.taylor_outcome.time_limit:
             return event, until if event is None else time, state, left
         first, left = False, left - 1
@@ -238,11 +247,36 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
     raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
 
 
+def _first(crossings: Sequence[tuple[Event, Any]], same: Any) -> tuple[Event, Any] | None:
+    """The first of the events that end a phase, and its time.
+
+    Of those within a very short time `same` (s), it is one of a joint that stops or meets its stop: where a joint stops, the
+    saturation of its law may enter another cell, which such an event takes into account.
+    """
+    if not crossings:
+        return None
+    earliest = min(time for _, time in crossings)
+    near = [each for each in crossings if each[1] <= earliest + same]
+    return next((each for each in near if each[0].kind in ("rest", "stop")), min(near, key=lambda each: each[1]))
+
+
 def _note_touches(run: _Run, turns: Sequence[tuple[Event, Any]]) -> None:
     """Keep where joints turn back near their stops."""
     for event, time in turns:
         q = float(run.solver.output(time)[places(run.problem.tree)[event.link] - 1])
         if (near := touch(run.problem, event.link, float(time), q)) is not None:
+            run.touches.append(near)
+
+
+def _note_depth(run: _Run, phase: Phase, event: Event) -> None:
+    """Keep that a joint which meets its stop would turn back a little beyond it if there were no stop."""
+    problem, state = run.problem, in_numbers(phase.state, float)
+    rates = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state
+    rate_at = places(problem.tree)[event.link]
+    speed, acceleration = state[rate_at], rates[rate_at]
+    if speed * acceleration < 0:
+        q = state[rate_at - 1] - speed * speed / (2 * acceleration)
+        if (near := touch(problem, event.link, float(phase.time), q)) is not None:
             run.touches.append(near)
 
 
@@ -259,7 +293,7 @@ def _moved(problem: Problem, phase: Phase, state: WideArray, time: Any) -> int |
 def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
     """Return the phase after an event."""
     index, state = event.link, phase.state.copy()
-    place, eps = places(problem.tree)[index], problem.kind.eps
+    rate_at, eps = places(problem.tree)[index], problem.kind.eps
     if event.kind in ("law", "elastic"):
         return Begun(with_cells(problem, phase))
     if event.kind == "rest" and not phase.rest[index]:
@@ -269,7 +303,7 @@ def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
         sides = {each: side for each, side in phase.sides.items() if each != index}
         return Begun(replace(phase, rest={**phase.rest, index: mode}, sides=sides))
     if event.kind == "stop":
-        state[place - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
+        state[rate_at - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
     else:
-        state[place] = state[place] * 0
+        state[rate_at] = state[rate_at] * 0
     return settled(problem, replace(phase, state=state), eps)

@@ -13,16 +13,13 @@ from bodycheck.reference.mechanisms.hybrid.cells import Cell, Margin
 from bodycheck.reference.mechanisms.hybrid.equations import STOP_MARGINS, Part, Shape, law_parameters
 from bodycheck.reference.mechanisms.hybrid.sampled import Memory
 from bodycheck.reference.mechanisms.hybrid.signals import Piece
-from bodycheck.reference.mechanisms.link_states import Form, Rates, derivatives, in_arithmetic, links_of, places_of_rates
+from bodycheck.reference.mechanisms.link_states import Form, Rates, derivatives, in_arithmetic, places_of_rates
 from bodycheck.reference.mechanisms.tree import Tree
-from bodycheck.reference.mechanisms.tree_equations import numbers
+from bodycheck.reference.mechanisms.tree_equations import field_sizes, numbers
 
-#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause, and
-#: the least size of these terms in SI units.
+#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause,
+#: and the least size of these terms in SI units.
 MISSED, SMALL = 1e-9, 1e-3
-
-#: The cell of a joint without a continuous law or without elastic stops.
-NO_CELL = Cell(())
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +31,8 @@ class Phase:
     time, state
         The time (s), in exact arithmetic, and the state with the integrals of continuous laws.
     rest
-        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction is
-        the direction in which it slips.
+        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction
+        is the direction in which it slips.
     sides
         For each link that a rigid stop holds, 1 at its upper and -1 at its lower stop.
     laws, springs
@@ -82,10 +79,16 @@ def in_numbers(state: WideArray, number: Number) -> list[Any]:
     return state.astype(float).tolist() if number is float else [exactly(value) for value in state]
 
 
-def joint_states(tree: Tree, state: Sequence[Any], number: Number) -> list[tuple[Any, Any]]:
-    """The coordinates and the velocities of all joints, None for those with more than one."""
-    links = links_of(form_of(tree, number), state)
-    return [(link.coordinates[0], link.rates[0]) if len(link.coordinates) == 1 else (None, None) for link in links]
+def joint_state(tree: Tree, state: Sequence[Any] | WideArray, index: int, number: Number) -> tuple[Any, Any]:
+    """The coordinate and the velocity of the joint of a link with one coordinate; the state may be in any type."""
+    link = tree.links[index]
+    at = places(tree)[index if link.follows is None else link.follows]
+    convert = float if number is float else exactly
+    q, v = convert(state[at - 1]), convert(state[at])
+    if link.follows is None:
+        return q, v
+    ratio, shift = number(link.constants.ratio), number(link.constants.shift)
+    return ratio * q + shift, ratio * v
 
 
 def wanted(
@@ -101,19 +104,22 @@ def wanted(
 
 def effort_in(phase: Phase, index: int, law: Any, number: Number) -> tuple[Any, Any, Any]:
     """The force, the stiffness and the damping that a controller and elastic stops add to a link. law: its wanted effort."""
-    cells = phase.laws.get(index, NO_CELL), phase.springs.get(index, NO_CELL)
-    force, stiffness, damping = (
-        number(sum(getattr(cell, name) for cell in cells)) for name in ("force", "stiffness", "damping")
-    )
-    acting = phase.memories[index].acting if index in phase.memories else 0
-    return force + number(acting) + (law if cells[0].gate else 0), stiffness, damping
+    force, stiffness, damping = phase.memories[index].acting if index in phase.memories else 0, 0, 0
+    if number is float:
+        force = float(force)
+    for cell in (phase.laws.get(index), phase.springs.get(index)):
+        if cell is not None:
+            force, stiffness = force + number(cell.force) + (law if cell.gate else 0), stiffness + number(cell.stiffness)
+            damping = damping + number(cell.damping)
+    return force, stiffness, damping
 
 
 def constants_in(tree: Tree, shape: Shape, phase: Phase, state: Sequence[Any], time: Real, number: Number) -> list[Constants]:
     """The constants of all links in a phase, without the force of dry friction, at a time and in a state."""
-    constants, joints = list(form_of(tree, number).constants), joint_states(tree, state, number)
+    constants = list(form_of(tree, number).constants)
     for part in shape.parts:
-        law = wanted(tree, shape, phase, part.link, state, *joints[part.link], time, number) if part.continuous else 0
+        joint = joint_state(tree, state, part.link, number)
+        law = wanted(tree, shape, phase, part.link, state, *joint, time, number) if part.continuous else 0
         force, stiffness, damping = effort_in(phase, part.link, law, number)
         base = constants[part.link]
         constants[part.link] = replace(
@@ -138,49 +144,68 @@ def rates_in(
         constants[index] = replace(constants[index], force=force, moves=abs(mode))
     form = form_of(tree, number)
     rates = derivatives(Form(form.links, constants, form.gravity), state, functions_of(number))
-    joints = joint_states(tree, state, number)
-    errors = [number(phase.pieces[index][0].value(time)) - joints[index][0] for index in shape.integrals]
+    errors = [
+        number(phase.pieces[index][0].value(time)) - joint_state(tree, state, index, number)[0] for index in shape.integrals
+    ]
     return Rates([*rates.state, *errors], rates.strains)
 
 
+@functools.lru_cache(maxsize=32)
 def places(tree: Tree) -> list[int]:
     """The index of each link's velocity in a state; that of its coordinate, where it has one alone, is one less."""
     return places_of_rates(tree.links)
 
 
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """The parameters of the links of a tree, and the index of each field that changes, by its link and its name."""
+
+    values: list[Real]
+    slots: dict[tuple[int, str], int]
+
+
+@functools.lru_cache(maxsize=32)
+def _layout(tree: Tree, shape: Shape) -> _Layout:
+    changing = {part.link: part.changing for part in shape.parts}
+    values, slots = list[Real](), dict[tuple[int, str], int]()
+    for index, link in enumerate(tree.links):
+        names = [name for name, size in field_sizes() for _ in range(size)]
+        for name, mark, (_, each) in zip(names, shape.marks[index], numbers(link.constants, ()), strict=True):
+            if mark is None:
+                if name in changing.get(index, ()):
+                    slots[index, name] = len(values)
+                values.append(each)
+    return _Layout([*values, *(part for part in tree.gravity if part)], slots)
+
+
 def parameters(tree: Tree, shape: Shape, phase: Phase) -> list[Real]:
     """The exact values of the parameters in a phase, in the order of the equations."""
-    parts = {part.link: part for part in shape.parts}
-    values: list[Real] = []
-    for index, link in enumerate(tree.links):
-        constants = link.constants if index not in parts else _constants(tree, phase, index, parts[index])
-        marks = shape.marks[index]
-        values += [each for mark, (_, each) in zip(marks, numbers(constants, ()), strict=True) if mark is None]
-    values += [part for part in tree.gravity if part]
+    layout = _layout(tree, shape)
+    values = list(layout.values)
     for part in shape.parts:
+        for name, value in _changed(tree, phase, part):
+            if (part.link, name) in layout.slots:
+                values[layout.slots[part.link, name]] = value
         if part.continuous:
             controller = tree.links[part.link].controller
             assert controller is not None
             values += [*law_parameters(part, controller, phase.pieces[part.link]), phase.laws[part.link].gate]
         for margin in margins_of(tree, phase, part):
-            values += [margin.slope, margin.place, margin.rate, margin.speed]
+            values += [margin.slope, margin.origin, margin.rate, margin.speed]
     for part in shape.parts:
         if part.may_rest:
             values += _at_rest(tree, phase, part)
-    return [real(value) for value in values]
+    return values
 
 
-def _constants(tree: Tree, phase: Phase, index: int, part: Part) -> Constants:
-    link, mode = tree.links[index], phase.rest.get(index, 1)
-    force, stiffness, damping = effort_in(phase, index, 0, real)
-    base = link.constants
-    return replace(
-        base,
-        force=base.force + force - (mode * link.friction if part.dry else 0),
-        stiffness=base.stiffness + stiffness,
-        damping=base.damping + damping,
-        moves=MP.mpf(abs(mode)),
-    )
+def _changed(tree: Tree, phase: Phase, part: Part) -> Iterator[tuple[str, Real]]:
+    """Yield the names and the values of the fields of a link's constants in a phase."""
+    link, mode = tree.links[part.link], phase.rest.get(part.link, 1)
+    force, stiffness, damping = effort_in(phase, part.link, 0, real)
+    yield "force", link.constants.force + force - (mode * link.friction if part.dry else 0)
+    yield "stiffness", link.constants.stiffness + stiffness
+    yield "damping", link.constants.damping + damping
+    yield "moves", abs(mode)
 
 
 def margins_of(tree: Tree, phase: Phase, part: Part) -> list[Margin]:
@@ -203,22 +228,19 @@ def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray,
     """Raise `OutOfReach` if the state at the end of a step contradicts the modes of its phase, since an event was missed."""
     if not any(part.margins or part.elastic or part.rigid or part.dry for part in shape.parts):
         return
-    numbers, joints = state.astype(float).tolist(), joint_states(tree, state.astype(float).tolist(), float)
+    values = state.astype(float).tolist()
+    fastest = SMALL + max(abs(value) for value in values)
     for part in shape.parts:
-        q, v = joints[part.link]
-        w = wanted(tree, shape, phase, part.link, numbers, q, v, real(float(time)), float) if part.margins else 0.0
+        q, v = joint_state(tree, values, part.link, float)
+        w = wanted(tree, shape, phase, part.link, values, q, v, real(float(time)), float) if part.margins else 0.0
         for number, margin in enumerate(margins_of(tree, phase, part)):
-            slope, place, rate, speed = (float(value) for value in (margin.slope, margin.place, margin.rate, margin.speed))
+            slope, origin, rate, speed = (float(value) for value in (margin.slope, margin.origin, margin.rate, margin.speed))
             x = w if number < part.margins else q
-            size = abs(slope) * (SMALL + abs(x) + abs(place)) + abs(rate) * (SMALL + abs(v) + abs(speed))
-            if slope * (x - place) + rate * (v - speed) < -MISSED * size:
+            size = abs(slope) * (SMALL + abs(x) + abs(origin)) + abs(rate) * (SMALL + abs(v) + abs(speed))
+            if slope * (x - origin) + rate * (v - speed) < -MISSED * size:
                 raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s")
-        if part.dry and phase.rest[part.link] * v < -MISSED * (
-            SMALL + max(abs(each) for _, each in joints if each is not None)
-        ):
-            raise OutOfReach(
-                f"rounding leaves undecided whether a joint with dry friction slips before t = {float(time):.6g} s"
-            )
+        if part.dry and phase.rest[part.link] * v < -MISSED * fastest:
+            raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s")
 
 
 def _padded(margins: Sequence[Margin], size: int) -> list[Margin]:

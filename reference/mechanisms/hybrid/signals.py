@@ -53,7 +53,7 @@ def piece(signal: Signal, time: Real) -> Piece:
 
 def value(signal: Signal, time: Real) -> Real:
     """Return the value of a signal at a time (s)."""
-    return MP.mpf(signal) if isinstance(signal, float | int) else piece(signal, time).value(time)
+    return signal if isinstance(signal, float | int) else piece(signal, time).value(time)
 
 
 def signals(controller: Controller) -> tuple[Signal, Signal, Signal]:

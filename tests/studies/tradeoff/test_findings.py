@@ -200,3 +200,19 @@ def test_what_limits_the_study_is_said_first() -> None:
     for text in (Page(html.render_study(report)).text, markdown.render_study(report)):
         assert "dart is not installed" in text
         assert facts(text.partition("unsupported")[2], "drake Euler")[:2] == ["drake Euler", "10"]
+
+
+def test_costs_are_compared_only_where_efforts_are_computed_in_the_same_way() -> None:
+    staged = [one | {"efforts": "at stages"} for one in curve("RK4", [1e-3, 1e-5], [2e-2, 4e-2])]
+    between = [one | {"efforts": "between steps"} for one in curve("Euler", [1e-2, 1e-3], [1e-2, 3e-2])]
+    apart = measurements([*staged, *between])
+    assert [(point.integrator, point.cost) for point in apart.front("attitude")] == [
+        ("Euler", 1e-2),
+        ("RK4", 2e-2),
+        ("Euler", 3e-2),
+        ("RK4", 4e-2),
+    ]
+    (told,) = texts(present(HEADER, [*staged, *between], []), "Cheapest")
+    assert told.startswith("Costs of methods that compute efforts between steps and at stages are not compared")
+    alike = measurements([one | {"efforts": "between steps"} for one in [*staged, *between]])
+    assert [point.cost for point in alike.front("attitude")] == [1e-2, 2e-2, 4e-2]
