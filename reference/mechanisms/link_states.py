@@ -102,7 +102,7 @@ class Decision:
 
 @dataclass(frozen=True, eq=False)
 class Critical:
-    """What errors of a state may change altogether in the motion of a tree with controllers and stops.
+    """A change that errors of a state may cause altogether in the motion of a tree with controllers and stops.
 
     Attributes
     ----------

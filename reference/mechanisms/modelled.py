@@ -1,4 +1,4 @@
-"""What the reference does not model of mechanisms, with the reason."""
+"""Mechanisms that the reference does not model, with the reason."""
 
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import Mechanism

@@ -112,6 +112,6 @@ def _of_stops(joint: Joint, coordinate: Array) -> Array:
 
 
 def stretch_of_stops(stops: Stops, coordinate: Array) -> Array:
-    """How far a coordinate (n,) is beyond a stop (rad or m); zero between the stops."""
+    """The distance (n,) of a coordinate beyond a stop (rad or m); zero between the stops."""
     lower, upper = (limit if limit is not None else side * np.inf for side, limit in ((-1, stops.lower), (1, stops.upper)))
     return np.asarray(np.maximum(np.maximum(lower - coordinate, coordinate - upper), 0.0))

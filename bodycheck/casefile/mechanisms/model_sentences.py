@@ -9,7 +9,7 @@ from bodycheck.casefile.robots.reading import Choice, Feature, Ignored, Read
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
-    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
+    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "share": "shares", "give": "gives", "their": "its", "them": "it",
     "they": "it",
 }  # fmt: skip
 

@@ -155,7 +155,7 @@ def _computed(problem: Problem, phase: Phase, instant: Fraction | None) -> Phase
 
 
 def memories_at(problem: Problem, phase: Phase, state: WideArray, instant: Fraction) -> dict[int, Memory]:
-    """What controllers remember after an instant at which some of them compute their laws from a state."""
+    """The memories of controllers after an instant at which some of them compute their laws from a state."""
     memories, number = dict(phase.memories), float if problem.kind.dtype is np.float64 else real
     for index, memory in phase.memories.items():
         controller = problem.tree.links[index].controller
@@ -226,7 +226,7 @@ def _with_cells(problem: Problem, phase: Phase, ahead: float | None) -> Phase:
 
 
 def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
-    """How far a coordinate is beyond the lower and the upper stop of a link; -1 where there is no stop."""
+    """The distances of a coordinate beyond the lower and the upper stop of a link; -1 where there is no stop."""
     limits = dict(problem.limits(index))
     lower, upper = (side * (q - limits[side]) if side in limits else MP.mpf(-1) for side in (-1, 1))
     return lower, upper

@@ -1,4 +1,4 @@
-"""What is linear in pieces: the saturation of continuous laws, and elastic stops.
+"""Forces that are linear in pieces: the saturation of continuous laws, and elastic stops.
 
 The effort of a saturated law is a function of the wanted effort w and the velocity v, and that of elastic stops a function of
 the coordinate q and of v. The plane of both arguments is made up of cells, in each of which the effort is linear. A motion

@@ -29,7 +29,7 @@ STOP_MARGINS = 2
 
 @dataclass(frozen=True)
 class Wave:
-    """Whether a signal changes linearly in pieces, and whether it is a sine."""
+    """Return whether a signal changes linearly in pieces, and whether it is a sine."""
 
     slope: bool
     sine: bool
@@ -104,7 +104,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Event:
-    """What a root of an event function of heyoka means.
+    """The meaning of a root of an event function of heyoka.
 
     link: the index of the link. kind: "law" or "elastic" for a margin of a cell; "stop" if the link reaches a rigid stop (index
     0: the lower one, 1: the upper one); "rest" if its mode at rest or of friction ends; "turn" if its velocity changes sign.

@@ -177,7 +177,7 @@ def _hold(problem: Problem, phase: Phase, deviation: Array) -> None:
 
 
 def _between(base: Memory, other: Memory, part: float) -> Memory:
-    """What controllers remember whose states are between two states. part: 0 for `base`, 1 for `other`."""
+    """The memories of controllers whose states are between two states. part: 0 for `base`, 1 for `other`."""
 
     def mixed(one: Real, two: Real) -> float:
         return float(one) + part * (float(two) - float(one))

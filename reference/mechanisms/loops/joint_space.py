@@ -345,10 +345,8 @@ def derivatives(linkage: Tree, states: WideArray, pushed: WideArray | None = Non
     """The derivatives (s, c + u) of states (s, c + u). pushed: (s, u) further forces along the coordinates."""
     motion = frame_motion(linkage, states)
     mass, force = _dynamics(linkage, motion, states)
-    if pushed is not None:
-        force += pushed
     _, _, bias, rows = _loops(linkage, motion)
-    accelerations, _ = solved(mass, rows, force, -bias)
+    accelerations, _ = solved(mass, rows, force if pushed is None else force + pushed, -bias)
     return np.hstack([_coordinate_rates(linkage, states, states[:, linkage.coordinates :]), accelerations])
 
 

@@ -11,7 +11,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.mechanisms.certificate import certify_mechanism
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
 from bodycheck.reference.mechanisms.followed import by_recursion, followed, witness_of
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism, Mimic
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
 from bodycheck.reference.mechanisms.observables import observe
 from bodycheck.reference.mechanisms.recursion import follow
 from bodycheck.reference.mechanisms.ways import apart
@@ -302,9 +302,3 @@ def test_an_impact_at_an_instant_of_a_controller_is_refused() -> None:
     reading = Controller(0, kd=1e-300, target_velocity=0.0, rate=2.0)
     with pytest.raises(OutOfReach):
         by_recursion(replace(scene, controllers=(reading,)), np.linspace(0.0, 1.0, 5))
-
-
-def test_controllers_in_loops_are_not_modelled() -> None:
-    loop = Loop((1, WORLD), ((0.0, 0.0, -0.5), (1.0, 0.0, -1.0)))
-    with pytest.raises(NotModelled, match="loops"):
-        followed(replace(ARM, loops=(loop,), controllers=(PD,)), np.array([0.1]))
