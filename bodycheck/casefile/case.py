@@ -27,6 +27,7 @@ from bodycheck.casefile.mechanisms import faults
 from bodycheck.casefile.mechanisms.building import build_mechanism
 from bodycheck.casefile.mechanisms.grammar import MechanismTable
 from bodycheck.casefile.mechanisms.model import Expanded, expanded, with_model, with_scene
+from bodycheck.casefile.mechanisms.signal_files import with_signals
 from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.robot_notes import Ignored
@@ -131,10 +132,11 @@ def loaded(text: str, file: str, folder: FilePath, packages: Sequence[FilePath] 
         Whether the model may be a symbolic link, because the user named it.
     """
     document = _document(text, file)
-    whole, refused = with_model(text, document, folder, packages, follow)
+    with_values, further = with_signals(text, document, folder)
+    whole, refused = with_model(with_values, document, folder, packages, follow)
     if whole != text:
         document = _document(whole, file)
-    return _parsed(document, whole, file, contradictions.uncheckable(document), refused)
+    return _parsed(document, whole, file, contradictions.uncheckable(document), (*further, *refused))
 
 
 def parse(text: str, file: str) -> Case:

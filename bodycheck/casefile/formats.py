@@ -12,6 +12,7 @@ from typing import Any
 from bodycheck.casefile import grammar
 from bodycheck.casefile.ensemble_grammar import DISTRIBUTIONS, FORMS, distribution_of
 from bodycheck.casefile.grammar import WORD
+from bodycheck.casefile.mechanisms import control_grammar
 from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
 from bodycheck.casefile.raw_values import MAX_QUOTE_LENGTH, quote
 from bodycheck.casefile.toml_positions import Path
@@ -51,6 +52,9 @@ def table_at(path: Path, document: Mapping[str, Any]) -> type[Table] | None:
         case ("joints", int(index), *rest) if is_mechanism(document) and rest in ([], ["initial"]):
             tables: Mapping[str, type[Table]] = mechanism_grammar.STARTS if rest else mechanism_grammar.JOINT_TABLES
             return tables.get(mechanism_grammar.type_of(document["joints"][index]))
+        case ("controllers", int(index), str(key)) if is_mechanism(document) and key in control_grammar.SIGNALS:
+            kind = control_grammar.kind_of_signal(document["controllers"][index].get(key))
+            return control_grammar.SIGNAL_TABLES.get(kind or "")
     tables_of_format = mechanism_grammar.TABLES if is_mechanism(document) else grammar.TABLES
     return tables_of_format.get(tuple(key for key in path if isinstance(key, str)))
 
@@ -64,6 +68,8 @@ def untagged(path: Path) -> Path:
             return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
         case ("joints", index, _, *rest):
             return ("joints", index, *rest)
+        case ("controllers", index, str(key), _, *rest) if key in control_grammar.SIGNALS:
+            return ("controllers", index, key, *rest)
         case ("model", "keyframe", *_):
             return ("model", "keyframe")
         case ("scene", *rest):
@@ -94,6 +100,14 @@ TOML_WORDING = {
     "string_type": "should be a string",
 }
 
+#: The message for a table that is no signal.
+NO_SIGNAL = "is no signal; allowed: a number, or a table with {}".format(
+    ", or ".join(
+        ", ".join(name for name, field in control_grammar.SIGNAL_TABLES[kind].model_fields.items() if field.is_required())
+        for kind in control_grammar.SHOWING
+    )
+)
+
 #: A power of ten that pydantic writes with all its zeros.
 LONG_POWER = re.compile(r"\b1(0{16,})\b")
 
@@ -114,6 +128,8 @@ def explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
         return path, "is missing"
     if path == ("format",):
         return path, ALLOWED
+    if path[0] == "controllers" and kind == "union_tag_not_found":
+        return path, NO_SIGNAL
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         word, known = known_types(path)
         if kind == "union_tag_not_found":

@@ -12,6 +12,9 @@ Ignored = Literal[
     "actuators", "tendons", "equalities", "mimic", "limits", "contacts", "friction", "damping", "gravity_compensation", "medium"
 ]
 
+#: What a case may take over from a robot's file beside its bodies and joints.
+Used = Literal["limits", "actuators"]
+
 
 @dataclass(frozen=True)
 class JointRange:

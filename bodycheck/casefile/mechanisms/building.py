@@ -269,6 +269,8 @@ def _signal(table: control_grammar.AnySignal) -> Signal:
             return Sine(table.amplitude, table.angular_frequency, table.phase, table.offset)
         case control_grammar.SamplesTable():
             return Samples(table.times, table.values, table.between)
+        case control_grammar.FileSignalTable():
+            raise TypeError("a file where its values are meant")  # `signal_files` puts the values in its place
         case _:
             return table
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from bodycheck.casefile.values import Label, NonNegative, Number, Positive, Table
+from bodycheck.casefile.values import DIGEST, Label, NonNegative, Number, Positive, Table, Text
 
 #: The largest numbers of values of a signal, and of periods of a delay.
 MAX_SIGNAL = 10_000
@@ -40,16 +40,46 @@ class SamplesTable(Table):
     between: Literal["hold", "linear"] = Field(default="hold", description="of the times: the value before, or linear")
 
 
-def _kind_of_signal(value: Any) -> str:
+class FileSignalTable(Table):
+    """A signal by a column of a CSV file, whose first column `t` has the times."""
+
+    file: Text = Field(description="CSV, in the folder of the case file or below it")
+    column: Text = Field(description="heading of the column with the values")
+    between: Literal["hold", "linear"] = Field(default="hold", description="of the times: the value before, or linear")
+
+
+#: The kinds of signals that are tables, by the tag of the kind, and the keys of which one shows a kind.
+SIGNAL_TABLES: dict[str, type[Table]] = {"sine": SineTable, "samples": SamplesTable, "file": FileSignalTable}
+SHOWING = {"sine": ("amplitude", "angular_frequency"), "samples": ("times", "values"), "file": ("file", "column")}
+
+#: The keys of a controller that are signals.
+SIGNALS = ("target", "target_velocity", "effort")
+
+
+def kind_of_signal(value: Any) -> str | None:
+    """Return the tag of the kind of a signal; None for a table without a key that shows its kind."""
     if not isinstance(value, dict):
         return "number"
-    return "sine" if "amplitude" in value or "angular_frequency" in value else "samples"
+    return next((kind for kind, keys in SHOWING.items() if any(key in value for key in keys)), None)
 
 
 AnySignal = Annotated[
-    Annotated[Number, Tag("number")] | Annotated[SineTable, Tag("sine")] | Annotated[SamplesTable, Tag("samples")],
-    Discriminator(_kind_of_signal),
+    Annotated[Number, Tag("number")]
+    | Annotated[SineTable, Tag("sine")]
+    | Annotated[SamplesTable, Tag("samples")]
+    | Annotated[FileSignalTable, Tag("file")],
+    Discriminator(kind_of_signal),
 ]
+
+
+class ReadSignalTable(Table):
+    """What was read of a column of a CSV file."""
+
+    file: Text = Field(description="its path from the folder of the case file")
+    sha256: Annotated[str, Field(strict=True, pattern=DIGEST)] = Field(description="digest of its content")
+    column: Text = Field(description="heading of the column")
+    times: Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_SIGNAL)] = Field(description="ascending, s")
+    values: Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_SIGNAL)] = Field(description="a value a time")
 
 
 class ControllerTable(Table):
@@ -60,7 +90,7 @@ class ControllerTable(Table):
     kp: NonNegative = Field(default=0.0, description="on target - coordinate, N m/rad or N/m")
     kd: NonNegative = Field(default=0.0, description="on target_velocity - velocity, N m s/rad or N s/m")
     ki: NonNegative = Field(default=0.0, description="on the integral of target - coordinate, N m/(rad s) or N/(m s)")
-    target: AnySignal = Field(default=0.0, description="rad or m: a number, a sine, or values at times")
+    target: AnySignal = Field(default=0.0, description="rad or m: a number, a sine, values at times, or a column of a file")
     target_velocity: AnySignal = Field(default=0.0, description="rad/s or m/s, as target")
     effort: AnySignal = Field(default=0.0, description="feed-forward, N m or N, as target")
     rate: Positive | None = Field(default=None, description="of a sampled law, Hz; without it the law is continuous")

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from bodycheck.casefile.contradictions import body_faults, run_faults, start_faults
+from bodycheck.casefile.mechanisms.control_faults import control_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
 from bodycheck.casefile.raw_values import mapping, numbers, tables_of
 from bodycheck.casefile.surroundings import PLANE, surroundings_faults
@@ -37,6 +38,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     for index, loop in enumerate(tables_of(document, "loops", MAX_LOOPS)):
         for path, message in _of_loop(loop, names):
             yield ("loops", index, *path), message
+    yield from control_faults(document)
     yield from _of_surroundings(document, names)
     yield from run_faults(document)
 

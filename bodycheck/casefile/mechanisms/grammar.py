@@ -6,8 +6,8 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.grammar import WORD
-from bodycheck.casefile.mechanisms.control_grammar import ControllerTable, StopsTable
-from bodycheck.casefile.robots.reading import Ignored
+from bodycheck.casefile.mechanisms.control_grammar import ControllerTable, ReadSignalTable, StopsTable
+from bodycheck.casefile.robots.reading import Ignored, Used
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
     DIGEST,
@@ -42,6 +42,9 @@ MAX_IGNORED = 50
 #: The largest number of tendons with limits.
 MAX_TENDONS = 1000
 
+#: The largest number of columns that are read of files of signals: each signal of each controller has one.
+MAX_COLUMNS = 3 * MAX_BODIES
+
 NonNegativeVector = tuple[NonNegative, NonNegative, NonNegative]
 Pair = tuple[Number, Number]
 AnyInertia = Annotated[
@@ -55,6 +58,9 @@ PartName = Label
 
 #: The words of the key `ignore`.
 IGNORED: tuple[Ignored, ...] = get_args(Ignored)
+
+#: The words of the key `use`.
+USED: tuple[Used, ...] = get_args(Used)
 
 
 class JointedTable(Table):
@@ -234,6 +240,7 @@ class StoredTable(Table):
     bodies: StoredTables = Field(default=(), description="tables as in [[bodies]]")
     joints: StoredTables = Field(default=(), description="tables as in [[joints]]")
     loops: StoredTables = Field(default=(), description="tables as in [[loops]]")
+    controllers: StoredTables = Field(default=(), description="tables as in [[controllers]]")
     base: PartName | None = Field(default=None, description="name of the joint of the free base, if there is one")
     timestep: Positive | None = Field(default=None, description="of the file, s")
     without: Annotated[tuple[Ignored, ...], Field(max_length=len(IGNORED))] = Field(
@@ -272,6 +279,9 @@ class ModelTable(Table):
     base: Literal["fixed", "free"] = Field(default="fixed", description="as the file says, or free: the root link floats")
     ignore: Annotated[tuple[Ignored, ...], Field(max_length=MAX_IGNORED)] = Field(
         default=(), description="what is left out on purpose"
+    )
+    use: Annotated[tuple[Used, ...], Field(max_length=MAX_IGNORED)] = Field(
+        default=(), description="what is taken over beside bodies and joints: ranges as rigid stops, actuators as controllers"
     )
     keyframe: Keyframe | None = Field(
         default=None, description="of MJCF, by its name or its number from 0, at which the joints start"
@@ -340,6 +350,9 @@ class MechanismKeys(grammar.Heading):
     controllers: Annotated[tuple[ControllerTable, ...], Field(max_length=MAX_BODIES)] = Field(
         default=(), description="what drives the joints, a table a joint"
     )
+    signals: Annotated[tuple[ReadSignalTable, ...], Field(max_length=MAX_COLUMNS)] = Field(
+        default=(), description="what was read of files of signals; bodycheck writes it"
+    )
     scene: SurroundingsTable = Field(default_factory=SurroundingsTable)
 
 
@@ -363,6 +376,7 @@ TABLES: dict[Path, type[Table]] = {
     ("joints", "mimic"): MimicTable,
     ("joints", "limits"): StopsTable,
     ("controllers",): ControllerTable,
+    ("signals",): ReadSignalTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
     ("scene", "plane"): grammar.PlaneTable,

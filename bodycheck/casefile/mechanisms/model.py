@@ -16,8 +16,10 @@ from pydantic import ValidationError
 
 from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.mechanisms import stored
-from bodycheck.casefile.mechanisms.grammar import IGNORED, StoredTable
-from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.mechanisms.control_faults import unusable
+from bodycheck.casefile.mechanisms.grammar import IGNORED, MAX_BODIES, USED, StoredTable
+from bodycheck.casefile.mechanisms.signal_files import resolved
+from bodycheck.casefile.raw_values import mapping, numbers, tables_of
 from bodycheck.casefile.robot_notes import JointRange, RobotNotes, TendonRange
 from bodycheck.casefile.robots.tables import doubles
 from bodycheck.casefile.toml_positions import Path
@@ -56,6 +58,8 @@ class Expanded:
         The time step (s) that the file of the model states; None if it states none.
     notes
         The notes on the model; None if the bodies and joints do not come from a model.
+    controllers
+        The number of controllers of the case file itself, which come before those of the model.
     """
 
     document: dict[str, Any]
@@ -63,6 +67,7 @@ class Expanded:
     base: int | None = None
     timestep: float | None = None
     notes: RobotNotes | None = None
+    controllers: int = 0
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
         """Return the path in the case file, and the message, of a fault in the document."""
@@ -77,6 +82,9 @@ class Expanded:
                 name = elements.quoted(self._name(tables, index))
                 key = ".".join(str(part + 1 if isinstance(part, int) else part) for part in rest)
                 return FILE, f"{SINGLE[tables]} {name}: {key and key + ': '}{message}"
+            case ("controllers", int(index), *rest) if index >= self.controllers:
+                name = elements.quoted(str(mapping(self.document["controllers"][index]).get("joint")))
+                return FILE, f"controller of the joint {name}: {'.'.join(map(str, rest))}: {message}"
             case (("bodies" | "joints" | "loops"), *_):
                 return FILE, message
         return path, message
@@ -123,18 +131,22 @@ def with_model(
     from bodycheck.casefile.mechanisms import model_reading  # what is stored is read without the readers of robots' files
 
     try:
-        return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(table))), ()
+        return stored.appended(text, model_reading.stored_of_file(folder / name, packages, follow, **choice(document))), ()
     except BadInput as error:
         return text, tuple((FILE, line) for line in str(error).splitlines())
     except ValueError:
         return text, ((FILE, "has a number that is too large"),)
 
 
-def choice(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of `Choice` in a table `[model]`, except `files`. Invalid values count as absent."""
-    ignore, keyframe = table.get("ignore"), table.get("keyframe")
+def choice(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of `Choice` in a raw document with `[model]`, except `files`; invalid values count as absent."""
+    table = mapping(document.get("model"))
+    ignore, use, keyframe = table.get("ignore"), table.get("use"), table.get("keyframe")
+    names = [table.get("joint") for table in tables_of(document, "controllers", MAX_BODIES)]
     return {
         "ignore": frozenset(word for word in IGNORED if word in ignore) if isinstance(ignore, list) else frozenset(),
+        "use": frozenset(word for word in USED if word in use) if isinstance(use, list) else frozenset(),
+        "driven": frozenset(name for name in names if isinstance(name, str)),
         "base": "free" if table.get("base") == "free" else "fixed",
         "keyframe": keyframe if isinstance(keyframe, str) or (type(keyframe) is int and keyframe >= 0) else None,
         "upright": table.get("upright") is True,
@@ -144,11 +156,13 @@ def choice(table: Mapping[str, Any]) -> dict[str, Any]:
 def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ()) -> Expanded:
     """Return the document of a case file with the bodies and joints of its model, which are stored in it.
 
-    The document may have other faults. refused: why the model was not read.
+    The document may have other faults. refused: why the model, or files of signals, were not read.
     """
+    document, unread = resolved(document)
+    refused = refused or unread
     table = mapping(document.get("model"))
     if "model" not in document or not is_mechanism(document):
-        return Expanded(document)
+        return Expanded(document, tuple(refused))
     both = tuple(((name,), "[model] is given too; give only one") for name in ("bodies", "joints", "loops") if name in document)
     file = table.get("file")
     if both or refused or not isinstance(file, str):
@@ -160,7 +174,7 @@ def expanded(document: dict[str, Any], refused: Sequence[tuple[Path, str]] = ())
         if read.text is not None:
             from bodycheck.casefile.mechanisms import model_reading
 
-            read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(table)))
+            read = StoredTable.model_validate(model_reading.stored_of_text(read.text, file, **choice(document)))
     except ValidationError:  # reported with the faults of the grammar
         return Expanded(document)
     except BadInput as error:
@@ -185,13 +199,40 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
             joints[base]["initial"] = mapping(joints[base].get("initial")) | _base_start(mapping(initial["base"]))
     of_joints = (JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
     of_tendons = (TendonRange(each.name, each.terms, each.lower, each.upper) for each in read.tendons)
+    without_stops = _without_stops(joints)
+    notices, advice = read.notices, 'ignore = ["limits"] leaves this range out'
+    if "limits" not in choice(document)["ignore"]:
+        faults += [(FILE, f"joint {elements.quoted(name)}: its range: {why}; {advice}") for name, why in without_stops]
+    elif without_stops:
+        notices = (*notices, *(f"The range of the joint {name} is left out: {why}." for name, why in without_stops))
+    own = document.get("controllers", [])
+    controllers = [*own, *_of_model(read, own)] if isinstance(own, list) else own
+    tables = {"bodies": bodies, "joints": joints, "loops": loops, "controllers": controllers}
     return Expanded(
-        {**document, "bodies": bodies, "joints": joints, **({"loops": loops} if loops else {})},
+        {**document, **{name: table for name, table in tables.items() if table or name in ("bodies", "joints")}},
         tuple(faults),
         base,
         read.timestep,
-        RobotNotes(file, read.without, read.notices, (*of_joints, *of_tendons), read.touching),
+        RobotNotes(file, read.without, notices, (*of_joints, *of_tendons), read.touching),
+        len(own),
     )
+
+
+def _without_stops(joints: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
+    """Remove the stops of joints that cannot have them, and return the names of these joints, each with the reason."""
+    reasons = []
+    for joint in joints:
+        if "limits" in joint and (fault := unusable(joint)) is not None:
+            path, message = fault
+            read = mapping(joint.pop("limits")).get(str(path[0]))
+            reasons.append((str(joint.get("name")), f"{path[0]} {read!r} {message}"))
+    return reasons
+
+
+def _of_model(read: StoredTable, own: Sequence[Any]) -> list[dict[str, Any]]:
+    """Return the controllers of a model for the joints that have no controller among those of the case file itself."""
+    taken = [mapping(table).get("joint") for table in own]
+    return [copy.deepcopy(table) for table in read.controllers if table.get("joint") not in taken]
 
 
 def _unknown(initial: Mapping[str, Any], joints: list[str]) -> Iterator[tuple[Path, str]]:
@@ -234,8 +275,7 @@ def with_scene(notes: RobotNotes, scene: AnyScene) -> RobotNotes:
 
 
 def standalone(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the document of a case file with tables of bodies and joints instead of a model, if the model can be read."""
+    """Return the document of a case file with its numbers instead of the files that it names, if these can be read."""
     expansion = expanded(dict(document))
-    if expansion.notes is None:
-        return expansion.document
-    return {name: value for name, value in expansion.document.items() if name not in ("model", "initial")}
+    files = ("signals",) if expansion.notes is None else ("signals", "model", "initial")
+    return {name: value for name, value in expansion.document.items() if name not in files}

@@ -9,6 +9,7 @@ from bodycheck.casefile.mechanisms import model_sentences as sentences
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.mechanisms.model_files import ModelFiles, NoFiles
 from bodycheck.casefile.robot_notes import JointRange, TendonRange
+from bodycheck.casefile.robots import stops
 from bodycheck.casefile.robots.mjcf import tree as mjcf_tree
 from bodycheck.casefile.robots.reading import Choice, Read
 from bodycheck.casefile.robots.urdf import tree as urdf_tree
@@ -37,6 +38,8 @@ def read(text: str, file: str, choice: Choice) -> Read:
     if root.tag not in READERS:
         elements.refuse_root(root)
     result = READERS[root.tag](root, WORLD, choice)
+    if "limits" in choice.use:
+        result = stops.with_stops(result)
     if refusals := list(sentences.refusals(result, choice.ignore)):
         raise StillActing(refusals)
     if not result.tables["bodies"]:
@@ -53,12 +56,13 @@ def stored(result: Read, choice: Choice, file: str) -> dict[str, Any]:
     table = {
         "base": result.base,
         "timestep": result.timestep,
-        "without": list(sentences.without(result, choice.ignore)),
-        "notices": list(sentences.notices(result, choice.ignore, file)),
+        "without": list(sentences.without(result, choice.ignore - choice.use)),
+        "notices": list(sentences.notices(result, choice, file)),
         "touching": result.touching and "contacts" not in choice.ignore,
         "ranges": [_range(each) for each in limits if isinstance(each, JointRange)],
         "tendons": [_range(each) for each in limits if isinstance(each, TendonRange)],
         **{name: result.tables.get(name, []) for name in ("bodies", "joints", "loops")},
+        "controllers": list(result.controllers),
     }
     return {name: value for name, value in table.items() if value not in (None, [], False)}
 

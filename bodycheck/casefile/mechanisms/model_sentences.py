@@ -4,12 +4,12 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.casefile.mechanisms.grammar import WORLD
-from bodycheck.casefile.robots.reading import Feature, Ignored, Read
+from bodycheck.casefile.robots.reading import Choice, Feature, Ignored, Read
 
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
-    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "their": "its", "them": "it",
+    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "share": "shares", "give": "gives", "their": "its", "them": "it",
     "they": "it",
 }  # fmt: skip
 
@@ -38,13 +38,15 @@ class Refusal:
         return f"{self.clause}, which a case cannot state yet{advice}"
 
 
-def notices(read: Read, ignore: Collection[Ignored], file: str) -> Iterator[str]:
+def notices(read: Read, choice: Choice, file: str) -> Iterator[str]:
     """Yield a sentence on each feature of a file that a case leaves out, and on a base that the file fixes.
 
     file: the name of the file, which is left out where it is clear.
     """
     for feature in read.features:
-        if feature.word in ignore:
+        if feature.acts and feature.word in choice.ignore & choice.use:
+            clause = f"{feature.text}, and are left out"
+        elif feature.word in choice.ignore:
             clause = "are left out, as the case ignores them"
         elif not feature.acts:
             clause = feature.text.removeprefix(feature.noun[1]).strip()

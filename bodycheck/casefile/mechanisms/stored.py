@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bodycheck.casefile.content import Case
+from bodycheck.casefile.mechanisms import signal_files
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.toml_text import in_line
 
@@ -63,7 +64,9 @@ def loads(text: str) -> dict[str, Any]:
 
 def text_of_file(text: str) -> str:
     """Return the text of a case file as it was read, from the text of a case."""
-    return text.partition(MARK)[0].partition(EARLIER_MARK)[0]
+    for mark in (signal_files.MARK, MARK, EARLIER_MARK):
+        text = text.partition(mark)[0]
+    return text
 
 
 def file_text(case: Case) -> str:

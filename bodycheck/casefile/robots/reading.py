@@ -4,10 +4,11 @@
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from bodycheck.casefile.robot_notes import Ignored as Ignored
 from bodycheck.casefile.robot_notes import JointRange, TendonRange
+from bodycheck.casefile.robot_notes import Used as Used
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.reference.scene import Vector
 
@@ -48,6 +49,10 @@ class Choice:
         The name or the number of the keyframe at which the joints start, or `FIRST_IF_ANY`; None for their zeros.
     upright
         Whether the axes of the world are turned so that the gravity of the file is along -z.
+    use
+        What the case takes over beside bodies and joints. A word that `ignore` has too leaves out what cannot be taken over.
+    driven
+        The names of the joints that have a controller of the case itself, in place of actuators of the file.
     """
 
     files: Files
@@ -55,6 +60,8 @@ class Choice:
     base: Literal["fixed", "free"] = "fixed"
     keyframe: str | int | None = None
     upright: bool = False
+    use: frozenset[Used] = frozenset()
+    driven: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -106,6 +113,8 @@ class Read:
         The gravitational acceleration of the file, in the world of the case (m/s^2); None if it states none.
     timestep
         The time step (s) that the file states; None if it states none.
+    controllers
+        The tables of the controllers that actuators of the file become, if the case uses them.
     """
 
     tables: Tables
@@ -117,3 +126,4 @@ class Read:
     keyframes: tuple[str, ...] = ()
     gravity: Vector | None = None
     timestep: float | None = None
+    controllers: tuple[dict[str, Any], ...] = ()

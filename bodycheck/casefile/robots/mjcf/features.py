@@ -1,11 +1,10 @@
 """The parts of an MJCF file that are no mechanics of a case, or not yet: each kind of part once, with its lines."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from bodycheck.casefile.robots.mjcf.options import Options
-from bodycheck.casefile.robots.mjcf.settings import Defaults, word
-from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.casefile.robots.mjcf.settings import word
+from bodycheck.casefile.robots.numbers import number
 from bodycheck.casefile.robots.reading import Feature, Ignored
 from bodycheck.robots.elements import Element, quoted
 
@@ -85,7 +84,7 @@ MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
 
 
 def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> Features:
-    """Return the features of a file without those of its joints and equalities."""
+    """Return the features of a file without those of its joints, equalities and actuators."""
     features = Features(ignore, options.off)
     if options.medium is not None:
         features.add(MEDIUM, options.medium)
@@ -99,9 +98,6 @@ def features_of(root: Element, options: Options, ignore: frozenset[Ignored]) -> 
         if section.tag == "worldbody":
             for element in section.everything():
                 _of_body(element, features)
-    if "actuation" not in options.off:
-        for kind, element in _of_actuators(root):
-            features.add(kind, element)
     return features
 
 
@@ -115,82 +111,6 @@ def _of_body(element: Element, features: Features) -> None:
             features.add(GRAVCOMP, element)
         if word(element, "mocap", "false", ("true", "false")) == "true":
             features.add(MOCAP, element)
-
-
-#: The actuators whose defaults are those of each other.
-ACTUATORS = (
-    *(
-        "general",
-        "motor",
-        "position",
-        "velocity",
-        "intvelocity",
-        "orientation",
-        "pid",
-        "damper",
-        "cylinder",
-        "muscle",
-        "adhesion",
-    ),
-    *("dcmotor", "plugin"),
-)
-
-#: The nouns of actuators; those with other tags are "actuators".
-NOUNS = {"motor": ("motor", "motors"), "position": ("position servo", "position servos")}
-
-#: Actuators that exert a force without control: always, or unless all of the attributes are zero, given with their defaults.
-SERVOS: dict[str, dict[str, float]] = {
-    "position": {"kp": 1.0, "kv": 0.0, "dampratio": 0.0},
-    "velocity": {"kv": 1.0},
-    "intvelocity": {"kp": 1.0, "kv": 0.0, "dampratio": 0.0},
-    "pid": {},
-    "orientation": {},
-    "muscle": {},
-    "dcmotor": {},
-    "plugin": {},
-}
-
-#: Attributes of other actuators that give a force without control to a <general> that has them as defaults.
-GAINS = ("kp", "kv", "bias", "force", "motorconst")
-
-
-def _of_actuators(root: Element) -> Iterator[tuple[Kind, Element]]:
-    defaults = Defaults(root, *ACTUATORS)
-    for section in root.all("actuator"):
-        for element in section.children:
-            actuator = defaults.resolved(element, None)
-            noun = NOUNS.get(element.tag, ("actuator", "actuators"))
-            if acts_alone(actuator):
-                yield ("actuators", True, "exert forces without control", noun), element
-            else:
-                yield idle(*noun, "are without control and exert nothing"), element
-
-
-def acts_alone(actuator: Element) -> bool:
-    """Return whether an actuator, given with its default attributes, exerts a force while its control is zero."""
-    if any(any(numbers(actuator, name, (1, 2, 3), (0.0,))) for name in ("damping", "armature")):
-        return True
-    if _clamped(actuator):
-        return True
-    if actuator.tag in SERVOS:
-        gains = SERVOS[actuator.tag]
-        return not gains or any(number(actuator, name, default) for name, default in gains.items())
-    if actuator.tag == "cylinder":
-        return any(numbers(actuator, "bias", (1, 2, 3), (0.0,)))
-    if actuator.tag == "general":
-        bias = word(actuator, "biastype", "none", ("none", "affine", "muscle", "dcmotor", "so3", "user"))
-        stated = numbers(actuator, "biasprm", tuple(range(1, 11)), (0.0,))
-        user = "user" in (actuator.attributes.get(name) for name in ("dyntype", "gaintype"))
-        servo = any(name in actuator.attributes for name in GAINS)
-        return user or servo or (any(stated) if bias == "affine" else bias != "none")
-    return False
-
-
-def _clamped(actuator: Element) -> bool:
-    """Return whether a control of zero is outside the range of the control, so that it becomes another one."""
-    limited = actuator.attributes.get("ctrllimited", "auto")
-    lower, upper = numbers(actuator, "ctrlrange", (2,), (0.0, 0.0))
-    return limited != "false" and (lower, upper) != (0.0, 0.0) and not lower <= 0 <= upper
 
 
 def unknown_equality(element: Element) -> Kind:

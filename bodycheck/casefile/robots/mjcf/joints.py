@@ -219,17 +219,31 @@ def limits(joint: JointOfFile, rules: Settings) -> tuple[float, float] | None:
     element = joint.element
     if joint.kind == "free" or element.tag == "freejoint":
         return None
-    limited = word(element, "limited", "auto", ("true", "false", "auto"))
-    lower, upper = numbers(element, "range", (2,), (0.0, 0.0))
-    if limited == "auto":
-        if not rules.autolimits and (lower or upper):
-            refuse(element, "range", 'has no meaning without limited while autolimits is "false"; allowed: limited too')
-        limited = "true" if lower or upper else "false"
-    if limited == "false":
+    stated = acting_range(element, "limited", "range", rules, ascending=joint.kind != "ball")
+    if stated is None:
         return None
-    if lower >= upper and joint.kind != "ball":
-        refuse(element, "range", f"read {quoted(element.attributes.get('range', ''))}; allowed: the smaller limit first")
-    values = [MP.mpf(lower), MP.mpf(upper)]
+    values = [MP.mpf(value) for value in stated]
     if joint.kind in ("hinge", "ball"):
         values = [rules.angle(value) for value in values]
     return float(values[0]), float(values[1])
+
+
+def acting_range(
+    element: Element, switch: str, attribute: str, rules: Settings, ascending: bool = True
+) -> tuple[float, float] | None:
+    """Return the range of an attribute, if it limits something; None if it does not.
+
+    switch: the attribute that states whether it does. Raises `BadInput` for a range that MuJoCo refuses, which is one that does
+    not ascend unless `ascending` is false.
+    """
+    limited = word(element, switch, "auto", ("true", "false", "auto"))
+    lower, upper = numbers(element, attribute, (2,), (0.0, 0.0))
+    if limited == "auto":
+        if not rules.autolimits and (lower or upper):
+            refuse(element, attribute, f'has no meaning without {switch} while autolimits is "false"; allowed: {switch} too')
+        limited = "true" if lower or upper else "false"
+    if limited == "false":
+        return None
+    if lower >= upper and ascending:
+        refuse(element, attribute, f"read {quoted(element.attributes.get(attribute, ''))}; allowed: the smaller limit first")
+    return lower, upper

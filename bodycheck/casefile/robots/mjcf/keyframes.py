@@ -18,6 +18,24 @@ def keyframe_names(root: Element) -> tuple[str, ...]:
     return tuple(key.attributes.get("name", "") for key in _keys(root))
 
 
+def controls(root: Element, keyframe: str | int | None, count: int) -> tuple[Sequence[float], str]:
+    """Return the controls of all actuators at a keyframe, and an empty text; or zeros, and why as a clause.
+
+    keyframe: as in `start_at`. count: the number of actuators. Raises `BadInput` for other numbers of controls.
+    """
+    zeros = [0.0] * count
+    if not _keys(root):
+        return zeros, "since the file has no keyframe"
+    if keyframe is None:
+        return zeros, "since the case names no keyframe"
+    key = _chosen(root, keyframe)
+    if "ctrl" not in key.attributes:
+        return zeros, "since the keyframe has no ctrl"
+    if len(values := many(key, "ctrl")) != count:
+        refuse(key, "ctrl", f"read {len(values)} numbers; allowed: {count}, one for each actuator of the file")
+    return values, ""
+
+
 def start_at(root: Element, keyframe: str | int | None, joints: Sequence[JointOfFile], up: Quaternion4) -> None:
     """Let joints begin at a keyframe, given by its name or its number; None for the pose of the file.
 

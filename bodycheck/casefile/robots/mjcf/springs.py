@@ -55,20 +55,32 @@ def _springdamper(joint: JointOfFile) -> tuple[float, float] | None:
 
 def _inertias(model: RobotModel, tree: Tree, names: list[str]) -> dict[str, float]:
     """Return the inertia (kg m^2 or kg) of some hinges and slides, while all others are loose, in the pose of the file."""
-    positions = {joint.name: _position(joint) for joint in tree.joints if joint.kind != "fixed"}
-    zeros = dict.fromkeys(positions, (0.0,) * 6)
-    labels = velocity_labels(model)
-    sizes = {name: sum(other == name for other, _ in labels) for name in positions}
-    still = {name: values[: sizes[name]] for name, values in zeros.items()}
-    mass_matrix = terms(model, RobotState(positions, still, still, still), (0.0, 0.0, 0.0)).mass_matrix
+    labels, mass_matrix = velocity_labels(model), _mass_matrix(model, tree)
     rows = [labels.index((name, 0)) for name in names]
     units = np.eye(len(labels), dtype=np.longdouble)[rows]
-    inverse, definite = solved(np.repeat(np.array(mass_matrix, np.longdouble)[None], len(rows), axis=0), units)
+    inverse, definite = solved(np.repeat(mass_matrix[None], len(rows), axis=0), units)
     for name, holds in zip(names, definite, strict=True):
         if not holds:
             joint = next(joint for joint in tree.joints if joint.name == name)
             refuse(joint.element, "springdamper", "needs an inertia, and the mass matrix is not positive definite")
     return {name: float(1 / inverse[index, row]) for index, (name, row) in enumerate(zip(names, rows, strict=True))}
+
+
+def held_inertia(tree: Tree, name: str) -> float:
+    """Return the inertia (kg m^2 or kg) of a hinge or slide, while all others are held, in the pose of the file."""
+    model = _model(tree)
+    index = velocity_labels(model).index((name, 0))
+    return float(_mass_matrix(model, tree)[index, index])
+
+
+def _mass_matrix(model: RobotModel, tree: Tree) -> Wide:
+    """Return the mass matrix in the pose of the file."""
+    positions = {joint.name: _position(joint) for joint in tree.joints if joint.kind != "fixed"}
+    zeros = dict.fromkeys(positions, (0.0,) * 6)
+    labels = velocity_labels(model)
+    sizes = {name: sum(other == name for other, _ in labels) for name in positions}
+    still = {name: values[: sizes[name]] for name, values in zeros.items()}
+    return np.array(terms(model, RobotState(positions, still, still, still), (0.0, 0.0, 0.0)).mass_matrix, np.longdouble)
 
 
 def _position(joint: JointOfFile) -> tuple[float, ...]:

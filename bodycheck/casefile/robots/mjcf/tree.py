@@ -12,6 +12,7 @@ from itertools import combinations
 from bodycheck.casefile.robot_notes import JointRange
 from bodycheck.casefile.robots import tables
 from bodycheck.casefile.robots.link import without_rounding
+from bodycheck.casefile.robots.mjcf.actuators import controllers_of
 from bodycheck.casefile.robots.mjcf.carriers import Carrier, Tree
 from bodycheck.casefile.robots.mjcf.equalities import WORLD, loops_of
 from bodycheck.casefile.robots.mjcf.features import features_of
@@ -60,6 +61,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
     ranges = () if "limit" in of_file.off else tuple(_ranges(moving, read))
     of_tendons = add_tendons(root, read)
     loops = loops_of(root, read)
+    controllers = controllers_of(root, of_file, read, choice)
     floating = [joint.name for joint in moving if joint.table["type"] == "free"]
     return Read(
         {
@@ -75,6 +77,7 @@ def tree(root: Element, world: str, choice: Choice) -> Read:
         keyframes=keyframe_names(root),
         gravity=of_file.gravity if up == IDENTITY else (0.0, 0.0, -strength(of_file)),
         timestep=of_file.timestep,
+        controllers=controllers,
     )
 
 
