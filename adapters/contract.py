@@ -17,7 +17,7 @@ of its engine. It imports its engine and this package, but no module of cases, t
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +128,9 @@ class ErrorControlled(Simulation, Protocol):
         """The work since the start."""
         ...
 
+
+#: When the efforts of driven joints are computed: at the stages of the integrator, or between steps; empty if none is driven.
+Efforts = Literal["", "between steps", "at stages"]
 
 #: The law of continuous controllers: the efforts (j,) at a time (s), of coordinates (j,) and velocities (j,) of driven joints.
 Law = Callable[[float, Array, Array], Array]

@@ -21,7 +21,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Efforts, Method
 from bodycheck.adapters.control_laws import effort_of, integral_of, push_of, value_of
 from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -72,11 +72,10 @@ class Sampler:
 
     def sample(self, position: float, velocity: float) -> None:
         """Compute the law at the next instant from the state of the joint."""
-        controller, time = self.controller, float(self.instant)
+        controller = self.controller
         assert controller.rate is not None
-        slack = float(SLACK) / controller.rate
-        self.total += value_of(controller.target, time, slack) - position
-        result = effort_of(controller, time, position, velocity, self.total / controller.rate, slack)
+        self.total += value_of(controller.target, self.instant) - position
+        result = effort_of(controller, self.instant, position, velocity, self.total / controller.rate)
         self.instants += 1
         self.waiting.append(result)
         if len(self.waiting) > controller.delay:
@@ -146,7 +145,7 @@ class Controls:
         self.each_step = self.continuous and (not staged or any(each.controller.ki for each in self.followers))
 
     @property
-    def computed(self) -> str:
+    def computed(self) -> Efforts:
         """When efforts are computed: "at stages" if any are computed there, else "between steps"."""
         return "at stages" if self.staged and self.continuous else "between steps"
 

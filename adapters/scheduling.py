@@ -8,6 +8,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import (
     Driven,
+    Efforts,
     EngineDiverged,
     ErrorControlled,
     Method,
@@ -171,7 +172,7 @@ def driven(simulation: Simulation, scene: AnyScene, method: Method) -> Simulatio
     return ScheduledControl(simulation, controls, method.timestep)
 
 
-def computed(simulation: object) -> str:
+def computed(simulation: object) -> Efforts:
     """Return when the efforts on driven joints are computed, as the column `efforts` has it; empty if none are driven."""
     return simulation.controls.computed if isinstance(simulation, Scheduled | ScheduledControl) else ""
 

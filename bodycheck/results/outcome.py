@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
 
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Efforts, Method
 from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene
@@ -48,8 +48,7 @@ class Completed:
         The numbers of rejected steps and of evaluations of the accelerations that belong to `steps`; None if the engine does
         not count them, and for steps of fixed size.
     efforts
-        When the efforts of driven joints were computed, as `bodycheck.adapters.driving.Controls.computed`; empty if no joint is
-        driven.
+        When the efforts of driven joints were computed, which the wall time includes; empty if no joint is driven.
     """
 
     states: Trajectory | Stored
@@ -60,7 +59,7 @@ class Completed:
     interfaces: tuple[InterfaceLoad, ...] | None = None
     rejected: int | None = None
     evaluations: int | None = None
-    efforts: str = ""
+    efforts: Efforts = ""
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

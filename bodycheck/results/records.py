@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar, cast
 
 from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
 
+from bodycheck.adapters.contract import Efforts
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.values import EngineName, Finite, Name
 from bodycheck.errors import BadInput
@@ -213,7 +214,7 @@ class CompletedRecord(RunRecord):
     interfaces: list[BorneRecord] | None = None
     rejected: Count | None = None
     evaluations: Count | None = None
-    efforts: Literal["", "between steps", "at stages"] = ""
+    efforts: Efforts = ""
 
 
 @dataclass(frozen=True)

@@ -303,10 +303,11 @@ class Results:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
-                work = {name: record.get(name) for name in ("rejected", "evaluations")}  # those of earlier versions have none
                 loads = truth_records.loads(record)
-                work["efforts"] = record.get("efforts", "")
-                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads, **work)
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads)
+                # Results of earlier versions have none of these.
+                work = {name: record[name] for name in ("rejected", "evaluations", "efforts") if name in record}
+                done = replace(done, **work)
                 return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Efforts, Method
 from bodycheck.adapters.scheduling import computed
 from bodycheck.casefile.content import Case
 from bodycheck.processes import pool
@@ -79,7 +79,7 @@ class Measured:
     processor_times: Array
     setup: float
     engine_share: float | None
-    efforts: str = ""
+    efforts: Efforts = ""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class _Size:
     steps: int
     repeats: int
     setup: float
-    efforts: str
+    efforts: Efforts
 
 
 def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) -> list[Measured | Crashed | TimedOut]:

@@ -167,7 +167,7 @@ class Integrated:
 def integrate(
     derivatives: Derivatives,
     start: WideArray,
-    times: Array,
+    times: Array | WideArray,
     *,
     stages: int,
     first: float,

@@ -19,7 +19,6 @@ from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.followed import (
-    FEWEST_ROUNDINGS,
     RECURSION,
     Followed,
     arithmetic,
@@ -28,12 +27,11 @@ from bodycheck.reference.mechanisms.followed import (
     growth_instants,
     growth_with_loops,
     lagrangian,
-    rounding_errors,
     roundings_of_lagrangian,
     with_doubts,
     witness_of,
 )
-from bodycheck.reference.mechanisms.growth import Growth
+from bodycheck.reference.mechanisms.growth import FEWEST_ROUNDINGS, Growth, rounding_errors
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism

@@ -8,33 +8,41 @@ type makes the same number of roundings, and they grow by the same factor.
 
 import contextlib
 import functools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.bounds import EPS, STATES
+from bodycheck.reference.bounds import STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
+from bodycheck.reference.mechanisms.friction.effects import add_doubts, errors_of_links, length_of
 from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
-from bodycheck.reference.mechanisms.growth import Growth, growth
+from bodycheck.reference.mechanisms.growth import (
+    CAUTION,
+    FEWEST_ROUNDINGS,
+    STORED_ROUNDINGS,
+    Growth,
+    growth,
+    rounding_errors,
+    roundings,
+    so_far,
+)
 from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
 from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
-from bodycheck.reference.mechanisms.link_states import Decision, floating
-from bodycheck.reference.mechanisms.link_states import sizes as sizes_in_state
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import require_drivable, require_independent, require_modelled, sudden
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
-from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
+from bodycheck.reference.mechanisms.ways import Motion, Way, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
 from bodycheck.reference.witness import DOUBLE_DIGITS
@@ -42,16 +50,6 @@ from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDE
 
 #: Instants, evenly spaced, at which the growth of an error is measured.
 GROWTH_INSTANTS = 129
-
-#: The least number of roundings of an integration by Taylor's method, before they grow.
-FEWEST_ROUNDINGS = 8.0
-
-#: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
-#: measured in a few directions only.
-CAUTION = 8.0
-
-#: Number of roundings of a stored number that grows with time, such as the angle of a wheel, and of numbers computed from it.
-STORED_ROUNDINGS = 16.0
 
 #: The largest gap of a loop, as a fraction of the length of the mechanism, in a motion by the Lagrangian.
 OPEN = 1e-9
@@ -180,43 +178,11 @@ def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count:
     for decision in states.decisions:
         row = min(int(np.searchsorted(times, decision.time)), len(times) - 1)
         relative = eps * CAUTION * count * float(here.of_any[row])
-        doubtful += doubts(decision, relative, _of_links(decision, {name: float(errors[name][row]) for name in STATES}))
+        doubtful += doubts(decision, relative, errors_of_links(decision, {name: float(errors[name][row]) for name in STATES}))
         doubtful += cancellations(decision, eps, CAUTION * count)
-    _add(mechanism, here, doubtful, errors)
-    add_criticals(mechanism, times, states.criticals, eps * CAUTION * count * here.of_any, _length(mechanism), errors)
+    add_doubts(mechanism, here, doubtful, errors)
+    add_criticals(mechanism, times, states.criticals, eps * CAUTION * count * here.of_any, length_of(mechanism), errors)
     return errors
-
-
-def _of_links(decision: Decision, errors: dict[str, float]) -> list[float]:
-    """The errors of the components of a state of links, from the errors of a motion by the names of `bounds.STATES`."""
-    of_components: list[float] = []
-    for link in decision.tree.links:
-        held, moving = sizes_in_state(link)
-        slides = link.kind == "prismatic"
-        of_components += [errors["position_error" if slides else "error"]] * held
-        of_components += [errors["velocity_error" if slides else "angular_velocity_error"]] * moving
-    for _ in floating(decision.tree.links):
-        of_components += [errors["position_error"]] * 3 + [errors["velocity_error"]] * 3
-    return [0.0 if index in decision.exact else error for index, error in enumerate(of_components)]
-
-
-def _add(mechanism: Mechanism, grown: Growth, doubtful: Iterable[Doubt], errors: dict[str, Array]) -> None:
-    """Add to errors (n,) what uncertain accelerations of joints cause, and its growth, at the instants of the growth."""
-    length = _length(mechanism)
-    for doubt in doubtful:
-        later = np.maximum(grown.t - doubt.since, 0.0)
-        slipped = doubt.acceleration * later * grown.of_start
-        moved = slipped * later / 2
-        errors["velocity_error"] += slipped * (length if doubt.turns else 1.0)
-        errors["position_error"] += moved * (length if doubt.turns else 1.0)
-        if doubt.turns:
-            errors["angular_velocity_error"] += slipped
-            errors["error"] += moved
-
-
-def _length(mechanism: Mechanism) -> float:
-    """The largest distance of a body from a joint that moves it (m)."""
-    return float(sum(np.linalg.norm(joint.position) for joint in mechanism.joints)) + reach(mechanism)
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
@@ -265,16 +231,6 @@ def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
     return replace(way, name=way.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
 
 
-def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
-    """Return the number of roundings of an integration.
-
-    It is the largest difference of the integration in doubles, `base`, from the wide one, `wide`, divided by one rounding of
-    doubles times its growth, and at least `FEWEST_ROUNDINGS`.
-    """
-    off = apart(mechanism, base, wide)
-    return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
-
-
 def errors_of_witness(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
     """Bounds (n,) of the errors of a witness at times (n,), s; empty if they are not known.
 
@@ -298,12 +254,6 @@ def roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -
     ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
     motions = [way.motion for way in ways if way is not None]
     return roundings(mechanism, motions[1], motions[0], grown) if len(motions) == 2 else FEWEST_ROUNDINGS
-
-
-def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
-    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
-    largest = sizes(mechanism, motion)
-    return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
 
 
 def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
@@ -330,7 +280,7 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
     way = Way(
         f"closed form, {CLOSED_FORM_BACKEND}",
         motion,
-        {name: _so_far(values) for name, values in errors.items()},
+        {name: so_far(values) for name, values in errors.items()},
         EXTENDED_DIGITS,
     )
     measured: Measured | None = None
@@ -370,10 +320,6 @@ def growth_instants(times: Array) -> Array:
     """The instants (m,), s, from 0 to the last of times (n,), s, at which growth is measured."""
     end = float(times[-1]) if len(times) else 0.0
     return np.linspace(0.0, end, GROWTH_INSTANTS) if end else np.zeros(1)
-
-
-def _so_far(values: Array) -> Array:
-    return np.asarray(np.maximum.accumulate(values))
 
 
 def arithmetic() -> tuple[Any, str, int]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.reference.bounds import STATES
+from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
@@ -38,6 +38,17 @@ AHEAD = 16
 
 #: The largest number of pieces of a nudged motion, between which its deviation is scaled back.
 MOST_PIECES = 40
+
+
+#: The least number of roundings of an integration by Taylor's method, before they grow.
+FEWEST_ROUNDINGS = 8.0
+
+#: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
+#: measured in a few directions only.
+CAUTION = 8.0
+
+#: Number of roundings of a stored number that grows with time, such as the angle of a wheel, and of numbers computed from it.
+STORED_ROUNDINGS = 16.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,3 +288,24 @@ def _started(mechanism: Mechanism, q: Array, u: Array, states: Trajectory) -> Me
         body if body.start is None else replace(body, start=begun(index)) for index, body in enumerate(mechanism.bodies)
     )
     return replace(mechanism, joints=joints, bodies=bodies)
+
+
+def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
+    """Return the number of roundings of an integration.
+
+    It is the largest difference of the integration in doubles, `base`, from the wide one, `wide`, divided by one rounding of
+    doubles times its growth, and at least `FEWEST_ROUNDINGS`.
+    """
+    off = apart(mechanism, base, wide)
+    return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
+
+
+def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, count: float, eps: float) -> dict[str, Array]:
+    """Bounds (n,) of the errors of an integration that makes `count` roundings of size eps, whose growth is `grown`."""
+    largest = sizes(mechanism, motion)
+    return {name: eps * (CAUTION * count * grown.figures[name] + STORED_ROUNDINGS * so_far(largest[name])) for name in STATES}
+
+
+def so_far(values: Array) -> Array:
+    """Return the largest of the values (n,) up to each of them."""
+    return np.asarray(np.maximum.accumulate(values))

@@ -102,7 +102,7 @@ class Decision:
 
 @dataclass(frozen=True, eq=False)
 class Critical:
-    """What errors of a state may change altogether in the motion of a tree with controllers and stops.
+    """A change that errors of a state may cause altogether in the motion of a tree with controllers and stops.
 
     Attributes
     ----------
@@ -113,8 +113,8 @@ class Critical:
     turns
         Whether the joint is revolute.
     room
-        Of an impact, the time (s) to another impact or to an instant of a controller; where a joint turns back, the distance from
-        its stop (rad or m); of joints at rest, the distance from another decision as a part of the forces.
+        Of an impact, the time (s) to another impact or to an instant of a controller; where a joint turns back, the distance
+        from its stop (rad or m); of joints at rest, the distance from another decision as a part of the forces.
     speed, jumps
         Of an impact, the speed of the joint before it, and the largest jumps of rates (rad/s) and of velocities (m/s).
     """

@@ -1,4 +1,4 @@
-"""What the reference does not model of mechanisms, with the reason."""
+"""Mechanisms that the reference does not model, with the reason."""
 
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -17,8 +17,8 @@ def require_drivable(mechanism: Mechanism) -> None:
     """Raise `NotModelled` for controllers and stops where they are not modelled."""
     if not sudden(mechanism):
         return
-    if mechanism.loops:
-        raise NotModelled("controllers and stops in a mechanism with loops")
+    if mechanism.loops and any(joint.stops for joint in mechanism.joints):
+        raise NotModelled("stops in a mechanism with loops")
     coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
     joints = mechanism.joints
     if rigid := [joints[index].name for index in sorted(coupled) if (stops := joints[index].stops) and stops.rigid]:

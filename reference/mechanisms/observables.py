@@ -6,8 +6,9 @@ import numpy as np
 
 from bodycheck.reference.kinematics import dot, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.control import Stops
 from bodycheck.reference.mechanisms.coordinates import places
-from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 
 
@@ -20,8 +21,9 @@ class MechanismObservables:
     kinetic_energy
         (n,) kinetic energy of the bodies and of the armatures (J).
     potential_energy
-        (n,) potential energy (J) of gravity, springs and constant efforts. The energy of gravity is zero at the initial heights
-        and the energy of efforts at the initial coordinates, so that both are independent of the origin.
+        (n,) potential energy (J) of gravity, springs, elastic stops and constant efforts. The energy of gravity is zero at the
+        initial heights and the energy of efforts at the initial coordinates, so that both are independent of the origin. The
+        energy of an elastic stop is that of its spring wherever the coordinate is beyond the stop. Controllers have none.
     momentum
         (n, 3) linear momentum, world (kg m/s).
     angular_momentum
@@ -82,15 +84,34 @@ def tensor(body: JointedBody) -> Array:
 
 
 def _of_joints(mechanism: Mechanism, trajectory: Trajectory) -> tuple[Array, Array]:
-    """The kinetic energy (n,) of the armatures, and the potential energy (n,) of springs and constant efforts (J)."""
+    """The kinetic energy (n,), J, of armatures, and the potential energy (n,), J, of springs, elastic stops and efforts."""
     kinetic, potential = np.zeros(len(trajectory)), np.zeros(len(trajectory))
-    if not any(joint.armature or joint.stiffness or joint.effort for joint in mechanism.joints):
+    if not any(has_energy(joint) for joint in mechanism.joints):
         return kinetic, potential
     motion = kinematics.joints(mechanism, trajectory)
     for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True):
-        if not (joint.armature or joint.stiffness or joint.effort):
+        if not has_energy(joint):
             continue
         coordinate, rate = motion.position[:, held][:, 0], motion.velocity[:, moving][:, 0]
         kinetic += joint.armature * rate**2 / 2
         potential += joint.stiffness * (coordinate - joint.rest) ** 2 / 2 - joint.effort * (coordinate - joint.start[0])
+        potential += _of_stops(joint, coordinate)
     return kinetic, potential
+
+
+def has_energy(joint: Joint) -> bool:
+    """Return whether a joint has an energy of its own."""
+    return bool(joint.armature or joint.stiffness or joint.effort or (joint.stops is not None and joint.stops.stiffness))
+
+
+def _of_stops(joint: Joint, coordinate: Array) -> Array:
+    """The energy (n,), J, of the springs of elastic stops."""
+    if joint.stops is None:
+        return np.zeros_like(coordinate)
+    return joint.stops.stiffness * stretch_of_stops(joint.stops, coordinate) ** 2 / 2
+
+
+def stretch_of_stops(stops: Stops, coordinate: Array) -> Array:
+    """The distance (n,) of a coordinate beyond a stop (rad or m); zero between the stops."""
+    lower, upper = (limit if limit is not None else side * np.inf for side, limit in ((-1, stops.lower), (1, stops.upper)))
+    return np.asarray(np.maximum(np.maximum(lower - coordinate, coordinate - upper), 0.0))

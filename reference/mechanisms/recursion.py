@@ -101,11 +101,11 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
 def follow_in_parts(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[JointStates]:
     """Yield the motion in double precision at ascending times, part by part. Each part is followed when it is asked for.
 
-    Taylor's method follows a part from the end of the one before if there is no dry friction. Otherwise each part is followed
-    from t = 0. Raises as `follow` does.
+    Taylor's method follows a part from the end of the one before if there are no dry friction, controllers and stops. Otherwise
+    each part is followed from t = 0. Raises as `follow` does.
     """
     trees, kind = forest(mechanism).trees, FloatType(np.float64)
-    if solver() is followed_by_dop853 or any(link.friction for tree in trees for link in tree.links):
+    if solver() is followed_by_dop853 or any(_has_events(tree) for tree in trees):
         for count, part in enumerate(parts, 1):
             whole, rows = follow(mechanism, np.concatenate(parts[:count]), np.float64), slice(-len(part), None)
             bodies = whole.bodies.part(rows)
@@ -117,6 +117,11 @@ def follow_in_parts(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Jo
         yield _of_courses(mechanism, courses, part, kind)
 
 
+def _has_events(tree: Tree) -> bool:
+    """Return whether the equations of a tree change at events."""
+    return any(link.friction or link.controller or link.stops for link in tree.links)
+
+
 def _of_courses(mechanism: Mechanism, courses: Sequence[Course], instants: Array, kind: FloatType) -> JointStates:
     """The motion of a mechanism from the motions of its trees at instants (n,), s."""
     states = joined(mechanism, [course.links for course in courses], instants, kind)
@@ -126,7 +131,7 @@ def _of_courses(mechanism: Mechanism, courses: Sequence[Course], instants: Array
     return replace(states, changes=tuple(changes), decisions=decisions, criticals=criticals)
 
 
-def joined(mechanism: Mechanism, states: Sequence[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:
+def joined(mechanism: Mechanism, states: list[list[LinkStates]], instants: Array, kind: FloatType) -> JointStates:
     """The motion of joints and bodies from the states of the links of trees at instants (n,), s."""
     whole, count = forest(mechanism), len(instants)
     links = [poses.link_frames(tree, tree_states, count, kind) for tree, tree_states in zip(whole.trees, states, strict=True)]

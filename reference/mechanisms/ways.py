@@ -169,7 +169,7 @@ def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: d
 
 
 def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors: dict[str, Array]) -> Array:
-    """The bound (n,), J, of the error of the energies of armatures, springs and efforts.
+    """The bound (n,), J, of the error of the energies of armatures, springs, elastic stops and efforts.
 
     A joint's rate is at most the difference of the velocities of its two bodies, and its error is at most twice their error.
     """
@@ -179,7 +179,7 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
         False: 2 * np.linalg.norm(motion.velocity, axis=-1).max(axis=0),
     }
     for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
-        if not (joint.armature or joint.stiffness or joint.effort):
+        if not observables.has_energy(joint):
             continue
         turns = joint.type == "revolute"
         moved = 2 * errors["error" if turns else "position_error"]
@@ -187,6 +187,9 @@ def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors
         stretch = np.abs(position[:, held][:, 0] - joint.rest)
         total += joint.armature * slipped * (rates[turns] + slipped)
         total += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
+        if joint.stops is not None and joint.stops.stiffness:
+            beyond = observables.stretch_of_stops(joint.stops, position[:, held][:, 0])
+            total += joint.stops.stiffness * (beyond + moved) * moved
     return total
 
 

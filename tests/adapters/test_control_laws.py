@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from hypothesis import given
@@ -25,9 +26,11 @@ def test_a_table_has_its_first_and_last_value_outside_its_times() -> None:
     assert value_of(3.0, 0.5) == 3.0
 
 
-def test_a_time_of_a_table_within_the_slack_counts_as_reached() -> None:
-    assert value_of(HELD, 0.3 - 1e-12) == 2.0
-    assert value_of(HELD, 0.3 - 1e-12, 1e-11) == -1.0
+def test_exact_times_are_compared_exactly_with_those_of_a_table() -> None:
+    # The double 0.3 is less than 3 / 10, and the double 0.1 more than 1 / 10.
+    assert value_of(replace(HELD, times=(0.0, 0.3, 1.0)), Fraction(3, 10)) == -1.0
+    assert value_of(replace(HELD, times=(0.0, 0.1, 1.0)), Fraction(1, 10)) == 2.0
+    assert value_of(replace(HELD, times=(0.0, 0.1, 1.0)), 0.1) == -1.0
 
 
 @pytest.mark.parametrize("signal", [1.3, SINE, HELD, LINEAR, replace(SINE, angular_frequency=0.0)])

@@ -21,6 +21,7 @@ from bodycheck.results import store
 from bodycheck.studies import cost
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck as command
+from tests.support.commands import parameters_of
 from tests.support.processes import calls_here
 
 #: A brick that tumbles for half a second, for all functions; its axes give a map of four runs, and two limits, to a method.
@@ -270,8 +271,8 @@ def test_functions_have_the_options_of_their_commands() -> None:
     """Those that are left out are about the terminal, are given by what a function returns, or are options of load."""
     from bodycheck.commands.command_line import COMMANDS
 
-    shown = {"json", "table", "view", "quiet", "figures", "save", "junit", "robots"}
-    commands = {one.__name__: inspect.signature(one).parameters for one in COMMANDS if inspect.isfunction(one)}
+    shown = {"json", "table", "view", "quiet", "figures", "save", "junit"}
+    commands = {one.__name__: parameters_of(one) for one in COMMANDS if inspect.isfunction(one)}
     for function in (bodycheck.run, bodycheck.tradeoff, bodycheck.recommend, bodycheck.extremes):
         own = inspect.signature(function).parameters
         assert own.keys() == commands[function.__name__].keys() - shown

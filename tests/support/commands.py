@@ -1,16 +1,20 @@
 """Commands, called in the process of a test or in one of their own."""
 
+import dataclasses
+import inspect
 import io
 import os
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
 
 from bodycheck.commands.command_line import app, main
+from bodycheck.console.options import Robots
 
 #: Columns of a terminal that are enough for any table, whatever terminal runs the tests.
 COLUMNS = "200"
@@ -63,3 +67,13 @@ def as_process(*arguments: object, prelude: str = "") -> list[str]:
 def _environment(more: dict[str, str]) -> dict[str, str]:
     outside = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
     return outside | {"COLUMNS": COLUMNS} | more
+
+
+def parameters_of(command: Callable[..., object]) -> dict[str, inspect.Parameter]:
+    """Return the parameters of a command by name, with the options of robots' files as parameters of their own."""
+    parameters = dict(inspect.signature(command).parameters)
+    if parameters.pop("robots", None) is not None:
+        fields = dataclasses.fields(Robots)
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        parameters |= {each.name: inspect.Parameter(each.name, keyword, default=each.default) for each in fields}
+    return parameters

@@ -5,7 +5,7 @@ later along the motion. The step ends where another branch holds. Events that be
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -19,7 +19,7 @@ CTX.dps = 60
 
 #: The order of the series, the time by which a branch looks ahead relative to a step, the speed below which no joint rebounds,
 #: and the number of bisections.
-ORDER, AHEAD, SLOWEST, HALVINGS = 34, CTX.mpf(10) ** -22, CTX.mpf(10) ** -22, 110
+ORDER, AHEAD, SLOWEST, HALVINGS = 34, CTX.mpf(10) ** -27, CTX.mpf(10) ** -19, 110
 
 Number = Any
 State = tuple[Number, Number, Number]
@@ -388,7 +388,3 @@ def states(joint: Joint, times: Sequence[float], step: float) -> list[tuple[Numb
     """The coordinates and velocities at ascending times."""
     judge = Judge(joint)
     return [judge.run(time, step)[:2] for time in times]
-
-
-#: A function that changes a joint, to plant a fault.
-Change = Callable[[Joint], Joint]

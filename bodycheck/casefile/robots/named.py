@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from bodycheck.robots.named_files import local
@@ -52,6 +51,8 @@ def short_name(path: Path) -> str:
 
 def case_name(text: str) -> str:
     """Return the name of a case, made from the short name or the path of a robot's file."""
+    from bodycheck.casefile.values import MAX_NAME_LENGTH  # the pytest plug-in finds files, and needs no grammar of cases
+
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:MAX_NAME_LENGTH].rstrip("-") or NAMELESS
 
 

@@ -145,8 +145,13 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
             timed[index] = replace(answers[index], reason=f"its cost could not be measured: {measured.reason}")
         else:
             seconds, step = cost.summarise(measured.times), stretch.method.timestep
-            costs_of_answer = {"cost": seconds.median / step, "cost_low": seconds.low / step, "cost_high": seconds.high / step}
-            timed[index] = replace(answers[index], **costs_of_answer, efforts=measured.efforts)
+            timed[index] = replace(
+                answers[index],
+                cost=seconds.median / step,
+                cost_low=seconds.low / step,
+                cost_high=seconds.high / step,
+                efforts=measured.efforts,
+            )
     return sorted(timed, key=_rank)
 
 

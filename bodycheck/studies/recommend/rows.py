@@ -3,8 +3,9 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated
 
+from bodycheck.adapters.contract import Efforts
 from bodycheck.adapters.method import Method
 from bodycheck.figures.columns import FIGURES
 from bodycheck.processes.failures import TimedOut
@@ -107,7 +108,7 @@ class Answer:
         ),
     ] = None
     efforts: Annotated[
-        Literal["", "between steps", "at stages"],
+        Efforts,
         Meaning(
             "Efforts",
             "when the efforts of driven joints are computed, which the cost includes: costs are compared among methods with "

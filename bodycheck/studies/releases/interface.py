@@ -1,6 +1,6 @@
 """`bodycheck.releases`: what changed from release to release of an engine."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -61,6 +61,8 @@ def releases(
     timestep: Numbers = (),
     last: int | None = None,
     again: bool = False,
+    package_path: str | Path | Iterable[str | Path] = (),
+    ignore: Names = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> ReleasesResults:
@@ -80,6 +82,8 @@ def releases(
         The number of newest releases to compare, in addition to the named ones.
     again
         Whether everything is measured anew, and what is kept of earlier measurements is replaced.
+    package_path, ignore
+        The same as the parameters of `bodycheck.run`.
     out
         A folder for the tables and the report.
 
@@ -95,7 +99,7 @@ def releases(
     processes, folder = arguments.jobs_of(jobs), arguments.path("--out", out)
     make_folder("--out", folder)
     chosen, notices = study.chosen(name, arguments.names("VERSION", versions), newest)
-    cases = arguments.given_cases(each).cases
+    cases = arguments.given_cases(each, arguments.robots(package_path, ignore)).cases
     bar = partial(progress, quiet=True)
     measured, _ = study.study(name, chosen, cases, spellings, timesteps, processes, bar, notices, again)
     report = present({"": measured})

@@ -12,6 +12,7 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Real
 from bodycheck.reference.mechanisms.driven import modes, rebounds, signals
+from bodycheck.reference.mechanisms.driven.decisions import mode_of
 from bodycheck.reference.mechanisms.driven.events import clear, first_end
 from bodycheck.reference.mechanisms.driven.linear import Linear, State, advanced, flown, terms, value, zero
 from bodycheck.reference.mechanisms.driven.modes import POSITION, VELOCITY, DrivenJoint, Mode, Phase
@@ -192,7 +193,7 @@ def _ended(joint: DrivenJoint, series: Sequence[State], part: Real) -> list[Real
 
 def _settle(course: Course) -> None:
     """Change the phase to the one that follows from the state."""
-    mode = modes.mode_of(course.joint, course.z)
+    mode = mode_of(course.joint, course.z)
     if mode != course.phase.mode:
         _count_event(course)
     course.phase = modes.phase_of(course.joint, mode)
@@ -248,11 +249,13 @@ def _rebound(course: Course, series: rebounds.Rebounds, left: Real) -> Real:
     mp = joint.mp
     moved = flown(course.phase.linear, z, series.duration)
     end = begun + series.duration
-    while (index := len(course.records)) < len(course.times) and course.times[index] <= end:
-        elapsed = mp.mpf(course.times[index]) - begun
+    for time in course.times[len(course.records) :]:
+        elapsed = time - begun
+        if elapsed >= series.duration:
+            break
         since, q, v = rebounds.before(mp, series, elapsed)
         state = [q, v, *flown(course.phase.linear, z, since)[VELOCITY + 1 :]]
-        phase = modes.phase_of(joint, modes.mode_of(joint, state))
+        phase = modes.phase_of(joint, mode_of(joint, state))
         course.records.append(_within_step(phase.linear, state, elapsed - since))
     course.z = [series.stop, mp.zero, *moved[VELOCITY + 1 :]]
     course.time = end

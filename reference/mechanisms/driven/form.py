@@ -59,6 +59,7 @@ def _in_wide(
     """The coordinates and velocities (n, 2) at ascending times, followed in an arithmetic, and bounds of their rounding."""
     joint = driven_joint(mp, plant, controller, stops)
     records = followed(joint, times)
+    assert len(records) == len(times)
     values, errors = np.zeros((len(times), 2), dtype=Wide), np.zeros((len(times), 2))
     states: dict[int, WideArray] = {}
     groups: dict[int, list[int]] = {}

@@ -10,6 +10,7 @@ from typing import Any
 
 from bodycheck.reference.exact.numbers import Real
 from bodycheck.reference.mechanisms.driven import modes
+from bodycheck.reference.mechanisms.driven.decisions import mode_of
 from bodycheck.reference.mechanisms.driven.linear import State, value
 from bodycheck.reference.mechanisms.driven.modes import ONE, VELOCITY, DrivenJoint, Mode
 
@@ -51,7 +52,7 @@ def rebounds_of(joint: DrivenJoint, z: State, side: int) -> Rebounds | None:
     """
     mp, plant, speed = joint.mp, joint.plant, abs(z[VELOCITY])
     resting = _resting(z)
-    closed = modes.mode_of(joint, resting)
+    closed = mode_of(joint, resting)
     if not speed or closed.contact != "closed":
         return None
     pressed = side * value(mp, modes.pressing(joint, closed), resting)
@@ -74,7 +75,7 @@ def accumulate(joint: DrivenJoint, z: State, series: Rebounds, left: Real) -> bo
         return False
     if len(modes.sides(joint)) == 2 and 2 * series.leaving * modes.width(joint) <= series.speed**2:
         return False
-    return _constant(joint, modes.mode_of(joint, _resting(z))) or _negligible(joint, z, series.duration)
+    return _constant(joint, mode_of(joint, _resting(z))) or _negligible(joint, z, series.duration)
 
 
 def before(mp: Any, series: Rebounds, elapsed: Real) -> tuple[Real, Real, Real]:
@@ -108,5 +109,5 @@ def _constant(joint: DrivenJoint, closed: Mode) -> bool:
 
 def _negligible(joint: DrivenJoint, z: State, duration: Real) -> bool:
     """Return whether the force changes by so little during the rebounds that the change is beyond half of the digits."""
-    step = modes.phase_of(joint, modes.mode_of(joint, z)).linear.step
+    step = modes.phase_of(joint, mode_of(joint, z)).linear.step
     return step is None or bool(duration <= step * joint.mp.mpf(10) ** (-(joint.mp.dps // 3)))

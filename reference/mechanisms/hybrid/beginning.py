@@ -26,8 +26,8 @@ AHEAD = 2.0**-30
 #: The number of roundings, relative to 1 or the place of a stop, up to which a joint is at its stop.
 AT_STOP = 2.0**10
 
-#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part of
-#: its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
+#: The time that all further rebounds take together, as a part of the duration, below which they accumulate, and the least part
+#: of its velocity that a joint loses in each of them by friction or damping if it does not rebound without end.
 ACCUMULATED, LOST = 2.0**-20, 2.0**-4
 
 
@@ -42,8 +42,8 @@ class Problem:
 
     def joint(self, phase: Phase, index: int) -> tuple[Any, Any]:
         """The coordinate and the velocity of a link's joint in the state of a phase, as they are stored."""
-        place = places(self.tree)[index]
-        return phase.state[place - 1], phase.state[place]
+        rate_at = places(self.tree)[index]
+        return phase.state[rate_at - 1], phase.state[rate_at]
 
     def limits(self, index: int) -> list[tuple[int, Real]]:
         """The sides of a link's stops, -1 or 1, and their coordinates."""
@@ -155,7 +155,7 @@ def _computed(problem: Problem, phase: Phase, instant: Fraction | None) -> Phase
 
 
 def memories_at(problem: Problem, phase: Phase, state: WideArray, instant: Fraction) -> dict[int, Memory]:
-    """What controllers remember after an instant at which some of them compute their laws from a state."""
+    """The memories of controllers after an instant at which some of them compute their laws from a state."""
     memories, number = dict(phase.memories), float if problem.kind.dtype is np.float64 else real
     for index, memory in phase.memories.items():
         controller = problem.tree.links[index].controller
@@ -226,7 +226,7 @@ def _with_cells(problem: Problem, phase: Phase, ahead: float | None) -> Phase:
 
 
 def _beyond(problem: Problem, index: int, q: Real) -> tuple[Real, Real]:
-    """How far a coordinate is beyond the lower and the upper stop of a link; -1 where there is no stop."""
+    """The distances of a coordinate beyond the lower and the upper stop of a link; -1 where there is no stop."""
     limits = dict(problem.limits(index))
     lower, upper = (side * (q - limits[side]) if side in limits else MP.mpf(-1) for side in (-1, 1))
     return lower, upper
@@ -238,8 +238,11 @@ def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     if not kept:
         return
     state = in_numbers(phase.state, float)
-    rates, place = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state, places(problem.tree)[hit.link]
-    speed, acceleration = state[place], rates[place]
+    rates, rate_at = (
+        rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state,
+        places(problem.tree)[hit.link],
+    )
+    speed, acceleration = state[rate_at], rates[rate_at]
     if speed * acceleration < 0 and 2 * abs(speed / acceleration) < max(1 - kept, LOST) * ACCUMULATED * problem.duration:
         time = float(phase.time)
         raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)

@@ -1,8 +1,8 @@
-"""What is linear in pieces: the saturation of continuous laws, and elastic stops.
+"""Forces that are linear in pieces: the saturation of continuous laws, and elastic stops.
 
-The effort of a saturated law is a function of the wanted effort w and the velocity v, and that of elastic stops a function of the
-coordinate q and of v. The plane of both arguments is made up of cells, in each of which the effort is linear. A motion leaves a
-cell where one of its margins, which are linear too, becomes negative.
+The effort of a saturated law is a function of the wanted effort w and the velocity v, and that of elastic stops a function of
+the coordinate q and of v. The plane of both arguments is made up of cells, in each of which the effort is linear. A motion
+leaves a cell where one of its margins, which are linear too, becomes negative.
 """
 
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from bodycheck.reference.mechanisms.control import Controller, Stops
 
 @dataclass(frozen=True)
 class Margin:
-    """The function slope (x - place) + rate (v - speed) of an argument x and the velocity v."""
+    """The function slope (x - origin) + rate (v - speed) of an argument x and the velocity v."""
 
     slope: Real = 0
-    place: Real = 0
+    origin: Real = 0
     rate: Real = 0
     speed: Real = 0
 
     def value(self, x: Any, v: Any) -> Any:
         """The value of the function."""
-        return self.slope * (x - self.place) + self.rate * (v - self.speed)
+        return self.slope * (x - self.origin) + self.rate * (v - self.speed)
 
 
 @dataclass(frozen=True)
@@ -92,10 +92,10 @@ def elastic(stops: Stops, beyond: tuple[Real, Real], v: Real) -> Cell:
     for side, x, stop in zip((-1, 1), beyond, (stops.lower, stops.upper), strict=True):
         if stop is None or x <= 0:
             continue
-        stiffness, damping, place = MP.mpf(stops.stiffness), MP.mpf(stops.damping), MP.mpf(stop)
-        push = Margin(side * stiffness, place, side * damping)
+        stiffness, damping, origin = MP.mpf(stops.stiffness), MP.mpf(stops.damping), MP.mpf(stop)
+        push = Margin(side * stiffness, origin, side * damping)
         if stiffness * x + damping * side * v > 0:
-            return Cell((push,), force=stiffness * place, stiffness=stiffness, damping=damping)
-        return Cell((Margin(side, place), Margin(-side * stiffness, place, -side * damping)))
+            return Cell((push,), force=stiffness * origin, stiffness=stiffness, damping=damping)
+        return Cell((Margin(side, origin), Margin(-side * stiffness, origin, -side * damping)))
     limits = ((1, stops.lower), (-1, stops.upper))
     return Cell(tuple(Margin(slope, MP.mpf(stop)) for slope, stop in limits if stop is not None))

@@ -1,4 +1,4 @@
-"""Which joints stay at rest: joints with dry friction, and joints at rigid stops.
+"""The decision which joints stay at rest: joints with dry friction, and joints at rigid stops.
 
 Each such joint either does not accelerate, and its force is within what friction and stops can hold, or it accelerates in a
 direction that they allow. This complementarity problem is solved by pivots, as in `friction.sticking`.

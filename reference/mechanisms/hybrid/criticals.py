@@ -1,4 +1,4 @@
-"""Impacts, joints that turn back near stops, and joints that almost move, of which `deciding` asks whether errors change them."""
+"""Impacts, joints that turn back near stops, and joints that almost move: `deciding` asks whether errors change them."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ NEAR = 1e-3
 
 
 def of_beginnings(problem: Problem, begun: Sequence[tuple[Real, Begun]]) -> list[Critical]:
-    """The impacts at the beginnings of phases, at their times (s), and the joints at rest there that almost decide otherwise."""
+    """The impacts at the beginnings of phases, at their times (s), and the joints at rest there that almost move."""
     tree, criticals = problem.tree, list[Critical]()
     times = [time for time, each in begun if each.hits]
     for time, each in begun:

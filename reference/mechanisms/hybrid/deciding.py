@@ -1,4 +1,4 @@
-"""What errors of a state may change altogether: the order of impacts and instants, stops that are almost reached, and rest.
+"""Changes that errors may cause altogether: the order of impacts and instants, stops that are almost reached, and rest.
 
 Small errors of a state move an event by a small time, and the growth of errors contains this. It does not contain what happens
 when two events change their order, or when an event is added. Such a motion is refused where its errors do not exclude this.

@@ -29,7 +29,7 @@ STOP_MARGINS = 2
 
 @dataclass(frozen=True)
 class Wave:
-    """Whether a signal changes linearly in pieces, and whether it is a sine."""
+    """Return whether a signal changes linearly in pieces, and whether it is a sine."""
 
     slope: bool
     sine: bool
@@ -70,7 +70,7 @@ class Part:
     @property
     def changing(self) -> tuple[str, ...]:
         """The fields of the link's constants that are parameters whatever their values are."""
-        fields = ("force",)
+        fields: tuple[str, ...] = ("force",)
         if self.elastic or self.margins == 6:
             fields += ("stiffness", "damping")
         return (*fields, "moves") if self.may_rest else fields
@@ -104,10 +104,10 @@ class Shape:
 
 @dataclass(frozen=True)
 class Event:
-    """What a root of an event function of heyoka means.
+    """The meaning of a root of an event function of heyoka.
 
-    link: the index of the link. kind: "law" or "elastic" for a margin of a cell; "stop" if the link reaches a rigid stop (index 0:
-    the lower one, 1: the upper one); "rest" if its mode at rest or of friction ends; "turn" if its velocity changes sign.
+    link: the index of the link. kind: "law" or "elastic" for a margin of a cell; "stop" if the link reaches a rigid stop (index
+    0: the lower one, 1: the upper one); "rest" if its mode at rest or of friction ends; "turn" if its velocity changes sign.
     """
 
     link: int
@@ -195,9 +195,9 @@ def written(shape: Shape) -> Written:
         arguments = [("law", wanted)] * part.margins + [("elastic", q)] * (STOP_MARGINS * part.elastic)
         arguments += [("stop", q)] * (STOP_MARGINS * part.rigid)
         for index, (kind, x) in enumerate(arguments):
-            slope, place, rate, speed = symbols([None] * 4)
+            slope, origin, rate, speed = symbols([None] * 4)
             number = index - part.margins if kind != "law" else index
-            margin = slope * (x - place) + rate * (v - speed) + BEGINNING
+            margin = slope * (x - origin) + rate * (v - speed) + BEGINNING
             events.append((Event(part.link, kind, number), margin))
         if part.rigid or part.elastic:
             events.append((Event(part.link, "turn"), v))

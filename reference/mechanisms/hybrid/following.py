@@ -1,7 +1,7 @@
 """The motion of trees with controllers and stops, from event to event, by Taylor's method (heyoka; Linux only).
 
-A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time at
-which a controller computes its law or a piece of a signal ends.
+A phase ends at an event, which is a root of a function of the state that heyoka finds within a step of the series, or at a time
+at which a controller computes its law or a piece of a signal ends.
 """
 
 import functools
@@ -158,16 +158,20 @@ def _follow(run: _Run) -> None:
             events += 1
             if events > MOST_EVENTS:
                 raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
-            at = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
-            begun = _after(problem, at, event)
-            phase = begun.phase
-            _note(run, begun)
-            _lead_shadows(run, before, phase, event, begun.hits, state)
+            ended = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
+            if event.kind == "stop":
+                _note_depth(run, ended, event)
+            next_one = _after(problem, ended, event)
+            phase = next_one.phase
+            _note(run, next_one)
+            _lead_shadows(run, before, phase, event, next_one.hits, state)
         elif instant is not None:
-            at = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
-            begun = settled(problem, at, kind.eps, instant)
-            phase = begun.phase
-            _note(run, begun)
+            ended = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
+            next_one = settled(problem, ended, kind.eps, instant)
+            if next_one.hits:
+                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s")
+            phase = next_one.phase
+            _note(run, next_one)
             _update_shadows(run, before, phase, state, instant)
             instant = next(ahead, None)
 
@@ -264,6 +268,18 @@ def _note_touches(run: _Run, turns: Sequence[tuple[Event, Any]]) -> None:
             run.touches.append(near)
 
 
+def _note_depth(run: _Run, phase: Phase, event: Event) -> None:
+    """Keep that a joint which meets its stop would turn back a little beyond it if there were no stop."""
+    problem, state = run.problem, in_numbers(phase.state, float)
+    rates = rates_in(problem.tree, problem.shape, phase, state, phase.time, float).state
+    rate_at = places(problem.tree)[event.link]
+    speed, acceleration = state[rate_at], rates[rate_at]
+    if speed * acceleration < 0:
+        q = state[rate_at - 1] - speed * speed / (2 * acceleration)
+        if (near := touch(problem, event.link, float(phase.time), q)) is not None:
+            run.touches.append(near)
+
+
 def _moved(problem: Problem, phase: Phase, state: WideArray, time: Any) -> int | None:
     """The link that is held at the beginning of a phase although its forces exceed what can hold it shortly afterwards."""
     strains = rates_in(problem.tree, problem.shape, phase, in_numbers(state, float), exactly(time), float).strains
@@ -277,7 +293,7 @@ def _moved(problem: Problem, phase: Phase, state: WideArray, time: Any) -> int |
 def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
     """Return the phase after an event."""
     index, state = event.link, phase.state.copy()
-    place, eps = places(problem.tree)[index], problem.kind.eps
+    rate_at, eps = places(problem.tree)[index], problem.kind.eps
     if event.kind in ("law", "elastic"):
         return Begun(with_cells(problem, phase))
     if event.kind == "rest" and not phase.rest[index]:
@@ -287,7 +303,7 @@ def _after(problem: Problem, phase: Phase, event: Event) -> Begun:
         sides = {each: side for each, side in phase.sides.items() if each != index}
         return Begun(replace(phase, rest={**phase.rest, index: mode}, sides=sides))
     if event.kind == "stop":
-        state[place - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
+        state[rate_at - 1] = problem.kind.number(dict(problem.limits(index))[(-1, 1)[event.index]])
     else:
-        state[place] = state[place] * 0
+        state[rate_at] = state[rate_at] * 0
     return settled(problem, replace(phase, state=state), eps)

@@ -1,8 +1,8 @@
 """Impacts at rigid stops: impulses along joints, with the joints that stops hold at that instant.
 
 An impact may push a joint that another stop holds against this stop, which then takes up an impulse too. If neither stop has a
-restitution, both joints are at rest afterwards, in whatever order the impacts follow one another. Otherwise the order matters, and
-the impact is refused. Dry friction is a bounded force and takes up no impulse.
+restitution, both joints are at rest afterwards, in whatever order the impacts follow one another. Otherwise the order matters,
+and the impact is refused. Dry friction is a bounded force and takes up no impulse.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -69,7 +69,7 @@ def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int],
 
 
 def _require_order_not_to_matter(tree: Tree, index: int, others: Collection[int]) -> None:
-    """Raise `OutOfReach` if joints meet or push their stops in an impact of a joint, and one of these stops has a restitution."""
+    """Raise `OutOfReach` if other joints take part in an impact, and one of all their stops has a restitution."""
     if others and any(restitution(tree, each) for each in (index, *others)):
         raise OutOfReach("two stops take up an impact at one instant, and the result depends on the order")
 
@@ -82,15 +82,13 @@ def restitution(tree: Tree, index: int) -> float:
     return stops.restitution
 
 
-def _wrong(impulse: Any, unit: Rates, index: int, side: int, place: int, held: bool) -> bool:
+def _wrong(impulse: Any, unit: Rates, index: int, side: int, rate_at: int, held: bool) -> bool:
     """Return whether a held joint would have to be pulled by its stop, or one that is not held would move beyond it."""
-    return bool(side * impulse * (unit.strains[index] if held else -unit.state[place]) < 0)
+    return bool(side * impulse * (unit.strains[index] if held else -unit.state[rate_at]) < 0)
 
 
 def struck(tree: Tree, state: Sequence[Any], index: int, held: frozenset[int], number: Number) -> list[Any]:
     """The change of a state by the impact of a link at its stop while some links are held."""
-    stops = tree.links[index].stops
-    assert stops is not None and stops.restitution is not None, "rigid stops have a restitution"
-    unit, place = response(tree, state, index, held, number), places(tree)[index]
-    impulse = -(1 + number(restitution(tree, index))) * state[place] / unit.state[place]
+    unit, rate_at = response(tree, state, index, held, number), places(tree)[index]
+    impulse = -(1 + number(restitution(tree, index))) * state[rate_at] / unit.state[rate_at]
     return [impulse * part for part in unit.state]

@@ -17,8 +17,8 @@ from bodycheck.reference.mechanisms.link_states import Form, Rates, derivatives,
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import field_sizes, numbers
 
-#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause, and
-#: the least size of these terms in SI units.
+#: The part of its terms by which a margin may be negative at the end of a step, small beside what a missed event would cause,
+#: and the least size of these terms in SI units.
 MISSED, SMALL = 1e-9, 1e-3
 
 
@@ -31,8 +31,8 @@ class Phase:
     time, state
         The time (s), in exact arithmetic, and the state with the integrals of continuous laws.
     rest
-        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction is
-        the direction in which it slips.
+        The mode of each link that may be held at rest: 0 if it is held; 1 or -1 if it moves, which for a link with dry friction
+        is the direction in which it slips.
     sides
         For each link that a rigid stop holds, 1 at its upper and -1 at its lower stop.
     laws, springs
@@ -79,12 +79,12 @@ def in_numbers(state: WideArray, number: Number) -> list[Any]:
     return state.astype(float).tolist() if number is float else [exactly(value) for value in state]
 
 
-def joint_state(tree: Tree, state: Sequence[Any], index: int, number: Number) -> tuple[Any, Any]:
+def joint_state(tree: Tree, state: Sequence[Any] | WideArray, index: int, number: Number) -> tuple[Any, Any]:
     """The coordinate and the velocity of the joint of a link with one coordinate; the state may be in any type."""
     link = tree.links[index]
-    place = places(tree)[index if link.follows is None else link.follows]
+    at = places(tree)[index if link.follows is None else link.follows]
     convert = float if number is float else exactly
-    q, v = convert(state[place - 1]), convert(state[place])
+    q, v = convert(state[at - 1]), convert(state[at])
     if link.follows is None:
         return q, v
     ratio, shift = number(link.constants.ratio), number(link.constants.shift)
@@ -158,7 +158,7 @@ def places(tree: Tree) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """The parameters of the links of a tree, and the place of each field that changes, by the index of the link and its name."""
+    """The parameters of the links of a tree, and the index of each field that changes, by its link and its name."""
 
     values: list[Real]
     slots: dict[tuple[int, str], int]
@@ -191,7 +191,7 @@ def parameters(tree: Tree, shape: Shape, phase: Phase) -> list[Real]:
             assert controller is not None
             values += [*law_parameters(part, controller, phase.pieces[part.link]), phase.laws[part.link].gate]
         for margin in margins_of(tree, phase, part):
-            values += [margin.slope, margin.place, margin.rate, margin.speed]
+            values += [margin.slope, margin.origin, margin.rate, margin.speed]
     for part in shape.parts:
         if part.may_rest:
             values += _at_rest(tree, phase, part)
@@ -234,10 +234,10 @@ def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray,
         q, v = joint_state(tree, values, part.link, float)
         w = wanted(tree, shape, phase, part.link, values, q, v, real(float(time)), float) if part.margins else 0.0
         for number, margin in enumerate(margins_of(tree, phase, part)):
-            slope, place, rate, speed = (float(value) for value in (margin.slope, margin.place, margin.rate, margin.speed))
+            slope, origin, rate, speed = (float(value) for value in (margin.slope, margin.origin, margin.rate, margin.speed))
             x = w if number < part.margins else q
-            size = abs(slope) * (SMALL + abs(x) + abs(place)) + abs(rate) * (SMALL + abs(v) + abs(speed))
-            if slope * (x - place) + rate * (v - speed) < -MISSED * size:
+            size = abs(slope) * (SMALL + abs(x) + abs(origin)) + abs(rate) * (SMALL + abs(v) + abs(speed))
+            if slope * (x - origin) + rate * (v - speed) < -MISSED * size:
                 raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s")
         if part.dry and phase.rest[part.link] * v < -MISSED * fastest:
             raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s")

@@ -13,7 +13,7 @@ from bodycheck.reference.mechanisms.hybrid.signals import value
 
 @dataclass(frozen=True)
 class Memory:
-    """What a controller with a rate remembers.
+    """The memory of a controller with a rate.
 
     Attributes
     ----------

@@ -1,10 +1,10 @@
 """Nudged motions beside the motion of a tree with controllers and stops, in double precision.
 
-A nudged motion goes through the same phases as the motion itself, with controllers that compute their laws from the nudged state.
-It reaches an event earlier or later; to first order, the jump of its deviation there follows from the derivatives before and
-after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
-chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the size of
-a nudge as often as it leaves it.
+A nudged motion goes through the same phases as the motion itself, with controllers that compute their laws from the nudged
+state. It reaches an event earlier or later; to first order, the jump of its deviation there follows from the derivatives before
+and after the event (the saltation matrix: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
+2004, chapter 7). So both motions are compared at the same instants in the same phases, and the deviation is scaled back to the
+size of a nudge as often as it leaves it.
 """
 
 from collections.abc import Callable, Sequence
@@ -69,7 +69,7 @@ def shadow(first: int, nudge: Array, units: Array, count: int) -> Shadow:
 
 
 def nudged(problem: Problem, phase: Phase, base: Array, each: Shadow, instant: Fraction | None = None) -> Shadow:
-    """Return a nudged motion at its beginning. base: the state of the motion. instant: at which its controllers have computed."""
+    """Return a nudged motion at its beginning. base: the state of the motion. instant: at which its controllers compute."""
     deviation = NUDGE * each.nudge
     _hold(problem, phase, deviation)
     memories = phase.memories if instant is None else memories_at(problem, phase, base + deviation, instant)
@@ -89,17 +89,16 @@ def carried(
 
     rows: the index, the time and the state of the motion at each of these instants.
     """
-    if each.state is None:
+    state, memories = each.state, each.memories
+    if state is None or memories is None:
         started = next((row for row in rows if row[0] == each.first), None)
         if started is None:
             return each
         each, begin = nudged(problem, phase, started[2], each), started[1]
-        rows = [row for row in rows if row[0] >= each.first]
-        each.deviations[each.first], each.factors[each.first] = NUDGE * each.nudge, each.factor
-    assert each.memories is not None
-    states = carry(replace(phase, memories=each.memories), each.state, begin, [*(time for _, time, _ in rows), end])
-    for (row, _, base), state in zip(rows, states[:-1], strict=True):
-        each.deviations[row], each.factors[row] = state - base, each.factor
+        return carried(problem, phase, each, begin, [row for row in rows if row[0] >= each.first], end, carry)
+    states = carry(replace(phase, memories=memories), state, begin, [*(time for _, time, _ in rows), end])
+    for (row, _, base), there in zip(rows, states[:-1], strict=True):
+        each.deviations[row], each.factors[row] = there - base, each.factor
     return replace(each, state=states[-1])
 
 
@@ -126,9 +125,9 @@ def after_event(
     if not abs(early) <= NEAR * problem.duration:
         return replace(each, factor=LARGEST)
     moved = each.state + early * rates
-    place = places(problem.tree)[event.link]
+    rate_at = places(problem.tree)[event.link]
     if event.kind == "stop":
-        moved[place - 1] = after.state[place - 1]
+        moved[rate_at - 1] = after.state[rate_at - 1]
         for hit in hits:
             moved[: problem.shape.components] += struck(problem.tree, moved.tolist(), hit.link, hit.held, float)
     return _scaled(problem, after, after.state, replace(each, state=moved - early * later))
@@ -140,9 +139,9 @@ def _rates(problem: Problem, phase: Phase, state: Array) -> list[Any]:
 
 def _margin(problem: Problem, phase: Phase, event: Event, base: Array, change: Array) -> float:
     """The change of the function whose root is an event, for a change of the state."""
-    tree, place = problem.tree, places(problem.tree)[event.link]
+    tree, rate_at = problem.tree, places(problem.tree)[event.link]
     if tree.links[event.link].follows is None:
-        q, v = float(change[place - 1]), float(change[place])
+        q, v = float(change[rate_at - 1]), float(change[rate_at])
     else:
         (q, v), (q_base, v_base) = (joint_state(tree, state.tolist(), event.link, float) for state in (base + change, base))
         q, v = q - q_base, v - v_base
@@ -170,15 +169,15 @@ def _scaled(problem: Problem, phase: Phase, base: Array, each: Shadow) -> Shadow
 
 def _hold(problem: Problem, phase: Phase, deviation: Array) -> None:
     """Remove from a deviation what joints at rest do not allow."""
-    for index, place in enumerate(places(problem.tree)):
+    for index, rate_at in enumerate(places(problem.tree)):
         if phase.rest.get(index) == 0:
-            deviation[place] = 0.0
+            deviation[rate_at] = 0.0
             if index in phase.sides:
-                deviation[place - 1] = 0.0
+                deviation[rate_at - 1] = 0.0
 
 
 def _between(base: Memory, other: Memory, part: float) -> Memory:
-    """What controllers remember whose states are between two states. part: 0 for `base`, 1 for `other`."""
+    """The memories of controllers whose states are between two states. part: 0 for `base`, 1 for `other`."""
 
     def mixed(one: Real, two: Real) -> float:
         return float(one) + part * (float(two) - float(one))

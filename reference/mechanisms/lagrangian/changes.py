@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.independent.arithmetic import wide
 from bodycheck.reference.independent.border import MP, Number
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.friction import EXACT, Reaction, decided, reactions
 from bodycheck.reference.mechanisms.lagrangian.impacts import struck
 from bodycheck.reference.mechanisms.lagrangian.laws import Guard, switching
 from bodycheck.reference.mechanisms.lagrangian.sampled import Sampler
-from bodycheck.reference.mechanisms.lagrangian.system import Modes, System, values_of
+from bodycheck.reference.mechanisms.lagrangian.system import Modes, System, rounded, values_of
 
 #: The numbers of roundings up to which forces in an integrated state are equal, and up to which velocities are zero.
 ROUNDINGS, STOPPED = 2.0**12, 2.0**5
@@ -48,11 +47,6 @@ class Phase:
     tested: frozenset[tuple[int, str]] = frozenset()
 
 
-def rounded(value: Number, like: WideArray) -> Any:
-    """A number of a hundred digits in the type of an array."""
-    return float(value) if like.dtype == np.float64 else wide(value)
-
-
 def exact_state(state: WideArray) -> list[Number]:
     """A state in numbers of a hundred digits, without rounding."""
     if not np.isfinite(state.astype(float)).all():
@@ -68,14 +62,12 @@ def _exact(value: Any) -> Number:
     return total
 
 
-def guard_values(system: System, modes: Modes, state: WideArray) -> dict[tuple[int, str], tuple[Any, float]]:
+def guard_values(system: System, parameters: WideArray, state: WideArray) -> dict[tuple[int, str], tuple[Any, float]]:
     """The values of the guards of limits and stops in a state, and what may be rounding of each, by element and name."""
     chosen = {pair: node for pair, node in system.guards.items() if pair[1] not in ("high", "low", "rest")}
     if not chosen:
         return {}
-    parameters = system.with_modes(modes)
-    arithmetic = ((lambda value: value if isinstance(value, np.floating) else rounded(MP.mpf(value), state)), np)
-    values = values_of(system.structure, list(chosen.values()), state, parameters, arithmetic)
+    values = values_of(system.structure, list(chosen.values()), state, parameters, (state.dtype.type, np))
     sizes = values_of(system.structure, list(chosen.values()), state, parameters, (_Size.of, _Size))
     rounding = NOISE * float(np.finfo(state.dtype).eps)
     return {pair: (value, rounding * size.value) for pair, value, size in zip(chosen, values, sizes, strict=True)}
@@ -129,7 +121,7 @@ def started(system: System, start: list[Number], samplers: list[Sampler], like: 
     modes = Modes(moves, sides, pieces=system.pieces_at(Fraction(0)))
     if hits:
         start, modes = struck(system, start, modes, hits)
-    state = np.array([rounded(value, like) for value in start], like.dtype)
+    state = np.array([rounded(value, like.dtype.type) for value in start], like.dtype)
     return _with_forces(system, Phase(like.dtype.type(0), state, modes), samplers, Fraction(0), start, EXACT)
 
 
@@ -146,21 +138,20 @@ def _with_forces(
     efforts = dict(phase.modes.efforts)
     for sampler in samplers:
         if sampler.next == instant:
-            efforts[sampler.element] = sampler.effort(*system.in_si(sampler.element, lambda place: state[place]))
+            efforts[sampler.element] = sampler.effort(*system.in_si(sampler.element, lambda slot: state[slot]))
     pieces = system.pieces_at(instant)
-    modes, begun = replace(phase.modes, efforts=efforts), phase.begun
+    modes = replace(phase.modes, efforts=efforts)
     if instant == 0 or pieces != modes.pieces:
-        modes = replace(modes, pieces=pieces)
-        modes, zero = signed(system, modes, phase.state)
-        begun = begun | zero
-    return _decided(system, replace(phase, modes=modes, begun=begun, tested=frozenset()), state, slack)
+        modes = signed(system, replace(modes, pieces=pieces), phase.state)
+    begun = _zero(guard_values(system, system.in_type(modes, phase.state.dtype.type), phase.state))
+    return _decided(system, Phase(phase.time, phase.state, modes, begun), state, slack)
 
 
-def signed(system: System, modes: Modes, state: WideArray) -> tuple[Modes, frozenset[tuple[int, str]]]:
-    """The modes with the signs of guards in a state, -1 for a guard that is zero, and the guards that are zero."""
-    values = guard_values(system, modes, state)
+def signed(system: System, modes: Modes, state: WideArray) -> Modes:
+    """The modes with the signs of guards in a state, -1 for a guard that is zero."""
+    values = guard_values(system, system.in_type(modes, state.dtype.type), state)
     signs = {pair: _sign(value) or -1 for pair, (value, _) in values.items() if pair[1] in switching(system.laws[pair[0]])}
-    return replace(modes, signs=signs), _zero(values)
+    return replace(modes, signs=signs)
 
 
 def _zero(values: dict[tuple[int, str], tuple[Any, float]]) -> frozenset[tuple[int, str]]:
@@ -191,7 +182,7 @@ def _certain(system: System, modes: Modes, state: WideArray, held: list[int]) ->
 
 def in_doubles(system: System, modes: Modes, state: WideArray) -> dict[int, Reaction]:
     """The reactions of the elements that can be held, in double precision."""
-    return reactions(system, [float(value) for value in state], system.with_modes(modes), float, math)
+    return reactions(system, state.astype(float).tolist(), system.in_type(modes, np.float64).tolist(), float, math)
 
 
 def _leaving(before: Modes, after: Modes) -> tuple[Modes, frozenset[tuple[int, str]]]:
@@ -209,6 +200,14 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any,
     """
     again = phase.begun if time == phase.time else frozenset()
     phase = replace(phase, time=time, state=state, tested=phase.tested if time == phase.time else frozenset())
+    after = _switched(system, phase, guards, again)
+    return replace(
+        after, begun=after.begun | _zero(guard_values(system, system.in_type(after.modes, state.dtype.type), after.state))
+    )
+
+
+def _switched(system: System, phase: Phase, guards: tuple[Guard, ...], again: frozenset[tuple[int, str]]) -> Phase:
+    """The phase after a change of guards. again: the guards that were zero at the beginning of a phase without a length."""
     for guard in guards:
         law, index = system.laws[guard.element], guard.element
         if guard.name in law.rigid:
@@ -225,9 +224,8 @@ def switched(system: System, phase: Phase, guards: tuple[Guard, ...], time: Any,
     pairs = frozenset((guard.element, guard.name) for guard in guards)
     if pairs & phase.tested:
         raise OutOfReach("rounding leaves undecided whether a limit or a stop acts, in the Lagrangian")
-    zero = _zero(guard_values(system, phase.modes, state))
     signs = phase.modes.signs | {pair: -phase.modes.signs[pair] for pair in pairs}
-    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs | zero, tested=phase.tested | pairs)
+    return replace(phase, modes=replace(phase.modes, signs=signs), begun=pairs, tested=phase.tested | pairs)
 
 
 def _stopped(system: System, phase: Phase, index: int) -> Phase:
@@ -248,9 +246,9 @@ def _hit(system: System, phase: Phase, guards: list[Guard]) -> Phase:
     """The phase after impacts on rigid stops."""
     hits = {guard.element: 1 if guard.name == "upper" else -1 for guard in guards}
     exact, after = struck(system, exact_state(phase.state), phase.modes, hits)
-    state = np.array([rounded(value, phase.state) for value in exact], phase.state.dtype)
-    modes, zero = signed(system, after, state)
-    begun = zero | {(guard.element, guard.name) for guard in guards}
+    state = np.array([rounded(value, phase.state.dtype.type) for value in exact], phase.state.dtype)
+    modes = signed(system, after, state)
+    begun = frozenset((guard.element, guard.name) for guard in guards)
     slack = MP.mpf(ROUNDINGS * float(np.finfo(state.dtype).eps))
     return _decided(system, Phase(phase.time, state, modes, begun), exact_state(state), slack)
 

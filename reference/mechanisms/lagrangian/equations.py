@@ -153,8 +153,8 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     lagrangian, of_all, dry_of_all, solids = _lagrangian(tape, structure, read, states)
     driven, further = _driven(tape, structure, states, held + moving)
     for index, law in driven.items():
-        place = structure.all_places[index][1].start
-        of_all[place] = tape.add(of_all[place], law.force)
+        slot = structure.all_places[index][1].start
+        of_all[slot] = tape.add(of_all[slot], law.force)
     guards = [Guard(index, name, node) for index, law in driven.items() for name, node in law.guards.items()]
     forces = [tape.zero] * moving
     for force, (index, share) in zip(of_all, shares, strict=True):
@@ -175,17 +175,17 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
 def _driven(
     tape: Tape, structure: Structure, states: Sequence[tuple[list[Node], list[Node]]], first: int
 ) -> tuple[dict[int, Acting], list[Node]]:
-    """What the laws of elements add to the equations, by the indices of the elements, and `Parts.further`.
+    """The additions of laws to the equations, by the indices of the elements, and `Parts.further`.
 
     first: the index of the first variable after the coordinates and velocities.
     """
     laws = {index: law for index, law in enumerate(structure.laws) if law is not None}
-    integrals = {index: first + place for place, index in enumerate(i for i, law in laws.items() if law.integrates)}
+    integrals = {index: first + count for count, index in enumerate(i for i, law in laws.items() if law.integrates)}
     timed = any(law.timed for law in laws.values())
     clock = tape.variable(first + len(integrals)) if timed else tape.zero
     driven = {}
     for index, law in laws.items():
-        numbers = {name: tape.parameter(place) for name, place in structure.law_places[index].items()}
+        numbers = {name: tape.parameter(number) for name, number in structure.law_places[index].items()}
         integral = tape.variable(integrals[index]) if law.integrates else tape.zero
         (q, *_), (u, *_) = states[index]
         driven[index] = acting(tape, law, numbers, (q, u), (integral, clock))
@@ -240,7 +240,7 @@ def _holding(tape: Tape, structure: Structure, strains: Sequence[Node], velociti
     """The guards of elements that can be held: of the force that holds them, and of the velocity against dry friction."""
     guards = []
     for index, strain, velocity in zip(structure.holding, strains, velocities, strict=True):
-        numbers = {name: tape.parameter(place) for name, place in structure.law_places[index].items()}
+        numbers = {name: tape.parameter(number) for name, number in structure.law_places[index].items()}
         guards.append(Guard(index, "high", tape.subtract(tape.multiply(numbers["high.share"], strain), numbers["high"])))
         guards.append(Guard(index, "low", tape.subtract(numbers["low"], tape.multiply(numbers["low.share"], strain))))
         law = structure.laws[index]

@@ -1,4 +1,4 @@
-"""What is held at rest in the Lagrangian, by dry friction or at a rigid stop: decided by Gauss's principle.
+"""The decision which joints are held at rest in the Lagrangian, by dry friction or at a stop: by Gauss's principle.
 
 Of all accelerations a, the true ones minimise the constraint (a - b)^T M (a - b) / 2 plus the sum of f |a_i| over the joints at
 rest, where M b are the forces without friction, and a joint at a rigid stop does not accelerate outwards. The forces that hold

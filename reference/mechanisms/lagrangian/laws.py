@@ -8,7 +8,7 @@ phase, or changes the sign that decides between two phases.
 
 import functools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from bodycheck.reference.independent.border import MP, Number
@@ -38,6 +38,8 @@ class Law:
         Whether its effort is limited, and whether the limit depends on the speed.
     elastic, rigid
         The stops of each kind, from "lower" and "upper".
+    damped
+        Whether elastic stops have damping, so that they cease to push before the element leaves them.
     dry
         Whether the element has dry friction.
     """
@@ -48,21 +50,22 @@ class Law:
     lined: bool = False
     elastic: tuple[str, ...] = ()
     rigid: tuple[str, ...] = ()
+    damped: bool = False
     dry: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether dry friction or a rigid stop can hold the element at rest."""
+        """True if dry friction or a rigid stop can hold the element at rest."""
         return self.dry or bool(self.rigid)
 
     @property
     def integrates(self) -> bool:
-        """Whether the integral of the error is a variable of the state."""
+        """True if the integral of the error is a variable of the state."""
         return self.gains[2]
 
     @property
     def timed(self) -> bool:
-        """Whether the law depends on time within a phase."""
+        """True if the law depends on time within a phase."""
         return "sine" in self.signals or "table" in self.signals
 
     @property
@@ -84,7 +87,9 @@ class Law:
         if self.lined:
             yield from ("steep", "top")
         if self.elastic:
-            yield from ("stiffness", "damping")
+            yield "stiffness"
+        if self.damped:
+            yield "damping"
         yield from (f"{side}.pushes" for side in self.elastic)
         yield from (*self.elastic, *self.rigid)
         if self.holds:
@@ -105,20 +110,14 @@ def law_of(element: Element) -> Law | None:
     controller, stops = element.controller, element.stops
     sides = () if stops is None else tuple(side for side in ("lower", "upper") if getattr(stops, side) is not None)
     rigid = stops is not None and stops.rigid
-    law = Law(elastic=() if rigid else sides, rigid=sides if rigid else (), dry=bool(element.friction))
+    damped = stops is not None and bool(stops.damping)
+    law = Law(elastic=() if rigid else sides, rigid=sides if rigid else (), damped=damped, dry=bool(element.friction))
     if controller is not None and controller.rate is None:
         first, second, third = (_kind(getattr(controller, name)) for name in SIGNALS)
         proportional, derivative, integral = (bool(gain) for gain in (controller.kp, controller.kd, controller.ki))
         limited, lined = controller.effort_limit is not None, controller.no_load_speed is not None
-        law = Law(
-            (first, second, third),
-            (proportional, derivative, integral),
-            limited,
-            lined,
-            law.elastic,
-            law.rigid,
-            law.dry,
-        )
+        gains = proportional, derivative, integral
+        law = replace(law, signals=(first, second, third), gains=gains, limited=limited, lined=lined)
     return None if law == Law() else law
 
 
@@ -202,7 +201,7 @@ def places(laws: tuple[Law | None, ...], first: int) -> list[dict[str, int]]:
 
 @dataclass(frozen=True)
 class Acting:
-    """What a law adds to the equations: the force along the element's velocity, the error, and its guards by their names."""
+    """The additions of a law to the equations: the force along the velocity, the error, and the guards by their names."""
 
     force: Node
     error: Node
@@ -239,11 +238,14 @@ def acting(tape: Tape, law: Law, numbers: Mapping[str, Node], state: tuple[Node,
         guards |= _limits(tape, law, numbers, control, u)
     for side in law.elastic:
         beyond = tape.subtract(q, numbers[side])
-        push = tape.add(tape.multiply(numbers["stiffness"], beyond), tape.multiply(numbers["damping"], u))
+        push = tape.multiply(numbers["stiffness"], beyond)
+        if law.damped:
+            push = tape.add(push, tape.multiply(numbers["damping"], u))
         force = tape.subtract(force, tape.multiply(numbers[f"{side}.pushes"], push))
         outwards = side == "upper"
         guards[side] = beyond if outwards else tape.negate(beyond)
-        guards[f"{side}.push"] = push if outwards else tape.negate(push)
+        if law.damped:
+            guards[f"{side}.push"] = push if outwards else tape.negate(push)
     for side in law.rigid:
         beyond = tape.subtract(q, numbers[side])
         guards[side] = beyond if side == "upper" else tape.negate(beyond)
@@ -271,7 +273,7 @@ def switched(law: Law, signs: Mapping[str, int], values: Mapping[str, Number]) -
         result |= {"share": MP.mpf(share), "constant": constant * values["limit"]}
         result["slope"] = slope * values["steep"] if law.lined else MP.zero
     for side in law.elastic:
-        result[f"{side}.pushes"] = MP.mpf(signs[side] > 0 and signs[f"{side}.push"] > 0)
+        result[f"{side}.pushes"] = MP.mpf(all(signs[name] > 0 for name in _of_stop(law, side)))
     return result
 
 
@@ -297,4 +299,9 @@ def _limited(law: Law, signs: Mapping[str, int]) -> tuple[int, int, int]:
 def switching(law: Law) -> tuple[str, ...]:
     """The names of the guards whose signs decide parameters."""
     limits = () if not law.limited else LINE_GUARDS if law.lined else PLAIN_GUARDS
-    return (*limits, *(name for side in law.elastic for name in (side, f"{side}.push")))
+    return (*limits, *(name for side in law.elastic for name in _of_stop(law, side)))
+
+
+def _of_stop(law: Law, side: str) -> tuple[str, ...]:
+    """The names of the guards that are positive while an elastic stop pushes."""
+    return (side, f"{side}.push") if law.damped else (side,)

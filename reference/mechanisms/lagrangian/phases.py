@@ -1,9 +1,9 @@
 """The motion of a mechanism whose equations switch, by its Lagrangian, from change to change.
 
-A phase ends at an instant at which a controller computes, at a time of a table, or at the root of a guard (`laws.Guard`): a limit
-begins or ceases to act, an elastic stop is reached, a joint comes to rest against dry friction, the force that holds a joint at
-rest exceeds its bounds, or a rigid stop is hit. The modes after a change follow from the equations: see `changes`. No phase is
-taken from another way.
+A phase ends at an instant at which a controller computes, at a time of a table, or at the root of a guard (`laws.Guard`): a
+limit begins or ceases to act, an elastic stop is reached, a joint comes to rest against dry friction, the force that holds a
+joint at rest exceeds its bounds, or a rigid stop is hit. The modes after a change follow from the equations: see `changes`. No
+phase is taken from another way.
 
 The sign of a guard changes where the guard has a root. A guard that is zero at the beginning of a phase has no certain sign
 there: the sign is tested in the middle of the step, before the first root.
@@ -24,7 +24,7 @@ from bodycheck.reference.mechanisms.lagrangian.equations import derived
 from bodycheck.reference.mechanisms.lagrangian.friction import reactions
 from bodycheck.reference.mechanisms.lagrangian.laws import Guard, switched, switching
 from bodycheck.reference.mechanisms.lagrangian.sampled import Sampler, exact
-from bodycheck.reference.mechanisms.lagrangian.system import System
+from bodycheck.reference.mechanisms.lagrangian.system import System, rounded
 
 #: The largest number of changes, without those at known times.
 MOST_CHANGES = 10_000
@@ -71,23 +71,15 @@ class _Change:
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """What is followed: a system, by an integrator, at times.
+    """A motion that is followed: a system, an integrator, and the times of the states.
 
-    rows: the states at the times so far. parameters: the system's, in the type of the times.
+    rows: the states at the times so far.
     """
 
     system: System
     stepper: Stepper
     times: WideArray
     rows: list[WideArray]
-    parameters: WideArray
-
-    def changed(self, values: dict[int, Number]) -> WideArray:
-        """The parameters with given values instead of those with the same indices."""
-        parameters = self.parameters.copy()
-        for index, value in values.items():
-            parameters[index] = changes.rounded(value, self.times)
-        return parameters
 
 
 def solve(system: System, start: list[Number], times: WideArray, stepper: Stepper) -> WideArray:
@@ -95,8 +87,7 @@ def solve(system: System, start: list[Number], times: WideArray, stepper: Steppe
 
     Raises `OutOfReach` if the integration fails or takes too many steps, or there are too many changes.
     """
-    parameters = np.array([changes.rounded(value, times) for value in system.parameters], times.dtype)
-    course = _Course(system, stepper, times, [], parameters)
+    course = _Course(system, stepper, times, [])
     samplers = [
         Sampler(index, element.controller)
         for index, element in enumerate(system.border.elements)
@@ -106,7 +97,9 @@ def solve(system: System, start: list[Number], times: WideArray, stepper: Steppe
     left, count = stepper.most, 0
     while True:
         instant = _next(samplers, phase)
-        until = times[-1] if instant is None else min(changes.rounded(exact(instant) / system.units.time, times), times[-1])
+        until = times[-1]
+        if instant is not None:
+            until = min(rounded(exact(instant) / system.units.time, times.dtype.type), until)
         change, left = _advanced(course, phase, until, left)
         if len(course.rows) == len(times):
             return np.array(course.rows).reshape(len(times), len(start))
@@ -131,7 +124,8 @@ def _advanced(course: _Course, phase: Phase, until: Any, most: int) -> tuple[_Ch
     Returns the change, or None at that time, and the number of steps that are left.
     """
     system, stepper, modes = course.system, course.stepper, phase.modes
-    stepper.begin(phase.time, phase.state, course.changed(system.changed(modes)))
+    parameters = system.in_type(modes, phase.state.dtype.type)
+    stepper.begin(phase.time, phase.state, parameters)
     watching = bool(_watched(course.system, phase, phase.state))
     time = phase.time
     for left in reversed(range(most)):
@@ -145,7 +139,7 @@ def _advanced(course: _Course, phase: Phase, until: Any, most: int) -> tuple[_Ch
             course, phase, [root for root in roots if not (root[0] <= early and _begun(course, phase, root))]
         )
         span = begin, time if change is None else change.time
-        if wrong := _overlooked(course, phase, watching, span, flips):
+        if wrong := _overlooked(course, phase, parameters, span, flips) or _exceeded(course, phase, span[1], watching):
             change = _Change(begin, wrong)
         else:
             modes.signs.update({pair: sign for _, pair, sign in flips})
@@ -227,7 +221,9 @@ def _watched(system: System, phase: Phase, state: WideArray) -> list[int]:
     return near
 
 
-def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, Any], flips: list[_Flip]) -> tuple[Guard, ...]:
+def _overlooked(
+    course: _Course, phase: Phase, parameters: WideArray, span: tuple[Any, Any], flips: list[_Flip]
+) -> tuple[Guard, ...]:
     """The guards that contradict the modes in a span of a step without a change: they had roots at its beginning.
 
     In the middle of the span, no velocity is zero because an element is about to come to rest.
@@ -239,20 +235,22 @@ def _overlooked(course: _Course, phase: Phase, watching: bool, span: tuple[Any, 
     rest = [index for index, mode in modes.moves.items() if mode * halfway[system.velocity(index)] < 0]
     wrong = [guards[index, "rest"] for index in rest if (index, "rest") in guards]
     signs = modes.signs | {pair: sign for time, pair, sign in flips if time <= middle}
-    for pair, (value, room) in changes.guard_values(system, modes, halfway).items():
+    for pair, (value, room) in changes.guard_values(system, parameters, halfway).items():
         if _same_as_rest(system, pair):
             continue
         closed = pair[1] in system.laws[pair[0]].rigid
         sign = (0 if modes.sides[pair[0]] and not modes.moves[pair[0]] else -1) if closed else signs[pair]
         if sign * value < -room:
             wrong.append(guards[pair])
-    if wrong or not watching:
-        return tuple(wrong)
-    return tuple(guards[pair] for pair in _exceeded(system, modes, course.stepper.at(span[1])))
+    return tuple(wrong)
 
 
-def _exceeded(system: System, modes: changes.Modes, state: WideArray) -> list[tuple[int, str]]:
-    """The bounds that the forces on held elements exceed in a state, by element and name."""
+def _exceeded(course: _Course, phase: Phase, time: Any, watching: bool) -> tuple[Guard, ...]:
+    """The guards of the forces on held elements that exceed their bounds at a time in the last step, if they are watched."""
+    if not watching:
+        return ()
+    system, modes, state = course.system, phase.modes, course.stepper.at(time)
+    guards = {(guard.element, guard.name): guard for guard in derived(system.structure).guards}
     outcome = reactions(system, changes.exact_state(state), system.with_modes(modes), MP.mpf, MP)
     exceeded, rounding = list[tuple[int, str]](), changes.ROUNDINGS * float(np.finfo(state.dtype).eps)
     for index in (index for index, mode in modes.moves.items() if not mode):
@@ -262,4 +260,4 @@ def _exceeded(system: System, modes: changes.Modes, state: WideArray) -> list[tu
             exceeded.append((index, "high"))
         if outcome[index].force < low - room:
             exceeded.append((index, "low"))
-    return exceeded
+    return tuple(guards[pair] for pair in exceeded)

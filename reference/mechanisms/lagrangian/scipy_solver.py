@@ -99,7 +99,7 @@ def solve(structure: Structure, start: Array, parameters: Array, times: Array) -
 
 
 def _bounded(structure: Structure, end: float) -> Rates:
-    """The equations of a structure. Raises `OutOfReach` if an integration until a time, in units of the equations, is too long."""
+    """The equations of a structure. Raises `OutOfReach` if an integration until a time, in their unit, takes too long."""
     rates, operations = right_hand_side(structure)
     if operations * EVALUATIONS * max(end, 1.0) > MAX_OPERATIONS:
         raise OutOfReach("without heyoka the equations of so large a mechanism take too long")

@@ -46,8 +46,8 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` if the mechanism has free bodies in loops or stops in a mechanism with loops, `OutOfReach` if the integration fails or takes too many
-    steps, and `ImportError` if heyoka is not installed.
+    Raises `NotModelled` for free bodies in loops and for stops in a mechanism with loops, `OutOfReach` if the integration fails
+    or takes too many steps, and `ImportError` if heyoka is not installed.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 

@@ -95,8 +95,8 @@ def numbers(border: Border, units: Units) -> tuple[Structure, list[Number]]:
     """The structure of a mechanism, and the numbers that the structure does not fix, in the given units.
 
     The last two numbers of an element are the force of its dry friction, initially 0, and whether it moves (1, the initial
-    value) or is held (0). After all elements come the points of loops, and the factors and terms of elements that follow others,
-    and then the parameters of laws. In this structure all components of the gaps of loops are constraints.
+    value) or is held (0). After all elements come the points of loops, the factors and terms of elements that follow others,
+    and the parameters of laws. In this structure all components of the gaps of loops are constraints.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
     values: list[Number] = [MP.mpf(border.gravity) * time**2 / length]
@@ -198,5 +198,5 @@ def effort_parameter(structure: Structure, index: int) -> int:
 
 def _parameter(structure: Structure, index: int, from_end: int) -> int:
     """The index among the parameters of a number of an element, which is counted from the last number of the element."""
-    place = _BEFORE + _OF_ELEMENT * (index + 1) + from_end
-    return sum(mark is None for mark in structure.marks[:place])
+    last = _BEFORE + _OF_ELEMENT * (index + 1) + from_end
+    return sum(mark is None for mark in structure.marks[:last])

@@ -6,7 +6,11 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
+from bodycheck.reference.independent.arithmetic import wide
 from bodycheck.reference.independent.border import MP, Number
+from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.control import Samples
 from bodycheck.reference.mechanisms.lagrangian.border import Border
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, made
@@ -152,6 +156,20 @@ class System:
             values[index] = value
         return values
 
+    def in_type(self, modes: Modes, dtype: Any) -> WideArray:
+        """The parameters for given modes in a floating-point type."""
+        if dtype not in self._stated:
+            self._stated[dtype] = np.array([rounded(value, dtype) for value in self.parameters], dtype)
+        values = self._stated[dtype].copy()
+        for index, value in self.changed(modes).items():
+            values[index] = rounded(value, dtype)
+        return values
+
+    @functools.cached_property
+    def _stated(self) -> dict[Any, WideArray]:
+        """The parameters without those that depend on modes, in floating-point types."""
+        return {}
+
     def pieces_at(self, time: Fraction) -> dict[tuple[int, str], Piece]:
         """The pieces of the tables of continuous controllers at a time (s)."""
         parts = {}
@@ -163,14 +181,19 @@ class System:
         return parts
 
 
+def rounded(value: Number, dtype: Any) -> Any:
+    """A number of a hundred digits in a floating-point type."""
+    return float(value) if dtype is np.float64 else wide(value)
+
+
 def values_of(
     structure: Structure,
     nodes: Sequence[Node],
-    state: Sequence[Any],
-    parameters: Sequence[Any],
+    state: Sequence[Any] | WideArray,
+    parameters: Sequence[Any] | WideArray,
     arithmetic: tuple[Callable[[Any], Any], Any],
 ) -> list[Any]:
-    """The values of nodes of a structure's tape in a state. arithmetic: the type of its numbers, and a module with sin and cos."""
+    """The values of nodes of a structure's tape in a state. arithmetic: the type of numbers, and a module with sin and cos."""
     number, functions = arithmetic
     sources: dict[str, Callable[[Any], Any]] = {
         "number": number,

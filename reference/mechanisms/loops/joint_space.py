@@ -341,12 +341,12 @@ def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArr
     return mass, force
 
 
-def derivatives(linkage: Tree, states: WideArray) -> WideArray:
-    """The derivatives (s, c + u) of states (s, c + u)."""
+def derivatives(linkage: Tree, states: WideArray, pushed: WideArray | None = None) -> WideArray:
+    """The derivatives (s, c + u) of states (s, c + u). pushed: (s, u) further forces along the coordinates."""
     motion = frame_motion(linkage, states)
     mass, force = _dynamics(linkage, motion, states)
     _, _, bias, rows = _loops(linkage, motion)
-    accelerations, _ = solved(mass, rows, force, -bias)
+    accelerations, _ = solved(mass, rows, force if pushed is None else force + pushed, -bias)
     return np.hstack([_coordinate_rates(linkage, states, states[:, linkage.coordinates :]), accelerations])
 
 

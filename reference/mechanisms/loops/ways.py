@@ -6,16 +6,18 @@ and the motion continues analytically: a step has no node at that instant, and i
 """
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from bodycheck.reference.bounds import STATES
+from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.integration.collocation import integrate
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.kinematics import joints
-from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space
+from bodycheck.reference.mechanisms.loops import body_equations, body_space, driven, joint_space
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import Motion, Way
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -49,16 +51,17 @@ def way(mechanism: Mechanism, times: Array) -> Way:
     Raises `NotModelled` if the mechanism has dry friction, and `OutOfReach` if the motion cannot be followed.
     """
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
-    solution = integrate(
-        lambda values: joint_space.derivatives(tree, values),
-        start,
-        times,
-        stages=STAGES,
-        tolerance=TOLERANCE,
-        most=int(MOST_SECONDS / (0.0006 * len(tree.elements))),
-        first=_first(joint_space.derivatives(tree, start[None])[0, tree.coordinates :], start[tree.coordinates :]),
-        corrected=lambda state: joint_space.close_loops(tree, state),
-    )
+    how: dict[str, Any] = {
+        "stages": STAGES,
+        "tolerance": TOLERANCE,
+        "most": int(MOST_SECONDS / (0.0006 * len(tree.elements))),
+        "first": _first(joint_space.derivatives(tree, start[None])[0, tree.coordinates :], start[tree.coordinates :]),
+    }
+    if mechanism.controllers:
+        solution = driven.integrated(mechanism, tree, start, times, **how)
+    else:
+        corrected = partial(joint_space.close_loops, tree)
+        solution = integrate(partial(joint_space.derivatives, tree), start, times, corrected=corrected, **how)
     held, moving = joint_space.joint_sizes(mechanism)
     states: tuple[Any, ...] = joint_space.bodies(tree, solution.states)
     bodies = Trajectory(times, *states)
@@ -74,9 +77,11 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
 
     The coordinates of the joints are computed from the poses in double precision.
 
-    Raises `NotModelled` if the mechanism has dry friction or a point mass that turns, and `OutOfReach` if the motion cannot be
-    followed.
+    Raises `NotModelled` if the mechanism has dry friction, controllers, or a point mass that turns, and `OutOfReach` if the
+    motion cannot be followed.
     """
+    if mechanism.controllers:
+        raise NotModelled("controllers in the coordinates of every body")
     system, start = body_space.system(mechanism), body_space.initial(mechanism)
     bodies = len(system.mass)
     moving = slice(7 * bodies, 13 * bodies)

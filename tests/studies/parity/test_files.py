@@ -82,7 +82,8 @@ def test_folders_and_patterns_stand_for_robot_files(robots: None, argument: str)
 
 
 def test_robots_of_common_names_have_the_names_of_their_folders(robots: None) -> None:
-    assert [file.name for file in named([Path()]).files] == ["a", "arm", "hand", "b", "scene"]
+    """Two files of such names in one folder have the name of the file too."""
+    assert [file.name for file in named([Path()]).files] == ["a", "arm", "hand", "b/robot.urdf", "b/scene.xml"]
     assert [file.name for file in named([Path("b/robot.urdf"), Path("b/deep/../robot.urdf")]).files] == ["b"]
     Path("a/arm.urdf").write_text(ROBOT)
     paths = [Path("b/deep/arm.URDF"), Path("a/arm.urdf"), Path("a/none.urdf")]

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -67,48 +68,59 @@ def rigid(stops: Sequence[Stops | None]) -> list[Rigid]:
     return [Rigid(joint, place, side, each.restitution or 0.0) for joint, each, place, side in limits if place is not None]
 
 
+@dataclass(frozen=True)
+class _Motion:
+    """The equations of the pendulum or the arm while some of its joints are held at their stops."""
+
+    efforts: Efforts
+    free: list[int]
+
+    def needed(self, t: float, y: Array) -> Array:
+        q, v = np.split(y, 2)
+        return forces(q, v) + self.efforts(t, q, v)
+
+    def rates(self, t: float, y: Array) -> Array:
+        q, v = np.split(y, 2)
+        a, free = np.zeros(len(q)), self.free
+        a[free] = np.linalg.solve(mass_matrix(q)[np.ix_(free, free)], self.needed(t, y)[free])
+        return np.concatenate([v, a])
+
+    def event(self, stop: Rigid) -> Callable[[float, Array], float]:
+        """The distance from a stop, or the force that presses a held joint against it."""
+
+        def pressed(t: float, y: Array) -> float:
+            q, a = np.split(y, 2)[0], np.split(self.rates(t, y), 2)[1]
+            return float(stop.side * (self.needed(t, y) - mass_matrix(q) @ a)[stop.joint])
+
+        def distance(t: float, y: Array) -> float:
+            return float(stop.side * (stop.place - y[stop.joint]))
+
+        chosen: Any = distance if stop.joint in self.free else pressed
+        chosen.terminal, chosen.direction = True, -1
+        return chosen  # type: ignore[no-any-return]
+
+
 def follow(
     q: Array, v: Array, until: float, efforts: Efforts, stops: Sequence[Rigid] = (), begin: float = 0.0
 ) -> tuple[Array, Array]:
     """The coordinates and velocities at a time, with impacts at rigid stops and joints that stay there."""
     held: dict[int, Rigid] = {}
     while begin < until:
-        free = [index for index in range(len(q)) if index not in held]
-
-        def needed(t: float, y: Array) -> Array:
-            q, v = y[: len(y) // 2], y[len(y) // 2 :]
-            return forces(q, v) + efforts(t, q, v)
-
-        def rates(t: float, y: Array, free: list[int] = free) -> Array:
-            n = len(y) // 2
-            a = np.zeros(n)
-            a[free] = np.linalg.solve(mass_matrix(y[:n])[np.ix_(free, free)], needed(t, y)[free])
-            return np.concatenate([y[n:], a])
-
-        def strain(t: float, y: Array, stop: Rigid, rates: Callable[[float, Array], Array] = rates) -> float:
-            n = len(y) // 2
-            return float(stop.side * (needed(t, y) - mass_matrix(y[:n]) @ rates(t, y)[n:])[stop.joint])
-
-        events = []
-        for stop in stops:
+        motion = _Motion(efforts, [index for index in range(len(q)) if index not in held])
+        watched = [held.get(stop.joint, stop) for stop in stops]
+        events = [motion.event(stop) for stop in watched]
+        pulled = [index for index, stop in held.items() if motion.event(stop)(begin, np.concatenate([q, v])) < 0]
+        if pulled:
+            del held[pulled[0]]
+            continue
+        out = solve_ivp(motion.rates, (begin, until), np.concatenate([q, v]), "DOP853", rtol=1e-13, atol=1e-14, events=events)
+        begin, (q, v) = float(out.t[-1]), np.split(out.y[:, -1], 2)
+        if out.status == 1:
+            stop = next(stop for stop, times in zip(watched, out.t_events, strict=True) if len(times))
             if stop.joint in held:
-                event = (lambda stop: lambda t, y: strain(t, y, stop))(held[stop.joint])
+                del held[stop.joint]
             else:
-                event = (lambda stop: lambda t, y: stop.side * (stop.place - y[stop.joint]))(stop)
-            event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
-            events.append(event)
-        for index in [index for index, stop in held.items() if strain(begin, np.concatenate([q, v]), stop) < 0]:
-            del held[index]
-            break
-        else:
-            out = solve_ivp(rates, (begin, until), np.concatenate([q, v]), "DOP853", rtol=1e-13, atol=1e-14, events=events)
-            begin, (q, v) = float(out.t[-1]), np.split(out.y[:, -1], 2)
-            if out.status == 1:
-                stop = next(stop for stop, times in zip(stops, out.t_events, strict=True) if len(times))
-                if stop.joint in held:
-                    del held[stop.joint]
-                else:
-                    q, v = _hit(q, v, stop, held)
+                q, v = _hit(q, v, stop, held)
     return q, v
 
 

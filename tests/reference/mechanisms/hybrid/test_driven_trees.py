@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.errors import OutOfReach, Stopped
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
+from bodycheck.reference.mechanisms.certificate import certify_mechanism
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
-from bodycheck.reference.mechanisms.followed import by_recursion
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.mechanisms.followed import by_recursion, followed, witness_of
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
+from bodycheck.reference.mechanisms.observables import observe
 from bodycheck.reference.mechanisms.recursion import follow
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.mechanisms.ways import apart
+from bodycheck.reference.trajectory import Array, Trajectory
 from tests.reference.mechanisms.hybrid import by_hand
 from tests.reference.mechanisms.hybrid.by_hand import ARM, PENDULUM
 from tests.support.jointed import body
@@ -233,3 +236,69 @@ def test_the_bound_holds_and_impacts_do_not_blow_it_up() -> None:
     off = np.array([abs(float(one - other)) for one, other in zip(exact, course.way.motion.position[:, 0], strict=True)])
     assert (off <= course.way.errors["error"]).all()
     assert course.way.errors["error"][-1] < 1e-15
+
+
+def test_elastic_stops_without_damping_keep_the_energy() -> None:
+    scene = stopped(ARM, Stops(-0.25, None, None, 300.0), Stops(-0.5, 0.5, None, 200.0))
+    times = np.linspace(0.0, 1.0, 21)
+    bodies = follow(scene, times).bodies
+    parts = (bodies.position, bodies.quaternion, bodies.velocity, bodies.angular_velocity)
+    energy = observe(scene, Trajectory(times, *(part.astype(float) for part in parts))).total_energy
+    # The energies are rounded to some 1e-16 of their terms, of some 10 J.
+    np.testing.assert_allclose(energy, energy[0], rtol=0, atol=1e-13)
+
+
+def test_controllers_of_joints_that_follow_others_act_on_what_they_move() -> None:
+    # The upper arm and the fore arm turn together against one another: q2 = -q1, so that the fore arm keeps its direction.
+    following = replace(ARM.joints[1], start=(-1.0,), mimic=Mimic(0, -1.0, 0.0))
+    scene = replace(ARM, joints=(ARM.joints[0], following))
+    controller = Controller(1, kp=20.0, kd=1.0, target=0.5, rate=50.0, effort_limit=5.0)
+    # The same effort on the joint that leads, with the opposite sign and law.
+    same = replace(controller, joint=0, target=-0.5)
+    one, other = (states(replace(scene, controllers=(each,)), 1.0) for each in (controller, same))
+    np.testing.assert_allclose(np.concatenate(one), np.concatenate(other), rtol=0, atol=1e-14)
+    with pytest.raises(NotModelled, match="rigid stops"):
+        followed(replace(scene, joints=(ARM.joints[0], replace(following, stops=Stops(None, 0.5)))), np.array([0.1]))
+
+
+#: An arm with a sampled law and a stop that is reached.
+LIMITED = replace(
+    stopped(ARM, None, Stops(-0.6, 0.6, 0.0)), controllers=(Controller(0, kp=20.0, kd=1.0, target=0.5, rate=50.0),)
+)
+
+
+def test_the_witness_of_a_driven_tree_agrees_within_the_bounds() -> None:
+    times = np.linspace(0.0, 0.5, 6)
+    course = followed(LIMITED, times)
+    witness = witness_of(LIMITED, times, course)
+    assert witness is not None
+    differences = apart(LIMITED, course.way.motion, witness.motion)
+    assert all((2 * course.way.errors[name] >= difference).all() for name, difference in differences.items())
+    assert max(course.way.errors["error"]) < 1e-14
+
+
+@pytest.mark.slow
+def test_the_certificate_of_a_driven_tree_has_no_faults() -> None:
+    certificate = certify_mechanism(LIMITED, np.linspace(0.0, 0.5, 6))
+    assert not certificate.faults
+    assert len(certificate.differences) == 3
+    assert certificate.bound[-1] < 1e-14
+
+
+def test_a_stop_that_is_only_touched_is_refused() -> None:
+    # Half an oscillation from rest at -0.5 ends at rest at 0.5.
+    joint = replace(HINGE.joints[0], start=(-0.5,), stiffness=2.0)
+    scene = stopped(replace(HINGE, joints=(joint,)), Stops(None, 0.5, 1.0))
+    with pytest.raises(OutOfReach):
+        by_recursion(scene, np.linspace(0.0, 1.0, 5))
+
+
+def test_an_impact_at_an_instant_of_a_controller_is_refused() -> None:
+    joint = replace(HINGE.joints[0], start=(-0.5,), start_velocity=(1.0,))
+    scene = stopped(replace(HINGE, joints=(joint,)), Stops(None, 0.0, 1.0))
+    controller = Controller(0, law="effort", effort=Samples((0.0, 0.5), (0.0, 1.0)), rate=2.0)
+    with pytest.raises(OutOfReach):
+        by_recursion(replace(scene, controllers=(controller,)), np.linspace(0.0, 1.0, 5))
+    reading = Controller(0, kd=1e-300, target_velocity=0.0, rate=2.0)
+    with pytest.raises(OutOfReach):
+        by_recursion(replace(scene, controllers=(reading,)), np.linspace(0.0, 1.0, 5))
