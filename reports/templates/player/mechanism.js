@@ -21,7 +21,8 @@ const mechanismPicture = (data) => {
   const [below, skin, over] = [0, 1, 2].map(() => picture.appendChild(svg("g", {})));
   const grid = addPath(below, "grid");
   const solids = data.bodies.map(({ solid }) => solid && solidOf(solid));
-  const [wanted, outlines, marks, ghost] = ["target", "target outline", "stop", "ghost"].map((kind) => addPath(over, kind));
+  const wanted = addPath(below, "target");
+  const [outlines, marks, ghost] = ["target outline", "stop", "ghost"].map((kind) => addPath(over, kind));
   const [pins, fixed] = ["pin", "pin fixed"].map((kind) => addPath(over, kind));
   const dot0 = (point) => `${path([point])}h0`;
   const paths = [];
