@@ -97,7 +97,7 @@ def _near(stop: dict[str, Any], curves: list[dict[str, Any]]) -> bool:
     """Return whether a stop is near the curves of its chart."""
     values = [value for row in curves if row["kind"] == stop["kind"] for value in row["value"] if value is not None]
     room = FAR * (max(values) - min(values)) or math.inf
-    return min(values) - room <= stop["value"][0] <= max(values) + room
+    return bool(min(values) - room <= stop["value"][0] <= max(values) + room)
 
 
 def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tuple[str, tuple[str, ...]]]:
@@ -109,7 +109,9 @@ def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tup
         if own:
             names = listing(list(dict.fromkeys(row["joint"] for row in own)))
             methods = list(dict.fromkeys(row["method"] for row in own if row["method"] not in (TRUTH, TARGET, STOP)))
-            notes = (f"Dashed: {listing(methods)}, where the difference is seen.",) if methods else ()
+            notes: tuple[str, ...] = ()
+            if methods:
+                notes += (f"Dashed: {listing(methods)}, where the difference is seen.",)
             notes += tuple(sentence for method, sentence in ALSO.items() if any(row["method"] == method for row in own))
             if counts[kind] > MOST_COORDINATES:
                 notes = (f"The first {MOST_COORDINATES} of {counts[kind]} are shown.", *notes)

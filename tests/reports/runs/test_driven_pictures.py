@@ -36,7 +36,7 @@ def moved(mechanism: Mechanism, *coordinates: Any) -> Any:
 
 def chain() -> Mechanism:
     """Return an arm of two links with turned frames on a slide, of which all joints have targets, and two have stops."""
-    place = {"position": (0.1, -0.2, 0.4), "attitude": (0.8, 0.2, -0.4, 0.4)}
+    place: dict[str, Any] = {"position": (0.1, -0.2, 0.4), "attitude": (0.8, 0.2, -0.4, 0.4)}
     joints = (
         Joint("elbow", "revolute", 2, 0, axis=(0.0, 3.0, 4.0), **place),
         Joint("rail", "prismatic", WORLD, 1, axis=(0.0, 2.0, 0.0), stops=Stops(-0.5, None), **place),
@@ -116,7 +116,7 @@ def test_stops_and_targets_are_in_the_units_of_the_picture() -> None:
 
 
 def test_a_body_that_looks_the_same_at_all_angles_has_an_arm() -> None:
-    arm = arm_of(hinge(), 0, [(0.0, 0.0, 0.0)])
+    arm = np.array(arm_of(hinge(), 0, [(0.0, 0.0, 0.0)]))
     assert np.linalg.norm(arm) == pytest.approx(0.1)  # its radius of gyration
     assert np.dot(arm, (0.0, 1.0, 0.0)) == 0
     cart = jointed.cart_pole()
