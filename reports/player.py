@@ -7,14 +7,14 @@ from typing import Any
 #: The files of `templates/player` without `.js`, each after the files that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "stage", "mechanism", "player",
+    "ground", "controls", "legend", "readings", "panels", "stage", "driven", "mechanism", "player",
 )  # fmt: skip
 
 #: The file for a page that contains the data of its players, and the file for a page that loads the data later.
 AT_ONCE, LATER = "start", "later"
 
-#: The file that only pages with mechanisms need.
-OF_MECHANISMS = "mechanism"
+#: The files that only pages with mechanisms need.
+OF_MECHANISMS = ("driven", "mechanism")
 
 
 def script(played: Iterable[Mapping[str, Any] | None] = ()) -> str:
@@ -23,7 +23,7 @@ def script(played: Iterable[Mapping[str, Any] | None] = ()) -> str:
     played: the data of the animations of a page; the script supports mechanisms only if any of the data is of a mechanism.
     """
     mechanisms = any(data is not None and "bodies" in data for data in played)
-    return _joined(name for name in (*PLAYER, AT_ONCE) if mechanisms or name != OF_MECHANISMS)
+    return _joined(name for name in (*PLAYER, AT_ONCE) if mechanisms or name not in OF_MECHANISMS)
 
 
 def library() -> str:

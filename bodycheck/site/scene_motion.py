@@ -51,7 +51,7 @@ def played(scene: Scene, found: list[Found]) -> dict[str, Any]:
     """
     motion = max(found, key=lambda one: (one.run.source.header.started, one.run.source.key)).motion
     frame = motion.shown
-    data = described(scene.case.scene, frame)
+    data = described(scene.case.scene, frame, motion.end)
     if frame is None:
         data["momentum"] = motion.momentum
     return {

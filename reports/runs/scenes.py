@@ -16,6 +16,7 @@ from bodycheck.reference.requirements import of_mechanism, slides
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
+from bodycheck.reports.runs.control import controllers, stops, unit_of
 
 #: The verbs for the events of bodies that touch.
 EVENTS: dict[EventKind, str] = {
@@ -113,6 +114,7 @@ def _facts(scene: AnyScene) -> tuple[Fact, ...]:
         Fact("Bodies", _bodies(scene)),
         Fact("Joints", _joints(scene)),
         *((Fact("Loops", loops),) if scene.loops else ()),
+        *((Fact("Controllers", controllers(scene)),) if scene.controllers else ()),
         surroundings,
     )
 
@@ -192,6 +194,8 @@ def _joints(mechanism: Mechanism) -> str:
         acting = [text for name, text in ACTING.items() if any(getattr(joint, name) for joint in mechanism.joints)]
         followers = sum(joint.mimic is not None for joint in mechanism.joints)
         acting += [count(followers, "joint that follows another", "joints that follow others")] if followers else []
+        stopped = sum(joint.stops is not None for joint in mechanism.joints)
+        acting += [f"stops of {count(stopped, 'joint')}"] if stopped else []
         told += f", with {listing(acting)}" if acting else ""
     return "; ".join(filter(None, (told, rest)))
 
@@ -199,6 +203,7 @@ def _joints(mechanism: Mechanism) -> str:
 def _joint(mechanism: Mechanism, joint: Joint) -> str:
     parent = "the world" if joint.parent == WORLD else mechanism.bodies[joint.parent].name
     acting = [text for name, text in ACTING.items() if getattr(joint, name)]
+    acting += [stops(joint.stops, unit_of(joint))] if joint.stops is not None else []
     with_these = f", with {listing(acting)}" if acting else ""
     follows = f", follows {mechanism.joints[joint.mimic.joint].name}" if joint.mimic is not None else ""
     return f"{joint.name}: {joint.type}, {mechanism.bodies[joint.child].name} on {parent}{with_these}{follows}"

@@ -15,6 +15,34 @@ from tests.support import campaigns
 from tests.support.browser import visiting
 from tests.support.mechanism_texts import CART_POLE
 
+#: A body that a controller moves along z, and whose target jumps.
+DRIVEN = """
+format = 2
+name = "slide"
+title = "A driven slide"
+[run]
+duration = 0.5
+samples = 26
+[[bodies]]
+name = "block"
+shape = "brick"
+semi_axes = [0.1, 0.1, 0.1]
+mass = 1.0
+[[joints]]
+name = "rail"
+type = "prismatic"
+child = "block"
+axis = [0.0, 0.0, 2.0]
+limits = {lower = -0.5, upper = 1.0}
+[[controllers]]
+joint = "rail"
+law = "pd"
+kp = 20.0
+kd = 8.0
+target = {times = [0.0, 0.2], values = [0.1, 0.8]}
+rate = 100.0
+"""
+
 
 def test_bodies_are_drawn_where_they_are(browser: Any, tmp_path: Path) -> None:
     case = parse(CART_POLE.replace("duration = 4.0", "duration = 2.0").replace("samples = 81", "samples = 41"), "cart-pole")
@@ -40,7 +68,33 @@ def test_bodies_are_drawn_where_they_are(browser: Any, tmp_path: Path) -> None:
         player.get_by_role("button", name="Pause").click()
 
 
-def places(player: Any, name: str) -> Any:
-    """The places of the bodies in the picture of a motion, in units of the extent."""
-    told = player.locator(f'svg[data-body="{name}"]').get_attribute("data-places")
+def test_targets_and_stops_of_joints_are_drawn(browser: Any, tmp_path: Path) -> None:
+    case = parse(DRIVEN, "slide")
+    results = campaigns.results(plan.plan([case], campaigns.records("mujoco"), ("Euler",), (0.01,)), tmp_path / "results")
+    (tmp_path / "report").mkdir()
+    page = reports.write([judged(results)], tmp_path / "report")[0]
+    with visiting(browser, page) as visit:
+        player = visit.page.locator("#case-slide .player")
+        player.scroll_into_view_if_needed()
+        visit.page.wait_for_selector("#case-slide .player[data-ready] .controls")
+        extent = float(visit.page.evaluate("JSON.parse(document.getElementById('playback-slide').textContent).extent"))
+        targets = {}
+        for t in (0.0, 0.19, 0.2, 0.5):
+            player.get_by_label("Time", exact=True).fill(str(t))
+            for name in ("the truth", "mujoco Euler"):
+                targets[t, name] = places(player, name, "targets")[0] * extent
+            assert targets[t, "the truth"] == pytest.approx(targets[t, "mujoco Euler"])  # the body is on the world
+        apart = targets[0.2, "the truth"] - targets[0.19, "the truth"]
+        assert apart == pytest.approx([0.0, 0.0, 0.7])
+        assert targets[0.0, "the truth"] == pytest.approx(targets[0.19, "the truth"])
+        assert targets[0.5, "the truth"] == pytest.approx(targets[0.2, "the truth"])
+        # A stop of a slide is a cross, and the slide has two stops.
+        assert player.locator('svg[data-body="the truth"] .stop').get_attribute("d").count("M") == 4
+        assert "stops of joints" in player.locator(".key").inner_text()
+        visit.page.locator("#case-slide [data-chart=joints_slide] .role-legend-symbol path").first.wait_for(state="attached")
+
+
+def places(player: Any, name: str, what: str = "places") -> Any:
+    """The places of the bodies in the picture of a motion, or of bodies at their targets, in units of the extent."""
+    told = player.locator(f'svg[data-body="{name}"]').get_attribute(f"data-{what}")
     return np.array([place.split(",") for place in told.split(";")], dtype=float)

@@ -16,6 +16,7 @@ import numpy as np
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.observables import observe
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import NoTruth, Truth, distance
 from bodycheck.results.outcome import Completed, Diverged, Outcome, Unsupported
@@ -83,7 +84,8 @@ def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) 
         if np.isnan(moved):
             nothing = "nothing gained energy or sank into the plane; mechanics gives no motion to compare with"
     else:
-        nothing = f"judged by what is conserved alone: {truth.reason}"
+        held_alone = isinstance(scene, Mechanism) and not (scene.conserves or touches(scene))
+        nothing = f"judged by {'its joints' if held_alone else 'what is conserved'} alone: {truth.reason}"
     status = max((symptom.status for symptom in symptoms), key=STATUSES.index, default="ok")
     texts = [symptom.text for symptom in symptoms]
     if not symptoms or isinstance(truth, NoTruth):

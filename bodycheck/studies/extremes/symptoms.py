@@ -13,13 +13,14 @@ import numpy as np
 
 from bodycheck.figures.conservation import energy_size
 from bodycheck.figures.touching import energy_from_plane, gained
-from bodycheck.reference.bodies import motions, of_bodies
+from bodycheck.reference.bodies import bodies, motions, of_bodies
 from bodycheck.reference.contact.observables import depth
 from bodycheck.reference.contact.touching import touching
 from bodycheck.reference.contact_observables import penetration, reach
 from bodycheck.reference.flight.closed_form import flip_period
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, normalise, rotate
 from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.mechanisms.observables import observe as observe_mechanism
 from bodycheck.reference.observables import observe
@@ -71,7 +72,7 @@ def of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
         yield from _of_touching(scene, trajectory)
     elif isinstance(scene, Mechanism):
         gap = kinematics.gaps(scene, trajectory).max(initial=0.0)
-        if gap > POSITION_LOST_FRACTION * _reach(trajectory):
+        if gap > POSITION_LOST_FRACTION * _reach(scene, trajectory):
             yield Symptom("inaccurate", f"joints or loops come apart by {gap:.3g} m")
         if scene.conserves:
             yield from _energy(scene, trajectory)
@@ -122,7 +123,7 @@ def _far(scene: AnyScene, trajectory: Trajectory, truth: Truth, longest: float) 
     """Return the position error (m) above which it is a symptom. longest: the longest path of a body in the truth (m)."""
     if touches(scene):
         return POSITION_LOST_FRACTION * max(longest, _size(scene, trajectory))
-    visible = _reach(truth.trajectory) if isinstance(scene, Mechanism) else gyration(scene.body)
+    visible = _reach(scene, truth.trajectory) if isinstance(scene, Mechanism) else gyration(scene.body)
     return max(POSITION_LOST_FRACTION * longest, VISIBLE_MOTION * visible)
 
 
@@ -235,9 +236,15 @@ def _energy(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
         yield Symptom("inaccurate", text)
 
 
-def _reach(trajectory: Trajectory) -> float:
-    """Return the largest distance (m) of any body of a mechanism from the initial position of the first body."""
-    return float(np.fmax.reduce(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1), axis=None))
+def _reach(mechanism: Mechanism, trajectory: Trajectory) -> float:
+    """Return the largest distance (m) of any body from the initial position of the first body, and from its own joint.
+
+    The size of a body counts too, so that a mechanism at rest has a reach.
+    """
+    moved = float(np.fmax.reduce(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1), axis=None))
+    sizes = [math.sqrt(float(np.trace(body.tensor)) / 2 / body.mass) for body in bodies(mechanism) if body.mass]
+    apart = [math.hypot(*nearest_inertia(body).centre) for body in mechanism.bodies]
+    return max(moved, *sizes, *apart)
 
 
 def _size(scene: AnyScene, trajectory: Trajectory) -> float:

@@ -1,9 +1,11 @@
 """The coordinates of joints over time, in the truth and in runs that differ visibly from it, as the dataset `joints`.
 
 A row is one curve: `joint`, `kind` ("angle" in rad or "slide" in m), `method`, and the arrays `t` and `value`. For a spherical
-joint, and for the attitude of a free joint, the value is the angle of the rotation. `time_charts.joints` draws the curves.
+joint, and for the attitude of a free joint, the value is the angle of the rotation. Targets of controllers are curves too. A
+stop is a row with one value, whose `beyond` is "lower" or "upper". `time_charts.joints` draws the curves.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
@@ -15,14 +17,24 @@ from bodycheck.reference.mechanisms.coordinates import COORDINATES, places
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.quantities import listing
+from bodycheck.reports.runs.targets import target_of
 from bodycheck.reports.series import corners, rounded
 
 #: The two kinds of coordinates, and the titles of their charts.
 Kind = Literal["angle", "slide"]
 TITLES: dict[Kind, str] = {"angle": "Angles of the joints", "slide": "Displacements of the joints"}
 
-#: The name of the truth among the methods.
-TRUTH = "the truth"
+#: The names of the truth, the targets and the stops among the methods.
+TRUTH, TARGET, STOP = "the truth", "the target", "a stop"
+
+#: The distance of a stop from all curves, relative to their range, above which it is left out so that curves remain readable.
+FAR = 1.0
+
+#: What the notes say of targets and stops.
+ALSO = {TARGET: "Thin and dotted: the targets of controllers.", STOP: "Bands: beyond the stops of joints."}
+
+#: The kinds of the coordinates of joints that can have a controller or stops.
+KINDS: dict[str, Kind] = {"revolute": "angle", "prismatic": "slide"}
 
 #: The most coordinates of each kind that have curves, and the most runs that have curves.
 MOST_COORDINATES, MOST_RUNS = 8, 4
@@ -53,6 +65,7 @@ def rows(
     """
     exact = _curves(mechanism, truth)
     found = [_row(name, kind, TRUTH, truth.t, values, most) for (name, kind), values in exact.items()]
+    found += [row for row in _targets(mechanism, float(truth.t[-1]), most) if (row["joint"], row["kind"]) in exact]
     drawn = 0
     for label, (motion, at_its_instants) in runs.items():
         own, beside = _curves(mechanism, motion), _curves(mechanism, at_its_instants)
@@ -60,7 +73,31 @@ def rows(
         if apart and drawn < MOST_RUNS:
             drawn += 1
             found += [_row(*key, label, motion.t, own[key], most) for key in apart]
-    return found
+    return [*found, *(row for row in _stops(mechanism) if (row["joint"], row["kind"]) in exact and _near(row, found))]
+
+
+def _targets(mechanism: Mechanism, end: float, most: int) -> Iterator[dict[str, Any]]:
+    """Yield the rows of the targets of controllers. end: the last instant (s). most: the most instants."""
+    for controller in mechanism.controllers:
+        if (target := target_of(controller, end, most)) is not None:
+            joint, (t, values) = mechanism.joints[controller.joint], target
+            yield _row(joint.name, KINDS[joint.type], TARGET, t, values, most)
+
+
+def _stops(mechanism: Mechanism) -> Iterator[dict[str, Any]]:
+    """Yield the rows of the stops."""
+    for joint in mechanism.joints:
+        for side in ("lower", "upper") if joint.stops is not None else ():
+            if (value := getattr(joint.stops, side)) is not None:
+                place = {"t": [0.0], "value": [float(f"{value:.{DIGITS}g}")]}
+                yield {"joint": joint.name, "kind": KINDS[joint.type], "method": STOP, "beyond": side, **place}
+
+
+def _near(stop: dict[str, Any], curves: list[dict[str, Any]]) -> bool:
+    """Return whether a stop is near the curves of its chart."""
+    values = [value for row in curves if row["kind"] == stop["kind"] for value in row["value"] if value is not None]
+    room = FAR * (max(values) - min(values)) or math.inf
+    return bool(min(values) - room <= stop["value"][0] <= max(values) + room)
 
 
 def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tuple[str, tuple[str, ...]]]:
@@ -71,8 +108,11 @@ def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tup
         own = [row for row in data if row["kind"] == kind]
         if own:
             names = listing(list(dict.fromkeys(row["joint"] for row in own)))
-            methods = list(dict.fromkeys(row["method"] for row in own if row["method"] != TRUTH))
-            notes = (f"Dashed: {listing(methods)}, where the difference is seen.",) if methods else ()
+            methods = list(dict.fromkeys(row["method"] for row in own if row["method"] not in (TRUTH, TARGET, STOP)))
+            notes: tuple[str, ...] = ()
+            if methods:
+                notes += (f"Dashed: {listing(methods)}, where the difference is seen.",)
+            notes += tuple(sentence for method, sentence in ALSO.items() if any(row["method"] == method for row in own))
             if counts[kind] > MOST_COORDINATES:
                 notes = (f"The first {MOST_COORDINATES} of {counts[kind]} are shown.", *notes)
             told[kind] = " ".join((f"{TITLES[kind]} over time, of the truth: {names}.", *notes)), notes

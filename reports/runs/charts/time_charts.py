@@ -25,6 +25,8 @@ from bodycheck.reports.runs.charts import joint_curves
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
 #: The opacity of the curves of all other methods if a method is highlighted.
 FADED = 0.2
+#: The width of the band of a stop, in pixels.
+BAND = 9
 #: The dash patterns of the three components: lengths on and off, in pixels.
 COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 
@@ -113,41 +115,61 @@ def momentum(frame: str) -> Spec:
 
 
 def joints(kind: str) -> Spec:
-    """Return the chart of the joint coordinates of one kind: a colour for each coordinate, solid for the truth, else dashed."""
-    title, unit = {"angle": ("Angle", "rad"), "slide": ("Displacement", "m")}[kind]
-    is_truth = f"datum.method === '{joint_curves.TRUTH}'"
+    """Return the chart of the joint coordinates of one kind: a colour for each coordinate, solid for the truth, else dashed.
 
-    def styled(truth: Any, other: Any) -> Spec:
-        return {"condition": {"test": is_truth, "value": truth}, "value": other}
+    Targets are thin and dotted. A stop is a band on its outer side in the colour of its joint.
+    """
+    title, unit = {"angle": ("Angle", "rad"), "slide": ("Displacement", "m")}[kind]
+    is_truth, is_target = (f"datum.method === '{name}'" for name in (joint_curves.TRUTH, joint_curves.TARGET))
+    is_stop = f"datum.method === '{joint_curves.STOP}'"
+    y = {
+        "field": "value",
+        "type": "quantitative",
+        "title": f"{title}, {unit}",
+        "scale": {"zero": False},
+        "axis": {"tickCount": 6, "format": "~g"},
+    }
+    # A legend would have the opacity and the form of the bands.
+    legend = {"symbolOpacity": 1, "symbolStrokeWidth": 2}
+    colour = {"field": "joint", "type": "nominal", "sort": None, "scale": {"scheme": "tableau10"}, "legend": legend}
+
+    def styled(truth: Any, target: Any, other: Any) -> Spec:
+        return {"condition": [{"test": is_truth, "value": truth}, {"test": is_target, "value": target}], "value": other}
+
+    def band(beyond: str, offset: int) -> Spec:
+        return {
+            "data": {"name": "joints"},
+            "transform": [
+                {"filter": f"datum.kind === '{kind}' && {is_stop} && datum.beyond === '{beyond}'"},
+                {"flatten": ["t", "value"]},
+            ],
+            "mark": {"type": "rect", "clip": True, "tooltip": None, "aria": False, "opacity": 0.35, "y2Offset": offset},
+            "encoding": {"x": {"value": 0}, "x2": {"value": "width"}, "y": y, "y2": {"field": "value"}, "color": colour},
+        }
 
     curves = {
         "data": {"name": "joints"},
         "transform": [
-            {"filter": f"datum.kind === '{kind}'"},
+            {"filter": f"datum.kind === '{kind}' && !({is_stop})"},
             {"filter": "indexof(hidden, datum.method) < 0"},
             {"flatten": ["t", "value"]},
         ],
         "encoding": {
             "x": _time(),
-            "y": {
-                "field": "value",
-                "type": "quantitative",
-                "title": f"{title}, {unit}",
-                "scale": {"zero": False},
-                "axis": {"tickCount": 6, "format": "~g"},
-            },
-            "color": {"field": "joint", "type": "nominal", "sort": None, "scale": {"scheme": "tableau10"}},
+            "y": y,
+            "color": colour,
             "detail": {"field": "method", "type": "nominal"},
         },
         "layer": [
             {
                 "mark": {"type": "line", "clip": True, "aria": False},
-                "encoding": {"strokeDash": styled([1, 0], [5, 4]), "strokeWidth": styled(2, 1.4)},
+                "encoding": {"strokeDash": styled([1, 0], [1.5, 3], [5, 4]), "strokeWidth": styled(2, 1.3, 1.4)},
             },
             _points(_tooltip("joint", title, unit)),
         ],
     }
-    return zoomable([curves], height=260) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
+    layers = [band("lower", BAND), band("upper", -BAND), curves]
+    return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
 
 
 def _points(tooltip: Spec) -> Spec:

@@ -44,6 +44,9 @@ def animation(scene: AnyScene, shown: Cast, most: int) -> Playback:
     return none_because(stage) if isinstance(stage, str) else played(stage, shown, most)
 
 
-def described(scene: AnyScene, frame: Frame | None) -> dict[str, Any]:
-    """Return the data of a scene for the player that do not depend on motions. frame: see `Playback`."""
-    return single_body.described(scene) if frame is None else several_bodies.described(scene, frame)
+def described(scene: AnyScene, frame: Frame | None, end: float) -> dict[str, Any]:
+    """Return the data of a scene for the player that do not depend on motions.
+
+    frame: see `Playback`. end: the last instant (s).
+    """
+    return single_body.described(scene) if frame is None else several_bodies.described(scene, frame, end)

@@ -1,8 +1,8 @@
 """The animation of bodies on joints, and of bodies that touch, as `templates/player/mechanism.js` shows them.
 
 A body with a shape is drawn as the shape. A body without a shape is drawn as sticks from its centre of mass to its own joint
-and to the joints and loops that it carries, or as a point if it has none of these. While mechanics only gives inequalities, the
-bodies of the truth are not drawn.
+and to the joints and loops that it carries, with an arm from its joint if they do not show its angle, or as a point if it has
+none of these. While mechanics only gives inequalities, the bodies of the truth are not drawn.
 """
 
 import math
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.bodies import AnyBody, bodies, initial, of_bodies
+from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.observables import floats
@@ -21,6 +22,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.quantities import number
 from bodycheck.reports.runs.motions import tracks
 from bodycheck.reports.runs.motions.cast import Cast, Shown, name_of
+from bodycheck.reports.runs.motions.driven import arm_of, driven, places_at_targets
 from bodycheck.reports.runs.motions.playback import (
     PLACE_TOLERANCE,
     TOO_FAST,
@@ -84,7 +86,7 @@ def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
     if (parts := view.parts(shown.exact)) is None:
         return f"a body turns by {TOO_FAST}"
     return Stage(
-        described(scene, view.frame),
+        described(scene, view.frame, float(shown.exact.t[-1])),
         {"parts": parts},
         view.run,
         view.frame.extent,
@@ -94,11 +96,12 @@ def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
     )
 
 
-def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
-    """Return the data of the bodies, the fixed points, the grid and the view for the player."""
+def described(scene: AnyScene, frame: Frame, end: float) -> dict[str, Any]:
+    """Return the data of the bodies, the fixed points, the grid and the view for the player. end: the last instant (s)."""
     on_plane = {} if scene.plane is None else {"ground": _ground(scene.plane, frame), "known": frame.known}
     return {
-        "bodies": [_drawn(body, _points(scene, index), frame.extent) for index, body in enumerate(bodies(scene))],
+        "bodies": [_drawn(body, _points(scene, index), _arm(scene, index), frame) for index, body in enumerate(bodies(scene))],
+        "driven": driven(scene, frame, end),
         "fixed": _fixed(scene, frame),
         "follows": _follows(scene),
         "azimuth": frame.azimuth,
@@ -111,16 +114,19 @@ def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
 def _in_space(scene: AnyScene, shown: Cast) -> _View:
     """Return the view of bodies on joints.
 
-    If nothing holds or pushes the bodies, the pictures follow the centre of mass of the truth. They look at right angles to the
-    widest horizontal extent of the motion.
+    The pictures contain the bodies of the truth, and the same at the targets of their joints. If nothing holds or pushes the
+    bodies, the pictures follow the centre of mass of the truth. They look at right angles to the widest horizontal extent of
+    the motion, arms included.
     """
     exact = of_bodies(shown.exact)
     centre = _centre(scene, exact) if _follows(scene) else np.zeros((len(exact), 3))
-    seen = exact.position - centre
-    flat = seen[..., :2].reshape(-1, 2)
+    seen, *wanted = (positions - centre for positions in (exact.position, *places_at_targets(scene, exact)))
+    ends = [(index, end) for index in range(len(exact.position)) for end in _arm(scene, index)]
+    arms = [seen[index] + rotate(exact.quaternion[index], np.array(end)) for index, end in ends]
+    flat = np.concatenate([*seen, *arms])[:, :2]
     _, axes = np.linalg.eigh(np.cov(flat.T) if len(flat) > 1 else np.eye(2))
     x, y = axes[:, 1]
-    return _View(scene, exact.t, centre, _frame(scene, [seen], math.atan2(y, x) - math.pi / 2))
+    return _View(scene, exact.t, centre, _frame(scene, [seen, *wanted], math.atan2(y, x) - math.pi / 2))
 
 
 def _on_plane(scene: AnyScene, shown: Cast) -> _View:
@@ -140,7 +146,8 @@ def _on_plane(scene: AnyScene, shown: Cast) -> _View:
 
 def _frame(scene: AnyScene, seen: Sequence[Array], azimuth: float, known: float | None = None) -> Frame:
     """Return the frame of pictures that contain the bodies at all positions. seen: arrays of positions (b, n, 3), m."""
-    radii = np.array([_radius(body, _points(scene, index)) for index, body in enumerate(bodies(scene))])[:, None, None]
+    ends = [[*_points(scene, index), *_arm(scene, index)] for index in range(len(bodies(scene)))]
+    radii = np.array([_radius(*each) for each in zip(bodies(scene), ends, strict=True)])[:, None, None]
     low = np.min([(positions - radii).min(axis=(0, 1)) for positions in seen], axis=0)
     high = np.max([(positions + radii).max(axis=(0, 1)) for positions in seen], axis=0)
     x, y, z = ((low + high) / 2).tolist()
@@ -163,15 +170,16 @@ def _known(trajectory: Trajectory) -> int:
     return len(known) if known.all() else int(np.argmin(known))
 
 
-def _drawn(body: AnyBody, joints: Sequence[Vector], extent: float) -> dict[str, Any]:
-    """Return a body as the player reads it, with lengths in units of the extent. joints: see `_points`."""
-    points = [[component / extent for component in point] for point in joints]
+def _drawn(body: AnyBody, joints: Sequence[Vector], arm: Sequence[Vector], frame: Frame) -> dict[str, Any]:
+    """Return a body as the player reads it, with lengths in units of the extent. joints, arm: see `_points` and `_arm`."""
+    points, ends = ([[component / frame.extent for component in point] for point in these] for these in (joints, arm))
     parts: dict[str, Any] = {"joints": points, "sticks": []}
     if body.shape is not None:
         kind, semi_axes = solid_of(body.shape)
-        return parts | {"solid": {"kind": kind, "semi_axes": [axis / extent for axis in semi_axes], "turned": _turned(body)}}
+        lengths = [axis / frame.extent for axis in semi_axes]
+        return parts | {"solid": {"kind": kind, "semi_axes": lengths, "turned": _turned(body)}}
     middle = [0.0, 0.0, 0.0]
-    sticks = [[point, middle] for point in points if any(point)]
+    sticks = [*([point, middle] for point in points if any(point)), *([points[0], end] for end in ends)]
     return parts | ({"sticks": sticks} if sticks else {"joints": [middle]})
 
 
@@ -190,9 +198,9 @@ def _fixed(scene: AnyScene, frame: Frame) -> list[list[float]]:
     return [((np.array(point) - frame.middle) / frame.extent).tolist() for point in (*joints, *loops)]
 
 
-def _radius(body: AnyBody, joints: Sequence[Vector]) -> float:
-    """Return the distance (m) of the farthest point of a body from its centre of mass. joints: see `_points`."""
-    reaches = [math.hypot(*point) for point in joints]
+def _radius(body: AnyBody, ends: Sequence[Vector]) -> float:
+    """Return the distance (m) of the farthest point of a body from its centre of mass. ends: of its sticks, from there (m)."""
+    reaches = [math.hypot(*point) for point in ends]
     if body.shape is not None:
         reaches.append(math.hypot(*solid_of(body.shape)[1]))
     return max(reaches, default=0.0)
@@ -211,6 +219,12 @@ def _points(scene: AnyScene, index: int) -> list[Vector]:
         points += [point for body, point in zip(loop.bodies, loop.points, strict=True) if body == index]
     a, b, c = nearest_inertia(scene.bodies[index]).centre
     return [(x - a, y - b, z - c) for x, y, z in points]
+
+
+def _arm(scene: AnyScene, index: int) -> list[Vector]:
+    """Return the end of the arm of a body that looks the same at all angles of its joint; empty for others."""
+    arm = arm_of(scene, index, _points(scene, index))
+    return [] if arm is None else [arm]
 
 
 def _ground(plane: Plane, frame: Frame) -> list[list[list[float]]]:

@@ -21,7 +21,8 @@ const mechanismPicture = (data) => {
   const [below, skin, over] = [0, 1, 2].map(() => picture.appendChild(svg("g", {})));
   const grid = addPath(below, "grid");
   const solids = data.bodies.map(({ solid }) => solid && solidOf(solid));
-  const ghost = addPath(over, "ghost");
+  const wanted = addPath(below, "target");
+  const [outlines, marks, ghost] = ["target outline", "stop", "ghost"].map((kind) => addPath(over, kind));
   const [pins, fixed] = ["pin", "pin fixed"].map((kind) => addPath(over, kind));
   const dot0 = (point) => `${path([point])}h0`;
   const paths = [];
@@ -44,8 +45,14 @@ const mechanismPicture = (data) => {
   const sticksOf = (view, sticks, { attitude, place }) =>
     sticks.map((ends) => path(ends.map((p) => project(view, add(place, rotate(attitude, p)))))).join("");
 
-  // states, truth: the states of all bodies; truth is null in the truth's own picture and if it looks the same.
-  const draw = (view, states, truth, colour) => {
+  const edgesOf = (view, k, { attitude, place }) => {
+    const there = (v) => add(place, rotate(attitude, v));
+    const seen = ({ points, normal }) => !normal || isSeen(view, there(points[0]), rotate(attitude, normal));
+    return (solids[k]?.outline ?? []).filter(seen).map(({ points }) => path(points.map((p) => project(view, there(p))), true)).join("");
+  };
+
+  // states, truth: the states of all bodies at the time `now`; truth is null in the truth's own picture and if it looks the same.
+  const draw = (view, states, truth, colour, now) => {
     assign(grid, { d: (data.ground ?? []).map((line) => path(line.map((p) => project(view, p)))).join("") });
     const order = states.map((_, k) => k).sort((a, b) => dot(states[a].place, view.toward) - dot(states[b].place, view.toward));
     const drawn = order.flatMap((k) => [
@@ -57,27 +64,26 @@ const mechanismPicture = (data) => {
     const joints = states.flatMap(({ attitude, place }, k) => data.bodies[k].joints.map((p) => add(place, rotate(attitude, p))));
     assign(pins, { d: joints.map((p) => dot0(project(view, p))).join("") });
     assign(fixed, { d: data.fixed.map((p) => dot0(project(view, p))).join("") });
-    let outline = "";
-    truth?.forEach((state, k) => {
-      const there = (v) => add(state.place, rotate(state.attitude, v));
-      outline += sticksOf(view, data.bodies[k].sticks, state);
-      for (const { points, normal } of solids[k]?.outline ?? [])
-        if (!normal || isSeen(view, there(points[0]), rotate(state.attitude, normal)))
-          outline += path(points.map((p) => project(view, there(p))), true);
-    });
-    assign(ghost, { d: outline });
+    assign(ghost, { d: (truth ?? []).map((state, k) => sticksOf(view, data.bodies[k].sticks, state) + edgesOf(view, k, state)).join("") });
+    const targets = targetsAt(data.driven, states, now);
+    assign(wanted, { d: [...targets].map(([k, pose]) => sticksOf(view, data.bodies[k].sticks, pose)).join("") });
+    assign(outlines, { d: [...targets].map(([k, pose]) => edgesOf(view, k, pose)).join("") });
+    assign(marks, { d: stopsOf(data.driven, states).map((ends) => path(ends.map((p) => project(view, p)))).join("") });
+    picture.dataset.targets = [...targets.values()].map(({ place }) => place.join(",")).join(";");
     picture.dataset.places = states.map(({ place }) => place.join(",")).join(";");
   };
   return { picture, draw };
 };
 
-const mechanismLegend = ({ within, bodies, follows, known, end }) => {
+const mechanismLegend = ({ within, bodies, driven, follows, known, end }) => {
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, words) =>
     legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
   if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape: from its joint to its centre of mass and to the next joints");
   if (bodies.some(({ joints }) => joints.length)) explain("pin", "M13 6h0", "joint");
   explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
+  if (driven.some(({ target }) => target)) explain("target", "M2 9 13 3 24 9", "bodies at the targets of their joints");
+  if (driven.some(({ stops }) => stops)) explain("stop", "M9 1V11M17 1V11", "stops of joints");
   if (known < end) legend.append(html("span", {}, `Mechanics gives no motion ${known < 0 ? "" : `after ${number(known, 3)} s`}, and no body of the truth is drawn then.`));
   if (follows) legend.append(html("span", {}, "Pictures follow the centre of mass of the truth."));
   legend.append(html("span", {}, `Attitudes are drawn to within ${within} rad. A method that is closer to the truth than this is drawn like the truth.`));
@@ -125,14 +131,14 @@ const buildMechanism = (figure, data) => {
     all().forEach((body, k) => {
       panels[k].picture.dataset.time = now;
       if (!isKnown(now)) {
-        panels[k].draw(view, k ? statesAt(body.parts, now) : [], null, body.colour);
+        panels[k].draw(view, k ? statesAt(body.parts, now) : [], null, body.colour, now);
         panels[k].words.textContent = k ? "nothing to\ncompare with" : "mechanics gives\nno motion";
         return;
       }
       const states = k && !body.isAlike ? statesAt(body.parts, now) : exact;
       const difference = mechanismDifference(states, exact);
       const isApart = k > 0 && (difference.angle > indistinct(data.within) || difference.shift > APART);
-      panels[k].draw(view, states, isApart ? exact : null, body.colour);
+      panels[k].draw(view, states, isApart ? exact : null, body.colour, now);
       panels[k].words.textContent = k ? wordsOf(body, difference) : `fastest body turning at\n${number(largestOf(states.map(({ rate }) => length(rate))))} rad/s`;
     });
   };

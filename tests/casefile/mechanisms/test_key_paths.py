@@ -36,6 +36,24 @@ def test_a_number_of_a_joint_is_drawn_by_name_or_number(key: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("key", "whole"),
+    [
+        ("controllers.pin.kp", ("controllers", 0, "kp")),
+        ("controllers.0.rate", ("controllers", 0, "rate")),
+        ("controllers.pin.target.amplitude", ("controllers", 0, "target", "amplitude")),
+    ],
+)
+def test_a_number_of_a_controller_is_drawn_by_its_joint_or_number(key: str, whole: tuple[str | int, ...]) -> None:
+    table = '[[controllers]]\njoint = "pin"\nlaw = "pd"\nkp = 2.0\nrate = 100.0\n'
+    signal = "target = {amplitude = 0.5, angular_frequency = 3.0}\n"
+    text = drawing(f"{CART_POLE}\n{table}{signal}", key=f'"{key}"', distribution='"uniform"', low=1.0, high=3.0)
+    case = parse(text, "f")
+    assert case.ensemble is not None
+    (variation,) = case.ensemble.vary
+    assert (variation.key.text, variation.key.whole) == (key.replace(".0.", ".pin."), whole)
+
+
+@pytest.mark.parametrize(
     ("name", "paths"),
     [
         ("8", ["joints.'8'.damping", 'joints."8".damping', "joints.1.damping"]),

@@ -9,13 +9,16 @@ import pytest
 from bodycheck import load
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import NoTruth
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, growth
 from bodycheck.studies.extremes.study import follow
 from bodycheck.studies.extremes.symptoms import flips, gyration
 from tests.support.cases import shortened
+from tests.support.driven_hinge import PD, hinge
 from tests.support.wording import facts
 
 CASE = shortened(load("intermediate-axis-flip"), 4.0, 401)
@@ -224,3 +227,14 @@ def test_a_random_walk_grows_as_the_square_root() -> None:
     laws = [growth(np.linalg.norm(walk - walk[0], axis=1)).law for walk in walks]
     assert laws.count("growing as the square root of the steps") >= 160
     assert set(laws) <= {"bounded", "growing as the square root of the steps", "growing linearly"}
+
+
+def test_a_mechanism_at_rest_has_a_size() -> None:
+    resting = truth(hinge(), np.linspace(0, 1, 11))
+    beside = replace(resting.trajectory, position=resting.trajectory.position + 1e-17)
+    assert diagnose(hinge(), Completed(beside, 10, 1.0), resting).status == "ok"
+
+
+def test_a_driven_mechanism_without_a_truth_is_judged_by_its_joints() -> None:
+    told = diagnose(hinge(PD), Completed(kinematics.initial(hinge()), 0, 1.0), NoTruth("the reference does not model that"))
+    assert told.detail == "judged by its joints alone: the reference does not model that"
