@@ -96,10 +96,13 @@ def test_a_report_that_is_made_again_is_the_first_one_to_the_last_byte(
 def test_no_engine_is_needed_and_nothing_is_simulated(again: tuple[Path, dict[str, int], list[str]]) -> None:
     assert set(again[2]) == {
         "bodycheck.adapters.contract",
+        "bodycheck.adapters.control_laws",
+        "bodycheck.adapters.driving",
         "bodycheck.adapters.engine_name",
         "bodycheck.adapters.engine_record",
         "bodycheck.adapters.method",
         "bodycheck.adapters.roles",
+        "bodycheck.adapters.scheduling",
         *(name for name in BANNED if "adapters" in name),
     }
 

@@ -79,7 +79,7 @@ def test_engines_name_what_they_cannot_model(engine: str) -> None:
     with pytest.raises(SceneUnsupported, match="does not model drag together with contact"):
         offers.prepare(adapter, [replace(LYING, drag=0.1)], method)
     offers.prepare(adapter, [LYING], method)
-    assert offers.not_modelled(adapter.engine, FLYING) is offers.not_modelled(adapter.engine, LYING) is None
+    assert offers.not_modelled(adapter.engine, FLYING, method) is offers.not_modelled(adapter.engine, LYING, method) is None
 
 
 def test_the_command_shows_them(capsys: pytest.CaptureFixture[str]) -> None:
