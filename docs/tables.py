@@ -1,6 +1,6 @@
 """Renew what pages take from the source code and from claims. Run: python docs/tables.py
 
-- `docs/cases.md` has tables of figures and of axes from the source code.
+- `docs/cases.md` has tables of figures and of axes from the source code, and `docs/driven.md` one of driven cases.
 - A page has sentences of claims between the lines `<!-- claims: ENGINE/NAME ENGINE/NAME:WORDING -->` and
   `<!-- end of claims -->`.
 - `docs/claims.md` is the list of all claims.
@@ -8,18 +8,22 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.case import load, shipped
 from bodycheck.figures.columns import LIMITED
 from claims import records
 from claims.records import Claim
 
 ROOT = Path(__file__).resolve().parents[1]
 
-#: The page with tables from the source code, and the page with all claims.
-CASES, CLAIMS = ROOT / "docs" / "cases.md", ROOT / "docs" / "claims.md"
+#: The pages with tables from the source code, and the page with all claims.
+CASES, DRIVEN, CLAIMS = (ROOT / "docs" / name for name in ("cases.md", "driven.md", "claims.md"))
+
+#: The tag of the cases of driven joints.
+TAG = "driven"
 
 #: What a table stands between: a line for its name, and a line that is the same for all.
 BEGIN, END = "<!-- {} from the source code; renewed by: python docs/tables.py -->", "<!-- end of the table -->"
@@ -39,19 +43,23 @@ CONTRIBUTING.md says how to add a claim.
 """
 
 
-def tables() -> dict[str, str]:
-    """Return the tables as Markdown, by the names that stand in the lines before them."""
+def tables() -> dict[Path, dict[str, str]]:
+    """Return the tables of each page as Markdown, by the names that stand in the lines before them."""
     axes = [(f"`{axis.name}`", axis.unit or "1", _sentence(axis.meaning, axis.remark)) for axis in AXES.values()]
     figures = [(f"`{name}`", column.unit or "1", _sentence(column.told, column.remark)) for name, column in LIMITED.items()]
+    driven = [(f"`{case.name}`", case.title) for case in map(load, shipped()) if TAG in case.tags]
     return {
-        "Axes": _table(("axis", "unit", "what it sets"), axes),
-        "Figures": _table(("key", "unit", "what it is"), figures),
+        CASES: {
+            "Axes": _table(("axis", "unit", "what it sets"), axes),
+            "Figures": _table(("key", "unit", "what it is"), figures),
+        },
+        DRIVEN: {"Driven cases": _table(("case", "what it is"), driven)},
     }
 
 
-def renewed(text: str) -> str:
-    """Return the text of the page with its tables renewed. Raises `ValueError` where the place of a table is missing."""
-    for name, table in tables().items():
+def renewed(text: str, tables_of_page: Mapping[str, str]) -> str:
+    """Return the text of a page with its tables renewed. Raises `ValueError` where the place of a table is missing."""
+    for name, table in tables_of_page.items():
         before, begin, rest = text.partition(BEGIN.format(name))
         _, end, after = rest.partition(END)
         if not (begin and end):
@@ -76,7 +84,8 @@ def pages() -> dict[Path, str]:
     """Return the renewed text of every page that takes something from the source code or from claims."""
     texts = {page: page.read_text("utf-8") for page in (*ROOT.glob("*.md"), *sorted((ROOT / "docs").rglob("*.md")))}
     changed = {page: with_claims(text, page) for page, text in texts.items() if "<!-- claims: " in text}
-    return {**changed, CASES: renewed(changed.get(CASES, texts[CASES])), CLAIMS: page_of_claims()}
+    with_tables = {page: renewed(changed.get(page, texts[page]), of_page) for page, of_page in tables().items()}
+    return {**changed, **with_tables, CLAIMS: page_of_claims()}
 
 
 def page_of_claims() -> str:

@@ -1,7 +1,8 @@
 """Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
 
 Bodies and joints of a mechanism are given by their names, as in `joints.pin.damping`, or counted from 0, as in
-`joints.1.damping`. Names that are numbers or have special characters are quoted, as in `joints."8".damping`.
+`joints.1.damping`; controllers are given by the names of their joints, as in `controllers.pin.kp`. Names that are numbers or
+have special characters are quoted, as in `joints."8".damping`.
 
 The key paths follow from the content of the file and from the grammar of the tables that determine the motion: a new key of
 such a table can be drawn at once.
@@ -28,8 +29,8 @@ from bodycheck.suggestion import did_you_mean
 
 #: The tables whose numbers determine the motion, of one body and of mechanisms, and the tables that are arrays of tables.
 MOVING = ("body", "initial", "scene", "run")
-OF_MECHANISMS = ("bodies", "joints", "loops", "scene", "run")
-ARRAYS = ("bodies", "joints", "loops")
+OF_MECHANISMS = ("bodies", "joints", "loops", "controllers", "scene", "run")
+ARRAYS = ("bodies", "joints", "loops", "controllers")
 
 #: The key of the initial attitude as a quaternion, which the distribution `attitude` draws.
 ATTITUDE = "initial.quaternion"
@@ -52,8 +53,11 @@ OPTIONAL = frozenset({*DEFAULTS, "inertia"})
 #: A number that counts the items of an array, from 0.
 INDEX = re.compile(r"0|[1-9][0-9]{0,5}")
 
-#: The beginning of the path of a key of a body or joint that is given by its index, or by its name in quotes.
-PART = re.compile(r"""(?P<array>bodies|joints)\.(?P<part>0|[1-9][0-9]{0,5}|"(?:[^"\\]|\\.)*"|'[^']*')(?=\.)""")
+#: The arrays of tables with names, and the key of each that has the name.
+NAMES = {"bodies": "name", "joints": "name", "controllers": "joint"}
+
+#: The beginning of the path of a key of such a table that is given by its index, or by its name in quotes.
+PART = re.compile(r"""(?P<array>bodies|joints|controllers)\.(?P<part>0|[1-9][0-9]{0,5}|"(?:[^"\\]|\\.)*"|'[^']*')(?=\.)""")
 
 #: The most keys that a message lists.
 MAX_LISTED = 30
@@ -101,9 +105,9 @@ def _that_follow(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _named(key: Key, content: Mapping[str, Any]) -> Key:
-    """Return a key of a table with the name of the body or joint instead of its number."""
-    name = content.get("name")
-    if len(key.whole) < 3 or key.whole[0] not in ("bodies", "joints") or not isinstance(name, str):
+    """Return a key of a table with the name of the body, or of the joint, instead of its number."""
+    name = content.get(NAMES.get(str(key.whole[0]), ""))
+    if len(key.whole) < 3 or not isinstance(name, str):
         return key
     return replace(key, named=(key.whole[0], name, *key.whole[2:]))
 
@@ -145,7 +149,7 @@ def _with_name(text: str, document: Mapping[str, Any]) -> str:
         return text
     array, part, key = match["array"], match["part"], text[match.end() :]
     if INDEX.fullmatch(part):
-        name = mapping(value_at(document, (array, int(part)))).get("name")
+        name = mapping(value_at(document, (array, int(part)))).get(NAMES[array])
     else:
         try:
             (name,) = tomllib.loads(f"{part} = 0")
@@ -232,7 +236,7 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
         value = content.get(name)
         if value is None and table.model_fields[name].default is None and name not in OPTIONAL:
             continue
-        form = next((form for form in forms if len(form.shape) == _depth(value)), forms[0])
+        form = next((form for form in forms if _fits_value(form, value)), forms[0])
         if form.table is None:
             yield Key((*path, name), form.shape, sign=form.sign)
         elif form.repeated:
@@ -240,6 +244,13 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
                 yield from _of_table(form.table, (*path, name, index), mapping(item))
         elif isinstance(value, dict) or (value is None and table.model_fields[name].default_factory):
             yield from _of_table(form.table, (*path, name), mapping(value))
+
+
+def _fits_value(form: _Form, value: Any) -> bool:
+    """Return whether a form is that of a value: a table has known keys alone, and numbers have the same shape."""
+    if isinstance(value, dict):
+        return form.table is not None and value.keys() <= form.table.model_fields.keys()
+    return len(form.shape) == _depth(value)
 
 
 def _depth(value: Any) -> int:

@@ -139,7 +139,7 @@ def with_model(
 
 
 def choice(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of `Choice` in a raw document with a table `[model]`, except `files`. Invalid values count as absent."""
+    """Return the fields of `Choice` in a raw document with `[model]`, except `files`; invalid values count as absent."""
     table = mapping(document.get("model"))
     ignore, use, keyframe = table.get("ignore"), table.get("use"), table.get("keyframe")
     names = [table.get("joint") for table in tables_of(document, "controllers", MAX_BODIES)]

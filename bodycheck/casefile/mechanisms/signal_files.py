@@ -1,4 +1,4 @@
-"""The files of signals of controllers: CSV files in the folder of the case file or below it, whose first column is the time `t`.
+"""The files of signals of controllers: CSV files in the folder of the case file or below it, whose first column is `t` (s).
 
 What was read of them is appended to the text of the case as tables `[[signals]]`, so that the text contains all numbers of the
 motion and is read again without any file. The files may come from strangers: they are regular files of limited size, and no
@@ -46,11 +46,17 @@ _number: TypeAdapter[float] = TypeAdapter(Number)
 
 @dataclass(frozen=True)
 class _Reference:
-    """A signal that names a column of a file: the path of its table in the document, and the two names."""
+    """A signal that names a column of a file: the index of its controller, the key of the signal, and the two names."""
 
-    path: Path
+    controller: int
+    key: str
     file: str
     column: str
+
+    @property
+    def path(self) -> Path:
+        """The path of the table of the signal in the document."""
+        return ("controllers", self.controller, self.key)
 
 
 @dataclass(frozen=True)
@@ -95,7 +101,8 @@ def with_signals(text: str, document: Mapping[str, Any], folder: FilePath) -> tu
             stored += 2 * len(times)
             tables[each.file, each.column] = "".join(f"{key} = {in_line(value)}\n" for key, value in keys.items())
     if stored > MAX_STORED:
-        faults.append((references[0].path, f"the files of signals have {stored} times and values in all; allowed: {MAX_STORED}"))
+        message = f"the files of signals have {stored} times and values in all; allowed: {MAX_STORED}"
+        faults.append((references[0].path, message))
     if faults:
         return text, tuple(dict.fromkeys(faults))
     return text + MARK + "\n".join(f"[[signals]]\n{table}" for table in tables.values()), ()
@@ -109,12 +116,12 @@ def resolved(document: dict[str, Any]) -> tuple[dict[str, Any], tuple[tuple[Path
     columns = {(each["file"], each["column"]): each for each in _valid(document)}
     controllers, faults = [dict(table) for table in tables_of(document, "controllers", 2 * MAX_BODIES)], []
     for each in references:
-        _, index, key = each.path
         if (read := columns.get((each.file, each.column))) is None:
             faults.append(((*each.path, "file"), "is read only where a case file is loaded from its folder"))
             continue
-        others = {name: value for name, value in controllers[int(index)][key].items() if name not in ("file", "column")}
-        controllers[int(index)][key] = {"times": read["times"], "values": read["values"], **others}
+        controller = controllers[each.controller]
+        others = {name: value for name, value in controller[each.key].items() if name not in ("file", "column")}
+        controller[each.key] = {"times": read["times"], "values": read["values"], **others}
     return {**document, "controllers": controllers}, tuple(faults)
 
 
@@ -137,14 +144,16 @@ def _references(document: Mapping[str, Any]) -> Iterator[_Reference]:
             signal = mapping(controller.get(key))
             file, column = signal.get("file"), signal.get("column")
             if kind_of_signal(signal) == "file" and isinstance(file, str) and isinstance(column, str):
-                yield _Reference(("controllers", index, key), file, column)
+                yield _Reference(index, key, file, column)
 
 
 def _content(name: str, folders: Folders, contents: dict[str, "_Csv | _Faults"]) -> _Csv:
     """Return the content of a named file, which is kept in `contents`. Raises `_Faults` if it cannot be read."""
     if name not in contents:
         try:
-            contents[name] = _read(name, folders) if len(contents) < MAX_FILES else _Faults([f"is one of over {MAX_FILES} files"])
+            if len(contents) >= MAX_FILES:
+                raise _Faults([f"is one of over {MAX_FILES} files"])
+            contents[name] = _read(name, folders)
         except _Faults as error:
             contents[name] = error
     if isinstance(content := contents[name], _Faults):
@@ -203,7 +212,8 @@ def _signal(content: _Csv, column: str) -> tuple[list[float], list[float]]:
     if not faults:
         for (before, after), (line, row) in zip(pairwise(times), content.rows[1:], strict=True):
             if not before < after:
-                faults.append(f"line {line}, column {TIME}: read {row[0].strip()}; allowed: a time after {before!r}, as times ascend")
+                read = f"line {line}, column {TIME}: read {row[0].strip()}"
+                faults.append(f"{read}; allowed: a time after {before!r}, as times ascend")
     if faults:
         raise _Faults(faults)
     return times, values
