@@ -58,7 +58,7 @@ def test_ranges_are_rigid_stops(tmp_path: Path) -> None:
 
 def test_a_joint_that_starts_outside_its_range(tmp_path: Path) -> None:
     with pytest.raises(
-        CaseFaults, match="joint 'k': its range: lower 0.5 the joint starts outside, at 0.0.*leaves this range out"
+        CaseFaults, match=r"joint 'k': its range: lower 0.5 the joint starts outside, at 0.0.*leaves this range out"
     ):
         read(tmp_path, 'use = ["limits"]\nignore = ["actuators"]')
     case, scene = read(tmp_path, 'use = ["limits"]\nignore = ["actuators", "limits"]')
@@ -85,8 +85,8 @@ def test_an_actuator_that_is_no_controller_is_a_fault(tmp_path: Path) -> None:
     with pytest.raises(CaseFaults) as caught:
         read(tmp_path, 'use = ["actuators"]')
     assert [fault.message for fault in caught.value.faults] == [
-        "read 'robot.xml'; 1 position servo (line 7) acts on something else than a joint, which a case cannot state yet; "
-        'ignore = ["actuators"] leaves it out'
+        "read 'robot.xml'; 1 position servo (robot.xml, line 7) acts on something else than a joint, "
+        'which a case cannot state yet; ignore = ["actuators"] leaves it out'
     ]
 
 
