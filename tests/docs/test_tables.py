@@ -23,7 +23,7 @@ def test_pages_are_what_the_script_writes(script: dict[str, Any]) -> None:
 
 def test_a_page_without_the_places_of_the_tables_is_refused(script: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="no place for the table 'Axes'"):
-        script["renewed"]("a page")
+        script["renewed"]("a page", {"Axes": "a table"})
 
 
 def test_sentences_of_claims_are_inserted_into_a_page(script: dict[str, Any]) -> None:

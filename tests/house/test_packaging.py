@@ -18,6 +18,9 @@ FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapt
 SHIPPED = (
     "**/*.py",
     "**/*.case.toml",
+    "driven/*.urdf",
+    "driven/*.xml",
+    "driven/*.csv",
     "template*.toml",
     "*.schema.json",
     "templates/*.*",
