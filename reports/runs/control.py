@@ -10,15 +10,15 @@ MOST_TOLD = 6
 
 def controllers(mechanism: Mechanism) -> str:
     """Return the description of the controllers: each of them, or their number if there are many."""
-    told = [_controller(mechanism.joints[each.joint], each) for each in mechanism.controllers[:MOST_TOLD]]
+    sentences = [_controller(mechanism.joints[each.joint], each) for each in mechanism.controllers[:MOST_TOLD]]
     if (more := len(mechanism.controllers) - MOST_TOLD) > 0:
-        told.append(f"and {count(more, 'further controller')}")
-    return "; ".join(told)
+        sentences.append(f"and {count(more, 'further controller')}")
+    return "; ".join(sentences)
 
 
 def stops(these: Stops, unit: str) -> str:
     """Return the description of the stops of a joint. unit: of its coordinate."""
-    places = listing([number(place) for place in (these.lower, these.upper) if place is not None])
+    places = listing([number(end) for end in (these.lower, these.upper) if end is not None])
     if these.rigid:
         assert these.restitution is not None
         kind = f"rigid, restitution {number(these.restitution)}"

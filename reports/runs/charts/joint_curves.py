@@ -64,16 +64,16 @@ def rows(
         The most instants of a curve.
     """
     exact = _curves(mechanism, truth)
-    found = [_row(name, kind, TRUTH, truth.t, values, most) for (name, kind), values in exact.items()]
-    found += [row for row in _targets(mechanism, float(truth.t[-1]), most) if (row["joint"], row["kind"]) in exact]
+    drawn_rows = [_row(name, kind, TRUTH, truth.t, values, most) for (name, kind), values in exact.items()]
+    drawn_rows += [row for row in _targets(mechanism, float(truth.t[-1]), most) if (row["joint"], row["kind"]) in exact]
     drawn = 0
     for label, (motion, at_its_instants) in runs.items():
         own, beside = _curves(mechanism, motion), _curves(mechanism, at_its_instants)
         apart = [key for key, values in own.items() if _differs(values, beside[key])]
         if apart and drawn < MOST_RUNS:
             drawn += 1
-            found += [_row(*key, label, motion.t, own[key], most) for key in apart]
-    return [*found, *(row for row in _stops(mechanism) if (row["joint"], row["kind"]) in exact and _near(row, found))]
+            drawn_rows += [_row(*key, label, motion.t, own[key], most) for key in apart]
+    return [*drawn_rows, *(row for row in _stops(mechanism) if (row["joint"], row["kind"]) in exact and _near(row, drawn_rows))]
 
 
 def _targets(mechanism: Mechanism, end: float, most: int) -> Iterator[dict[str, Any]]:
@@ -89,8 +89,8 @@ def _stops(mechanism: Mechanism) -> Iterator[dict[str, Any]]:
     for joint in mechanism.joints:
         for side in ("lower", "upper") if joint.stops is not None else ():
             if (value := getattr(joint.stops, side)) is not None:
-                place = {"t": [0.0], "value": [float(f"{value:.{DIGITS}g}")]}
-                yield {"joint": joint.name, "kind": KINDS[joint.type], "method": STOP, "beyond": side, **place}
+                point = {"t": [0.0], "value": [float(f"{value:.{DIGITS}g}")]}
+                yield {"joint": joint.name, "kind": KINDS[joint.type], "method": STOP, "beyond": side, **point}
 
 
 def _near(stop: dict[str, Any], curves: list[dict[str, Any]]) -> bool:
