@@ -202,12 +202,12 @@ def _signal(content: _Csv, column: str) -> tuple[list[float], list[float]]:
         if len(row) != len(content.headings):
             faults.append(f"line {line}: has {len(row)} fields; allowed: {len(content.headings)}, as many as headings")
             continue
-        for column, values in zip(places, series, strict=True):
+        for index, values in zip(places, series, strict=True):
             try:
-                values.append(_value(row[column]))
+                values.append(_value(row[index]))
             except ValueError:
-                heading = quote(content.headings[column])[1:-1]
-                faults.append(f"line {line}, column {heading}: read {quote(row[column])}; allowed: a number of at most 1e100")
+                heading = quote(content.headings[index])[1:-1]
+                faults.append(f"line {line}, column {heading}: read {quote(row[index])}; allowed: a number of at most 1e100")
     times, values = series
     if not faults:
         for (before, after), (line, row) in zip(pairwise(times), content.rows[1:], strict=True):

@@ -83,7 +83,7 @@ class _NoController(Exception):
 
 @dataclass(frozen=True)
 class _File:
-    """The surroundings of the laws of actuators: the joints of the file by their names, its settings, and what it switches off."""
+    """The surroundings of laws of actuators: the joints of the file by name, its settings, and what it switches off."""
 
     tree: Tree
     options: Options
