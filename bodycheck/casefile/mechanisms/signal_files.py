@@ -197,17 +197,17 @@ def _signal(content: _Csv, column: str) -> tuple[list[float], list[float]]:
         listed = ", ".join(first_names([quote(heading)[1:-1] for heading in allowed])) or "none, as it has no other column"
         raise _Faults([f"has no column {quote(column)}; allowed: {listed}{did_you_mean(column, allowed)}"])
     faults, series = [], (list[float](), list[float]())
-    places = (0, content.headings.index(column))
+    columns = (0, content.headings.index(column))
     for line, row in content.rows:
         if len(row) != len(content.headings):
             faults.append(f"line {line}: has {len(row)} fields; allowed: {len(content.headings)}, as many as headings")
             continue
-        for place, values in zip(places, series, strict=True):
+        for index, values in zip(columns, series, strict=True):
             try:
-                values.append(_value(row[place]))
+                values.append(_value(row[index]))
             except ValueError:
-                heading = quote(content.headings[place])[1:-1]
-                faults.append(f"line {line}, column {heading}: read {quote(row[place])}; allowed: a number of at most 1e100")
+                heading = quote(content.headings[index])[1:-1]
+                faults.append(f"line {line}, column {heading}: read {quote(row[index])}; allowed: a number of at most 1e100")
     times, values = series
     if not faults:
         for (before, after), (line, row) in zip(pairwise(times), content.rows[1:], strict=True):
