@@ -47,9 +47,6 @@ DURATIONS, GROWN = (1.0, 0.5, 0.25), 0.1
 #: The duration in the text of a case.
 DURATION = re.compile(r"^duration = .*$", re.MULTILINE)
 
-#: The words of `ignore` that a message names.
-WORD = re.compile(r'ignore = \["(\w+)"\]')
-
 #: The velocities of joints in the text of a case: single numbers, or three.
 VELOCITY = re.compile(r"^velocity = (\[.*\])?.*$", re.MULTILINE)
 
@@ -107,8 +104,7 @@ def case_of(path: Path, folder: Path) -> tuple[Case, tuple[Ignored, ...]] | str:
     try:
         return scene_of_robot(path, (folder,)), ()
     except CaseFaults as faults:
-        reasons = [fault.message for fault in faults.faults]
-    words: tuple[Ignored, ...] = tuple(dict.fromkeys(WORD.findall(" ".join(reasons))))  # type: ignore[arg-type]
+        words = tuple(dict.fromkeys(fault.ignore for fault in faults.faults if fault.ignore is not None))
     try:
         return scene_of_robot(path, (folder,), ignore=words), words
     except CaseFaults as faults:

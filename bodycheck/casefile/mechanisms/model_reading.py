@@ -52,7 +52,7 @@ def read(text: str, file: str, choice: Choice) -> Read:
 
 def stored(result: Read, choice: Choice, file: str) -> dict[str, Any]:
     """Return the table `[model.stored]` for the result of reading a file, without the files that were read."""
-    limits = () if "limits" in choice.ignore else result.ranges
+    limits = () if "limits" in choice.ignore - choice.use else result.ranges
     table = {
         "base": result.base,
         "timestep": result.timestep,

@@ -9,8 +9,8 @@ from bodycheck.casefile.robots.reading import Choice, Feature, Ignored, Read
 #: Verbs of clauses in the plural, and words for the singular, for a clause about one part.
 SINGULAR = {
     "are": "is", "have": "has", "do": "does", "exert": "exerts", "act": "acts", "move": "moves", "hold": "holds",
-    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "share": "shares", "give": "gives", "their": "its", "them": "it",
-    "they": "it",
+    "need": "needs", "state": "states", "follow": "follows", "carry": "carries", "share": "shares", "give": "gives",
+    "push": "pushes", "their": "its", "them": "it", "they": "it",
 }  # fmt: skip
 
 #: Most lines, or ranges of lines, that a sentence lists; more are given as one range from the first to the last.

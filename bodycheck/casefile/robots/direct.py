@@ -8,11 +8,11 @@ from typing import Literal
 from bodycheck.casefile.case import CaseFaults, Fault, parse
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.mechanisms import model_reading, stored
-from bodycheck.casefile.mechanisms.grammar import IGNORED
+from bodycheck.casefile.mechanisms.grammar import IGNORED, USED
 from bodycheck.casefile.mechanisms.model import BASE_KEYS
 from bodycheck.casefile.mechanisms.model_files import ModelFiles
 from bodycheck.casefile.robots.named import case_name, short_name
-from bodycheck.casefile.robots.reading import FIRST_IF_ANY, Choice, Ignored, Read
+from bodycheck.casefile.robots.reading import FIRST_IF_ANY, Choice, Ignored, Read, Used
 from bodycheck.casefile.toml_text import in_line, key_in_text
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
@@ -23,6 +23,10 @@ GRAVITY = 9.81
 
 #: The duration (s) and the number of samples.
 DURATION, SAMPLES = 1.0, 101
+
+#: What is taken over beside bodies and joints. Ranges of joints are no stops: the truths of large robots with stops take ten times
+#: as long, and end before the duration of the case for many that fall; the notices say from when on ranges would act.
+TAKEN_OVER: frozenset[Used] = frozenset({"actuators"})
 
 #: What leaves out a feature of a robot's file that is given in the place of a case.
 OPTION = "--ignore {}"
@@ -68,7 +72,8 @@ def text_of_robot(
 ) -> str:
     """Return the text of a case file for a robot's file, with the initial states of all joints.
 
-    Joints start at the first keyframe of the file, or at zero if it has none. The gravity is that of the file.
+    Joints start at the first keyframe of the file, or at zero if it has none. The gravity is that of the file. Actuators that can
+    be controllers are, and the others are left out.
 
     Parameters
     ----------
@@ -97,7 +102,9 @@ def _read(
 ) -> tuple[ModelFiles, Choice, Read]:
     """Return the files of a robot, the way in which they are read, and the result, whose joints start at the first keyframe."""
     files = ModelFiles(path, packages, follow=True)
-    choice = Choice(files, frozenset(ignore), base, FIRST_IF_ANY)
+    left_out = frozenset(ignore)
+    used = TAKEN_OVER - left_out
+    choice = Choice(files, left_out | used, base, FIRST_IF_ANY, use=used)
     read = model_reading.read(files.texts[path.name], path.name, choice)
     x, y, z = read.gravity or (0.0, 0.0, 0.0)
     if not (x or y or z > 0):
@@ -109,7 +116,7 @@ def _read(
 
 def _text(path: Path, choice: Choice, read: Read, name: str | None) -> str:
     """Return the text of a case file for the result of reading a robot's file."""
-    words = [word for word in IGNORED if word in choice.ignore]
+    words, used = [word for word in IGNORED if word in choice.ignore], [word for word in USED if word in choice.use]
     keyframe = _first_keyframe(read)
     lines = [
         "format = 2",
@@ -120,6 +127,7 @@ def _text(path: Path, choice: Choice, read: Read, name: str | None) -> str:
         f"file = {in_line(path.name)}",
         f"base = {in_line(choice.base)}  # fixed: as the file says; free: the root link floats",
         f"ignore = {in_line(words)}  # what is left out on purpose, of: {', '.join(IGNORED)}",
+        f"use = {in_line(used)}  # what is taken over, of: {', '.join(USED)}; ignore leaves out what cannot be",
         *(["upright = true  # the world is turned so that the gravity of the file is along -z"] if choice.upright else []),
         *([] if keyframe is None else [f"keyframe = {in_line(keyframe)}  # the states below replace its states"]),
         *_starts(read),

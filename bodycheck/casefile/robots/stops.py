@@ -23,17 +23,18 @@ Ends = tuple[Fraction | None, Fraction | None]
 def with_stops(read: Read) -> Read:
     """Return the result of reading a file with stops in its tables of joints instead of ranges.
 
-    Limits of other joints are features that act.
+    Limits of other joints are features that act. Ranges of tendons stay ranges.
     """
     tables = {joint["name"]: joint for joint in read.tables["joints"] if joint["type"] in SINGLE}
     ends: dict[str, Ends] = {}
     for each in read.ranges:
-        if each.joint in tables and (mapped := _of_leader(each, tables)) is not None:
+        if isinstance(each, JointRange) and each.joint in tables and (mapped := _of_leader(each, tables)) is not None:
             leader, stops = mapped
             ends[leader] = stops if leader not in ends else _narrower(ends[leader], stops)
     joints = [table | _limits(ends.get(table["name"], (None, None))) for table in read.tables["joints"]]
     features = tuple(_acting(feature) for feature in read.features)
-    return replace(read, tables={**read.tables, "joints": joints}, ranges=(), features=features)
+    of_tendons = tuple(each for each in read.ranges if not isinstance(each, JointRange))
+    return replace(read, tables={**read.tables, "joints": joints}, ranges=of_tendons, features=features)
 
 
 def _limits(ends: Ends) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.robots.reading import Read
+from bodycheck.errors import BadInput
 
 mujoco: Any = pytest.importorskip("mujoco")
 
@@ -54,7 +55,13 @@ def agrees(text: str, control: list[float] | None = None, **choice: Any) -> Read
 
 
 DEFAULTS = """<default><general biastype="affine" gainprm="30" biasprm="1 -30 -2"/><default class="strong"><motor gear="9"/>
-<position kp="70" kv="3"/><velocity kv="6"/></default><default class="ratio"><position kp="70" dampratio="0.7"/></default></default>"""
+<position kp="70" kv="3"/><velocity kv="6"/></default></default>"""
+
+
+def of_class(attributes: str) -> str:
+    """Return the default class "p" of position servos."""
+    return f'<default><default class="p"><position {attributes}/></default></default>'
+
 
 #: Actuators, their control, and further parts of the file.
 ACTUATORS: list[tuple[str, float, dict[str, str]]] = [
@@ -116,3 +123,64 @@ def test_a_controller_exerts_the_effort_of_the_actuator(actuators: str, control:
     assert not any(feature.acts for feature in read.features)
     if not control:  # the control is zero without a keyframe too
         agrees(model(actuators, **parts), values)
+
+
+#: Actuators that are no controllers, their control, and the clause on them.
+OTHERS = [
+    ('<motor tendon="t"/>', 0.5, "act on something else than a joint"),
+    ('<motor site="s"/>', 0.5, "act on something else than a joint"),
+    ('<position tendon="t"/>', 0.0, "act on something else than a joint"),
+    ('<motor joint="ball"/>', 0.5, "act on a joint of several coordinates"),
+    ('<position joint="follower"/>', 0.0, "act on a joint that does not move by itself"),
+    ('<muscle joint="j" lengthrange="0.2 0.5" force="1"/>', 0.0, "are of a kind that no controller has"),
+    ('<intvelocity joint="j"/>', 0.0, "are of a kind that no controller has"),
+    ('<position joint="j" timeconst="0.1"/>', 0.0, "have a state of their own"),
+    ('<general joint="j" dyntype="integrator"/>', 0.5, "have a state of their own"),
+    ('<motor joint="j" damping="2"/>', 0.0, "have a damping"),
+    ('<position joint="j" forcerange="-1 2"/>', 0.0, "have a range of forces that is not symmetric"),
+    ('<general joint="j" biastype="affine" biasprm="0 2"/>', 0.0, "push away from their targets"),
+    ('<velocity joint="j" class="p"/>', 0.0, "have default attributes of another kind of actuator"),
+    ('<position joint="j"/><velocity joint="j"/>', 0.0, "share a joint with another one"),
+]
+
+
+@pytest.mark.parametrize(("actuators", "control", "clause"), OTHERS)
+def test_other_actuators_act_and_are_no_controllers(actuators: str, control: float, clause: str) -> None:
+    body = """<body><joint name="j"/><joint name="follower"/><geom size="0.1" pos="1 0 0"/><site name="s"/></body>
+    <body><joint name="ball" type="ball"/><geom size="0.1" pos="1 0 0"/></body>"""
+    text = f"""<mujoco>{of_class('kp="7"')}<worldbody>{body}</worldbody>
+    <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
+    <equality><joint joint1="follower" joint2="j"/></equality>
+    <actuator>{actuators}</actuator>
+    <keyframe><key ctrl="{" ".join([str(control)] * actuators.count("/>"))}"/></keyframe></mujoco>"""
+    mujoco.MjModel.from_xml_string(text)  # MuJoCo reads the file
+    read = read_text(text, use=USED, keyframe=0)
+    assert read.controllers == ()
+    assert {feature.text for feature in read.features if feature.acts and feature.word == "actuators"} == {clause}
+
+
+def test_controllers_of_the_case_take_the_place_of_actuators() -> None:
+    read = read_text(model('<position joint="j"/><position joint="k"/>'), use=USED, driven=frozenset({"j"}))
+    assert [table["joint"] for table in read.controllers] == ["k"]
+    assert not any(feature.acts for feature in read.features)
+    assert "give way to controllers of the case" in {feature.text for feature in read.features}
+
+
+@pytest.mark.parametrize(
+    ("keyframe", "choice", "text"),
+    [
+        ("", -1, "hold at 0, since the file has no keyframe"),
+        ('qvel="0 0"', -1, "hold at 0, since the keyframe has no ctrl"),
+        ('ctrl="0.5"', None, "hold at 0, since the case names no keyframe"),
+        ('ctrl="0.5"', 0, "act with the controls of the keyframe"),
+    ],
+)
+def test_a_notice_says_where_the_control_comes_from(keyframe: str, choice: int | None, text: str) -> None:
+    read = read_text(model('<position joint="j"/>', keyframe=keyframe), use=USED, keyframe=choice)
+    assert text in {feature.text for feature in read.features}
+    assert read.controllers[0].get("target") == (0.5 if choice == 0 else None)
+
+
+def test_a_keyframe_has_a_control_for_each_actuator() -> None:
+    with pytest.raises(BadInput, match="<key ctrl>: read 2 numbers; allowed: 1, one for each actuator of the file"):
+        read_text(model('<position joint="j"/>', keyframe='ctrl="0.5 1"'), use=USED, keyframe=0)

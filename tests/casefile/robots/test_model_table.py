@@ -141,7 +141,7 @@ def test_the_joint_of_the_base_has_a_name_of_its_own(tmp_path: Path) -> None:
         ("keyframe = 1.5\n", [("model.keyframe", "should be a valid integer")]),
         (
             "bse = 1\n",
-            [("model.bse", "unknown key; allowed: file, base, ignore, keyframe, upright, stored; did you mean 'base'?")],
+            [("model.bse", "unknown key; allowed: file, base, ignore, use, keyframe, upright, stored; did you mean 'base'?")],
         ),
         ("[initial.base]\n", [("initial.base", 'the base of the model is fixed; base = "free" in [model] lets it float')]),
         (
