@@ -73,7 +73,7 @@ AnySignal = Annotated[
 
 
 class ReadSignalTable(Table):
-    """The numbers that were read of a column of a CSV file."""
+    """A column of a CSV file, as it was read."""
 
     file: Text = Field(description="its path from the folder of the case file")
     sha256: Annotated[str, Field(strict=True, pattern=DIGEST)] = Field(description="digest of its content")

@@ -197,12 +197,12 @@ def _signal(content: _Csv, column: str) -> tuple[list[float], list[float]]:
         listed = ", ".join(first_names([quote(heading)[1:-1] for heading in allowed])) or "none, as it has no other column"
         raise _Faults([f"has no column {quote(column)}; allowed: {listed}{did_you_mean(column, allowed)}"])
     faults, series = [], (list[float](), list[float]())
-    places = (0, content.headings.index(column))
+    columns = (0, content.headings.index(column))
     for line, row in content.rows:
         if len(row) != len(content.headings):
             faults.append(f"line {line}: has {len(row)} fields; allowed: {len(content.headings)}, as many as headings")
             continue
-        for index, values in zip(places, series, strict=True):
+        for index, values in zip(columns, series, strict=True):
             try:
                 values.append(_value(row[index]))
             except ValueError:
