@@ -159,6 +159,16 @@ def test_other_actuators_act_and_are_no_controllers(actuators: str, control: flo
     assert {feature.text for feature in read.features if feature.acts and feature.word == "actuators"} == {clause}
 
 
+def test_a_damping_ratio_is_of_the_inertia_while_other_joints_are_loose() -> None:
+    """Two hinges about one direction, so that the inertia of the first one is smaller while the second one is loose."""
+    links = """<body><joint name="j" axis="0 0 1"/><geom size="0.1" pos="0.2 0 0"/>
+    <body pos="0.3 0 0"><joint name="k" axis="0 0 1"/><geom size="0.1" pos="0.1 0 0"/></body></body>"""
+    servo = '<actuator><position joint="j" kp="9" dampratio="0.7"/></actuator>'
+    (table,) = agrees(f"<mujoco><worldbody>{links}</worldbody>{servo}</mujoco>").controllers
+    held = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{links}</worldbody></mujoco>").dof_M0[0]
+    assert table["kd"] < 0.9 * 2 * 0.7 * math.sqrt(9 * held)
+
+
 def test_controllers_of_the_case_take_the_place_of_actuators() -> None:
     read = read_text(model('<position joint="j"/><position joint="k"/>'), use=USED, driven=frozenset({"j"}))
     assert [table["joint"] for table in read.controllers] == ["k"]
@@ -179,6 +189,16 @@ def test_a_notice_says_where_the_control_comes_from(keyframe: str, choice: int |
     read = read_text(model('<position joint="j"/>', keyframe=keyframe), use=USED, keyframe=choice)
     assert text in {feature.text for feature in read.features}
     assert read.controllers[0].get("target") == (0.5 if choice == 0 else None)
+
+
+def test_a_law_whose_defaults_are_of_several_kinds_is_no_controller() -> None:
+    """MuJoCo keeps the law of the last of them: the servo has the gain 1, and the gear 3."""
+    sections = '<default><position kp="7" kv="0.3"/><motor gear="3"/></default>'
+    text = model('<position joint="j"/>', sections=sections)
+    assert mujoco.MjModel.from_xml_string(text).actuator_gainprm[0, 0] == 1.0
+    read = read_text(text, use=USED, keyframe=-1)
+    assert read.controllers == ()
+    assert "have default attributes of another kind of actuator" in {feature.text for feature in read.features}
 
 
 def test_a_keyframe_has_a_control_for_each_actuator() -> None:

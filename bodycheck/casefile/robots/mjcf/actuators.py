@@ -24,7 +24,7 @@ from bodycheck.casefile.robots.mjcf.joints import JointOfFile, acting_range, lim
 from bodycheck.casefile.robots.mjcf.keyframes import controls
 from bodycheck.casefile.robots.mjcf.options import Options
 from bodycheck.casefile.robots.mjcf.settings import Defaults, Settings, word
-from bodycheck.casefile.robots.mjcf.springs import held_inertia
+from bodycheck.casefile.robots.mjcf.springs import loose_inertia
 from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.casefile.robots.reading import Choice
 from bodycheck.robots.elements import Element
@@ -105,7 +105,7 @@ def controllers_of(root: Element, options: Options, tree: Tree, choice: Choice) 
         options,
         {joint.element.attributes.get("name", ""): joint for joint in tree.joints if joint.kind != "fixed"},
         Defaults(root, *ACTUATORS),
-        {tag: Defaults(root, tag) for tag in CONTROLLING},
+        {tag: Defaults(root, tag) for tag in ACTUATORS},
     )
     used = "actuators" in choice.use
     given, why = controls(root, choice.keyframe, len(elements)) if used else ([0.0] * len(elements), "")
@@ -163,8 +163,9 @@ def _controller(element: Element, actuator: Element, control: float, file: _File
     control = _cut(control, None if "clampctrl" in file.options.off else _range_of_control(actuator, joint, rules))
 
     def inertia() -> float:
-        # The inertia that the actuator moves: that of the joint while all others are held, divided by the square of the gear.
-        return held_inertia(file.tree, joint.name) / gear**2 if gear else 0.0
+        # The inertia that the actuator moves, divided by the square of the gear: while all other joints are loose, as in MuJoCo
+        # 3.17 and later. MuJoCo 3.14 and earlier take it while all others are held.
+        return loose_inertia(file.tree, joint.name) / gear**2 if gear else 0.0
 
     force = _force(actuator, Fraction(control), inertia)
     scale = Fraction(gear)
@@ -211,6 +212,11 @@ def _check(element: Element, actuator: Element, file: _File) -> None:
     for attribute, clause in FURTHER.items():
         if any(numbers(actuator, attribute, (1, 2, 3), (0.0,))) and not (attribute == "timeconst" and actuator.tag == "motor"):
             raise _NoController(clause)
+    chosen = element.attributes.get("class")
+    defaults = {tag: each.classes.get(chosen, each.classes[None]) for tag, each in file.of_tags.items()}
+    mixed = any(attributes for tag, attributes in defaults.items() if tag != actuator.tag)
+    if mixed and not defaults[actuator.tag].keys().isdisjoint(OF_LAWS):  # MuJoCo keeps the law of the last of them
+        raise _NoController("have default attributes of another kind of actuator")
     if actuator.tag == "motor":  # its law has no attribute
         return
     alone = file.of_tags[actuator.tag].resolved(element, None).attributes

@@ -66,11 +66,9 @@ def _inertias(model: RobotModel, tree: Tree, names: list[str]) -> dict[str, floa
     return {name: float(1 / inverse[index, row]) for index, (name, row) in enumerate(zip(names, rows, strict=True))}
 
 
-def held_inertia(tree: Tree, name: str) -> float:
-    """Return the inertia (kg m^2 or kg) of a hinge or slide, while all others are held, in the pose of the file."""
-    model = _model(tree)
-    index = velocity_labels(model).index((name, 0))
-    return float(_mass_matrix(model, tree)[index, index])
+def loose_inertia(tree: Tree, name: str) -> float:
+    """Return the inertia (kg m^2 or kg) of a hinge or slide, while all others are loose, in the pose of the file."""
+    return _inertias(_model(tree), tree, [name])[name]
 
 
 def _mass_matrix(model: RobotModel, tree: Tree) -> Wide:
