@@ -18,6 +18,8 @@ FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapt
 SHIPPED = (
     "**/*.py",
     "**/*.case.toml",
+    "driven/*.urdf",
+    "driven/*.xml",
     "template*.toml",
     "*.schema.json",
     "templates/*.*",
