@@ -162,7 +162,8 @@ def test_bodies_of_the_template_of_mechanisms_are_bodies_in_single_precision_too
 OF_MECHANISMS = {
     "cylinder": (['shape = "cylinder"', "radius = 0.02", "half_length"], ["inertia = [0.016"]),
     "free body": (["[[bodies]]", 'name = "ball"', 'shape = "sphere"', "radius = 0.05", "mass = 0.2", "initial"], []),
-    "joint": (["euler_zxz", "armature", "damping", "stiffness", "rest", "friction", "effort"], []),
+    "joint": (["euler_zxz", "armature", "damping", "stiffness", "rest", "friction", "effort =", "limits"], []),
+    "controller": (["[[controllers]]", "joint", "law", "kp", "kd", "target", "rate", "effort_limit"], []),
     "loop": (["[[loops]]", "bodies = [", "points"], ["initial = {position = 0.0, velocity = 0.5}"]),
     "extremes": (["[extremes]", "speed", "timestep = [0"], []),
     "ensemble": (["[ensemble]", "members", "[[ensemble.vary]]", "key", "distribution", "low", "high"], []),

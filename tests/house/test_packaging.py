@@ -20,7 +20,6 @@ SHIPPED = (
     "**/*.case.toml",
     "driven/*.urdf",
     "driven/*.xml",
-    "driven/*.csv",
     "template*.toml",
     "*.schema.json",
     "templates/*.*",
