@@ -205,8 +205,8 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         faults += [(FILE, f"joint {elements.quoted(name)}: its range: {why}; {advice}") for name, why in without_stops]
     elif without_stops:
         notices = (*notices, *(f"The range of the joint {name} is left out: {why}." for name, why in without_stops))
-    own = document.get("controllers", [])
-    controllers = [*own, *_of_model(read, own)] if isinstance(own, list) else own
+    stated = document.get("controllers", [])
+    controllers = [*stated, *_of_model(read, stated)] if isinstance(stated, list) else stated
     tables = {"bodies": bodies, "joints": joints, "loops": loops, "controllers": controllers}
     return Expanded(
         {**document, **{name: table for name, table in tables.items() if table or name in ("bodies", "joints")}},
@@ -214,7 +214,7 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         base,
         read.timestep,
         RobotNotes(file, read.without, notices, (*of_joints, *of_tendons), read.touching),
-        len(own),
+        len(stated),
     )
 
 
@@ -229,9 +229,9 @@ def _without_stops(joints: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
     return reasons
 
 
-def _of_model(read: StoredTable, own: Sequence[Any]) -> list[dict[str, Any]]:
+def _of_model(read: StoredTable, stated: Sequence[Any]) -> list[dict[str, Any]]:
     """Return the controllers of a model for the joints that have no controller among those of the case file itself."""
-    taken = [mapping(table).get("joint") for table in own]
+    taken = [mapping(table).get("joint") for table in stated]
     return [copy.deepcopy(table) for table in read.controllers if table.get("joint") not in taken]
 
 

@@ -83,7 +83,7 @@ class _NoController(Exception):
 
 @dataclass(frozen=True)
 class _File:
-    """What the laws of actuators depend on: the joints of the file by their names, its settings, and what it switches off."""
+    """The file, as far as laws of actuators depend on it: its joints by their names, its settings, and what it switches off."""
 
     tree: Tree
     options: Options
