@@ -24,8 +24,8 @@ GRAVITY = 9.81
 #: The duration (s) and the number of samples.
 DURATION, SAMPLES = 1.0, 101
 
-#: What is taken over beside bodies and joints. Ranges of joints are no stops: truths of large robots with stops take ten times
-#: as long, and end before the duration of the case for many that fall; the notices say from when on ranges would act.
+#: What is taken over beside bodies and joints. Ranges of joints are no stops: the truths of large robots with stops take ten
+#: times as long, and end before the duration of the case for many that fall. The notices say from when on ranges would act.
 TAKEN_OVER: frozenset[Used] = frozenset({"actuators"})
 
 #: What leaves out a feature of a robot's file that is given in the place of a case.
@@ -72,8 +72,8 @@ def text_of_robot(
 ) -> str:
     """Return the text of a case file for a robot's file, with the initial states of all joints.
 
-    Joints start at the first keyframe of the file, or at zero without one. The gravity is that of the file. Actuators that can
-    be controllers are, and the others are left out.
+    Joints start at the first keyframe of the file, or at zero if it has none. The gravity is that of the file. Actuators that
+    can be controllers are, and the others are left out.
 
     Parameters
     ----------
