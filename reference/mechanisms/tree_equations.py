@@ -231,8 +231,8 @@ def mark(number: Real, *, ones: bool) -> Mark:
     return int(number) if number == 0 or (ones and abs(number) == 1) else None
 
 
-def written(shape: Shape) -> Written:
-    """The equations and margins of trees with a shape; the parameters are numbered in the order of `parameters`."""
+def numbering() -> Callable[[Sequence[Mark]], list[Any]]:
+    """Return a function from marks to numbers and parameters, which are numbered from call to call."""
     taken = 0
 
     def symbols(marks: Sequence[Mark]) -> list[Any]:
@@ -243,6 +243,12 @@ def written(shape: Shape) -> Written:
             taken += each is None
         return entries
 
+    return symbols
+
+
+def written(shape: Shape) -> Written:
+    """The equations and margins of trees with a shape; the parameters are numbered in the order of `parameters`."""
+    symbols = numbering()
     constants = [named(symbols(marks)) for marks in shape.marks]
     form = Form(shape.links, constants, symbols(shape.gravity))
     count = sum(sum(sizes(link)) for link in shape.links) + 6 * len(floating(shape.links))

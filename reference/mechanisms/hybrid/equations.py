@@ -18,7 +18,7 @@ from bodycheck.reference.mechanisms.hybrid.cells import most_margins
 from bodycheck.reference.mechanisms.hybrid.signals import signals
 from bodycheck.reference.mechanisms.link_states import Form, LinkForm, derivatives, floating, forms_of, links_of, sizes
 from bodycheck.reference.mechanisms.tree import Link, Tree
-from bodycheck.reference.mechanisms.tree_equations import MOST_OPTIMISED, Mark, mark, named, numbers
+from bodycheck.reference.mechanisms.tree_equations import MOST_OPTIMISED, Mark, mark, named, numbering, numbers
 
 #: A number that is added to margins: heyoka does not find further roots of a function that is zero at the beginning of a step.
 BEGINNING = 1e-60
@@ -167,16 +167,7 @@ def _integrates(controller: Controller | None) -> bool:
 @functools.cache
 def written(shape: Shape) -> Written:
     """The equations and events of trees with a shape; the parameters are numbered in the order of `phases.parameters`."""
-    taken = 0
-
-    def symbols(marks: Sequence[Mark]) -> list[Any]:
-        nonlocal taken
-        entries: list[Any] = []
-        for each in marks:
-            entries.append(hy.par[taken] if each is None else each)
-            taken += each is None
-        return entries
-
+    symbols = numbering()
     constants = [named(symbols(marks)) for marks in shape.marks]
     gravity = symbols(shape.gravity)
     state = [hy.make_vars(f"x{index}") for index in range(shape.components)]
