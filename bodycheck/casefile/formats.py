@@ -128,7 +128,7 @@ def explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
         return path, "is missing"
     if path == ("format",):
         return path, ALLOWED
-    if path[0] == "controllers" and kind == "union_tag_not_found":
+    if path[:1] == ("controllers",) and kind == "union_tag_not_found":
         return path, NO_SIGNAL
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         word, known = known_types(path)

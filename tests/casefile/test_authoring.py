@@ -19,7 +19,7 @@ from bodycheck.casefile.values import MAX_NUMBER
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.requirements import of_mechanism, touches
+from bodycheck.reference.requirements import touches
 from bodycheck.suggestion import did_you_mean
 from tests.support.commands import bodycheck, call
 from tests.support.tumbling import TUMBLING
@@ -132,8 +132,7 @@ def test_limits_of_shipped_cases_say_what_they_were_set_from(name: str) -> None:
     """None is looser than three times what was measured."""
     lines = FILES[name].read_text("utf-8").partition("[[expect]]")[2].splitlines()
     limited = [line for line in lines if line.startswith(tuple(set(LIMITED) - {"order"})) and "{" not in line]
-    scene = load(name).scene
-    assert limited or touches(scene) or (isinstance(scene, Mechanism) and "rigid stops" in of_mechanism(scene).effects)
+    assert limited or touches(load(name).scene)
     for line in limited:
         found = LIMIT.match(line)
         assert found, line

@@ -1,6 +1,6 @@
 """bodycheck with a new figure and a new axis, each planted in one place. Run: python planted.py < COMMANDS
 
-Standard input is a JSON list of commands, each a list of words. `tables` prints the tables of docs/cases.md, and any other
+Standard input is a JSON list of commands, each a list of words. `tables` prints the tables of docs/tables.py, and any other
 command is one of bodycheck. Printed is a JSON list of the exit code and the output of each. The figure and the axis are planted
 before any other module of bodycheck is imported, as if their entries stood in the source code.
 """
@@ -53,8 +53,8 @@ def made(command: list[str]) -> tuple[int, str]:
     printed = io.StringIO()
     with redirect_stdout(printed), redirect_stderr(printed):
         if command == ["tables"]:
-            for table in runpy.run_path(str(ROOT / "docs" / "tables.py"))["tables"]().values():
-                print(table)
+            for tables in runpy.run_path(str(ROOT / "docs" / "tables.py"))["tables"]().values():
+                print(*tables.values(), sep="\n")
             return 0, printed.getvalue()
         from tests.support.commands import bodycheck
 

@@ -232,7 +232,7 @@ MUTATIONS: dict[str, Mutation] = {
 RARE = {"filled", "many keys"}
 
 #: Events of a process that touch nothing outside it.
-SILENT = {"sys._getframe", "object.__getattr__", "object.__setattr__"}
+SILENT = {"sys._getframe", "builtins.id", "object.__getattr__", "object.__setattr__"}
 
 
 def mutants(seed: int, count: int) -> Any:
