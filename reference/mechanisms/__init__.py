@@ -10,6 +10,7 @@ equations of the coordinates that they share. `tree_equations` and, with dry fri
 heyoka in any floating-point type; where heyoka is not installed, `recursion` solves them by DOP853. `poses` computes the motion
 of joints and bodies from the motion of links. `ranges` has the instants at which joints pass limits.
 
-`forms` contains the motions in closed form, `driven` that of one joint with a controller or stops (`control`), `lagrangian` the
-witness, and `loops` the motions and witnesses of mechanisms with closed chains.
+`control` defines controllers and stops, `driven` has the motion of one joint with them in closed form, and `hybrid` follows
+trees with them. `forms` contains the other motions in closed form, `lagrangian` the witness, and `loops` the motions and
+witnesses of mechanisms with closed chains.
 """

@@ -31,7 +31,7 @@ def sudden(mechanism: Mechanism) -> bool:
 
 
 def require_modelled(mechanism: Mechanism) -> None:
-    """Raise `NotModelled` if the recursion has no model of a mechanism, because it has loops, controllers or stops."""
+    """Raise `NotModelled` if the recursion has no model of a mechanism, because of loops, or stops that it does not model."""
     if mechanism.loops:
         raise NotModelled("closed loops")
     require_drivable(mechanism)
