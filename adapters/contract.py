@@ -3,8 +3,8 @@
 An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes by one function, `prepare`. The
 record says as data which scenes the engine can model, with which integrators, and how many scenes it steps together. Everything
 else is optional: an adapter does not implement the protocols that its engine cannot serve. `Models` is for several models of a
-scene; `ContactLaw`, `ContactLoad` and `InterfaceLoads` are for the friction law and the forces of contacts; `Scripts` is for a
-run as a script for the engine alone; `Calls` names the functions of the engine that its steps call.
+scene; `ContactLaw`, `ContactLoad` and `InterfaceLoads` are for the friction law and the forces of contacts; `Sensing` is for
+its sensors; `Scripts` is for a run as a script for the engine alone; `Calls` names the functions of the engine that steps call.
 `bodycheck.adapters.links.Links` is for engines that take a body as links welded together,
 `bodycheck.adapters.touching.Boxes` for free boxes that touch in an audit, and
 `bodycheck.adapters.robot_reading.RobotModels` for engines that read files of robots. For all adapters,
@@ -37,6 +37,7 @@ from bodycheck.adapters.method import choice as choice
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
@@ -162,6 +163,19 @@ class Staged(Driven, Protocol):
         ...
 
 
+class SensingSimulation(Simulation, Protocol):
+    """A simulation of one scene whose sensors can be read at the start and between strides."""
+
+    def read(self) -> tuple[Array, ...]:
+        """Return the present reading (k,) of each sensor, in the order of the sensors, in SI units.
+
+        A reading has the components of `Sensor.form`, and is NaN where the engine has none yet. With the option
+        `sensors=step`, the default, it is what the engine has after a step, and at the start what it has after it was reset.
+        With `sensors=forward` the engine first computes all quantities of its present state again, by its own function.
+        """
+        ...
+
+
 @runtime_checkable
 class Normalising(Protocol):
     """A simulation that normalises quaternions because its engine does not; see `stepping.Normalised`."""
@@ -258,6 +272,30 @@ class InterfaceLoads(Protocol):
 
         The keys are the indices of two bodies, the lower first; the index of the plane is `WORLD`. A pair that never touches
         may be left out. Raises `SceneUnsupported` and `EngineDiverged`.
+        """
+        ...
+
+
+@runtime_checkable
+class Sensing(Protocol):
+    """An adapter whose engine reads sensors, or quantities that it calls so. `Engine.reads` says when it can read them.
+
+    A simulation with sensors is a run of its own, so that sensors change neither the states nor the cost of a run without them.
+    The adapter hands over what the engine gives, along the axes and with the sign that the engine gives it: what differs from
+    the meaning of a type of sensor is a finding, which an adapter must not correct.
+    """
+
+    def lacking(self, scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
+        """Return why the engine does not read a sensor with a method; None if it does.
+
+        The text is a predicate whose subject is the engine, such as "has no sensor of contact forces".
+        """
+        ...
+
+    def prepare_sensing(self, scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+        """Return a simulation of a scene with sensors at t = 0, reset, compiled and warmed up, as `Adapter.prepare` does.
+
+        The caller has checked that the engine reads each of the sensors. Raises `SceneUnsupported`.
         """
         ...
 

@@ -27,7 +27,7 @@ FORMER_SPELLINGS = {
 
 
 #: The values of options that are never spelled.
-DEFAULTS = {"control": "effort", "limits": "engine"}
+DEFAULTS = {"control": "effort", "limits": "engine", "sensors": "step"}
 
 #: The value of the option `accuracy` that stands for all accuracies, in tables and charts over them.
 ANY = "any"
@@ -243,6 +243,9 @@ DRIVEN = {
     "control": choice("effort", kinds=frozenset({"mechanism"})),
     "limits": choice("engine", "effort", kinds=frozenset({"mechanism"})),
 }
+
+#: The option of engines that read sensors: after a step, or after the engine has computed its present state again.
+SENSORS = {"sensors": choice("step", "forward")}
 
 #: The option of integrators with error control: the relative tolerance of the error of a step. Without it, steps are fixed.
 ACCURACY = Option("a relative tolerance above 0 and at most 1", numbers=((Range(0, 1, above=True),),))

@@ -19,7 +19,7 @@ from bodycheck.adapters.contract import (
     kind_of,
     single_bodies,
 )
-from bodycheck.adapters.method import DRIVEN
+from bodycheck.adapters.method import DRIVEN, SENSORS
 from bodycheck.adapters.roles import ALIASES, resolved
 from bodycheck.adapters.scheduling import driven
 from bodycheck.adapters.stepping import InTurn
@@ -86,8 +86,9 @@ def integrator_of(engine: Engine, method: Method) -> Integrator | None:
 
 
 def options_of(engine: Engine, integrator: Integrator) -> Mapping[str, Option]:
-    """Return the options of an integrator: its own, and those of driven mechanisms if the engine takes efforts at joints."""
-    return {**integrator.options, **(DRIVEN if "controllers" in engine.models else {})}
+    """Return the options of an integrator: its own, those of driven mechanisms if the engine takes efforts, and of sensors."""
+    driven, sensing = "controllers" in engine.models, "forward" in engine.reads
+    return {**integrator.options, **(DRIVEN if driven else {}), **(SENSORS if sensing else {})}
 
 
 def knows(engine: Engine, spelling: str) -> bool:

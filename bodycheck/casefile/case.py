@@ -32,6 +32,7 @@ from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.casefile.scenes import Inconsistent, build_scene
+from bodycheck.casefile.sensors.building import build_sensors, sensor_faults
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
@@ -175,7 +176,8 @@ def _parsed(
     expansion = expanded(document, refused)
     whole = whole_table(expansion.document)
     between_keys = faults.contradictions if whole is MechanismTable else contradictions.contradictions
-    errors, unreported = [*between_keys(expansion.document), *expansion.faults, *further], 0
+    between = (*between_keys(expansion.document), *sensor_faults(expansion.document))
+    errors, unreported = [*between, *expansion.faults, *further], 0
     try:
         table = whole.model_validate(expansion.document)
     except ValidationError as error:
@@ -315,6 +317,7 @@ def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) 
         ensemble=build_ensemble(table.ensemble, expansion.document) if table.ensemble else None,
         timestep=expansion.timestep,
         robot=None if expansion.notes is None else with_scene(expansion.notes, scene),
+        sensors=build_sensors(table.sensors, scene),
     )
 
 

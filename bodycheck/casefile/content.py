@@ -13,6 +13,7 @@ from bodycheck.casefile.distributions import Ensemble
 from bodycheck.casefile.expectation import Expectation
 from bodycheck.casefile.robot_notes import RobotNotes
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: Most steps of a run.
@@ -45,6 +46,8 @@ class Case:
         The time step (s) in the file of the robot model that the case names; None if there is none.
     robot
         Notes on the robot model that the case names; None if it names none.
+    sensors
+        What is read of the motion.
     """
 
     name: str
@@ -60,6 +63,7 @@ class Case:
     ensemble: Ensemble | None = None
     timestep: float | None = None
     robot: RobotNotes | None = None
+    sensors: tuple[Sensor, ...] = ()
 
     @property
     def instants(self) -> Array:

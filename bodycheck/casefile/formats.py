@@ -15,6 +15,7 @@ from bodycheck.casefile.grammar import WORD
 from bodycheck.casefile.mechanisms import control_grammar
 from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
 from bodycheck.casefile.raw_values import MAX_QUOTE_LENGTH, quote
+from bodycheck.casefile.sensors.grammar import SENSOR_TABLES, type_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import CHARACTERS, Table
 from bodycheck.suggestion import did_you_mean
@@ -42,6 +43,8 @@ def whole_table(document: Mapping[str, Any]) -> type[AnyCaseTable]:
 def table_at(path: Path, document: Mapping[str, Any]) -> type[Table] | None:
     """Return the grammar of the table at a path of a document; None if there is no table."""
     match path:  # where there is an index, pydantic has found an array of tables
+        case ("sensors", int(index)):
+            return SENSOR_TABLES.get(type_of(document["sensors"][index]))
         case ("ensemble", "vary", int(index)):
             return DISTRIBUTIONS.get(distribution_of(document["ensemble"]["vary"][index]))
         case ("body",) if not is_mechanism(document):
@@ -66,8 +69,8 @@ def untagged(path: Path) -> Path:
             return ("body", *(key for key in rest if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
         case ("bodies", index, _, *rest):
             return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
-        case ("joints", index, _, *rest):
-            return ("joints", index, *rest)
+        case ("joints" | "sensors" as tables, index, _, *rest):
+            return (tables, index, *rest)
         case ("controllers", index, str(key), _, *rest) if key in control_grammar.SIGNALS:
             return ("controllers", index, key, *rest)
         case ("model", "keyframe", *_):
@@ -88,6 +91,8 @@ def known_types(path: Path) -> tuple[str, Mapping[str, type[Table]]]:
             return "distribution", DISTRIBUTIONS
         case ("joints",):
             return "type", mechanism_grammar.JOINT_TABLES
+        case ("sensors",):
+            return "type", SENSOR_TABLES
         case ("bodies",):
             return "shape", mechanism_grammar.BODY_TABLES
     return "shape", grammar.SHAPE_TABLES

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.ensemble_grammar import EnsembleTable
+from bodycheck.casefile.sensors.grammar import Sensors
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
     MAX_CONTACTS,
@@ -26,9 +27,9 @@ from bodycheck.casefile.values import (
     Label,
     Name,
     NonNegative,
-    Number,
     Positive,
     PositiveVector,
+    Quaternion,
     Spelling,
     Table,
     Text,
@@ -46,7 +47,6 @@ def kind_of_inertia(value: Any) -> str:
 
 
 Matrix = tuple[Vector, Vector, Vector]
-Quaternion = tuple[Number, Number, Number, Number]
 
 
 #: Description of the key `inertia`.
@@ -333,6 +333,7 @@ class Heading(Table):
 class Conduct(Table):
     """The keys that say what is done with the scene of a case file, in any format."""
 
+    sensors: Sensors = Field(default=(), description="what is read of the motion, a table a sensor")
     run: RunTable
     extremes: ExtremesTable = Field(default_factory=ExtremesTable)
     ensemble: EnsembleTable | None = None

@@ -18,6 +18,7 @@ MAX_NOTICE_LENGTH = 2000
 MAX_TAGS = 50
 MAX_PUSHES = 50
 MAX_CONTACTS = 1000
+MAX_SENSORS = 100
 MAX_EXPECTATIONS = 1000
 #: The largest number of instants of the truth, over all time steps that the expectations of a file need: each takes 20 to 100
 #: us.
@@ -93,6 +94,7 @@ BodyPattern = Label
 Spelling = Annotated[Label, AfterValidator(_spelling)]
 EngineName = Annotated[Label, AfterValidator(_engine)]
 Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 
 

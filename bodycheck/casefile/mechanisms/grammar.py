@@ -17,6 +17,7 @@ from bodycheck.casefile.values import (
     Notice,
     Number,
     Positive,
+    Quaternion,
     Table,
     Text,
     Vector,
@@ -121,7 +122,7 @@ AnyBody = Annotated[
 
 def _start_table(keys: StartKeys) -> type[Table]:
     """Return the grammar of the table `initial` of a type of joint."""
-    kinds: dict[int, Any] = {0: Number, 2: Pair, 3: Vector, 4: grammar.Quaternion}
+    kinds: dict[int, Any] = {0: Number, 2: Pair, 3: Vector, 4: Quaternion}
     fields: dict[str, Any] = {
         key.name: (kinds[key.size], Field(default=key.default, description=key.description)) for key in keys.keys
     }
@@ -145,9 +146,7 @@ class JointTable(Table):
     child: PartName = Field(description="name of a body, which is the child of no other joint")
     position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the joint in the frame of the parent, m")
     euler_zxz: Vector | None = Field(default=None, description="of the joint's axes in the frame of the parent, rad")
-    quaternion: grammar.Quaternion | None = Field(
-        default=None, description="w, x, y, z, the joint's axes to the frame of the parent"
-    )
+    quaternion: Quaternion | None = Field(default=None, description="w, x, y, z, the joint's axes to the frame of the parent")
 
 
 class MimicTable(Table):
@@ -298,7 +297,7 @@ class BaseStartTable(Table):
     position: Vector | None = Field(default=None, description="of the origin of the root link, world frame, m")
     velocity: Vector | None = Field(default=None, description="of the origin of the root link, world frame, m/s")
     euler_zxz: Vector | None = Field(default=None, description="phi, theta, psi, rad")
-    quaternion: grammar.Quaternion | None = Field(default=None, description="w, x, y, z, root link to world")
+    quaternion: Quaternion | None = Field(default=None, description="w, x, y, z, root link to world")
     angular_velocity: Vector | None = Field(default=None, description="along the axes of the root link, rad/s")
 
 
