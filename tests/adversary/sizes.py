@@ -4,7 +4,8 @@ import os
 from itertools import pairwise
 
 #: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills;
-#: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, and bodies that touch.
+#: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, sensors of trees, and
+#: bodies that touch.
 DEFAULTS = {
     "FILES": 100_000,
     "RUNS": 2_000,
@@ -13,6 +14,7 @@ DEFAULTS = {
     "MECHANISMS": 500,
     "TREES": 300,
     "DRIVEN": 200,
+    "SENSORS": 200,
     "CONTACTS": 500,
 }
 

@@ -1,10 +1,10 @@
-"""Judge truths: `python -m tests.judge mechanisms|contacts|trees|driven FIRST_SEED COUNT`."""
+"""Judge truths: `python -m tests.judge mechanisms|contacts|trees|driven|sensors FIRST_SEED COUNT`."""
 
 import sys
 import tempfile
 from pathlib import Path
 
-from tests.judge import contact_scenes, driven_scenes, mechanism_scenes, tree_scenes
+from tests.judge import contact_scenes, driven_scenes, mechanism_scenes, sensor_scenes, tree_scenes
 from tests.judge.verdicts import judged
 
 DRAWS = {
@@ -12,6 +12,7 @@ DRAWS = {
     "contacts": contact_scenes.judge,
     "trees": tree_scenes.judge,
     "driven": driven_scenes.judge,
+    "sensors": sensor_scenes.judge,
 }
 
 if __name__ == "__main__":

@@ -379,23 +379,59 @@ def start_of(parts: Sequence[Part]) -> list[Decimal]:
     return numbers
 
 
-def motion(text: str, instants: Sequence[Decimal]) -> list[Instant]:
-    """Return the states of a tree at ascending instants (s) >= 0."""
+@dataclass(frozen=True)
+class Reached:
+    """The numbers of the states of all bodies at an instant, and their derivatives with respect to time."""
+
+    numbers: list[Decimal]
+    rates: list[Decimal]
+
+
+def reached(text: str, instants: Sequence[Decimal]) -> tuple[list[Part], Decimal, list[Reached]]:
+    """Return the bodies of a tree, its gravity, and what is reached at ascending instants (s) >= 0."""
     parts, gravity = parts_of(text)
     equations, numbers = Equations(parts, gravity), start_of(parts)
-    now, sampled = ZERO, list[Instant]()
+    now, sampled = ZERO, list[Reached]()
     inputs = [state for own in equations.moving for state in _flat(own)]
     while True:
         equations.tape.expand(numbers, ORDER)
         step, left = equations.tape.step(), instants[-1] - now
         step = left if step is None else min(step, left)
         while len(sampled) < len(instants) and instants[len(sampled)] <= now + step:
-            reached = [at(state.coefficients, instants[len(sampled)] - now) for state in inputs]
-            sampled.append(_instant(equations, reached))
+            time = instants[len(sampled)] - now
+            slopes = [[k * term for k, term in enumerate(state.coefficients)][1:] for state in inputs]
+            sampled.append(Reached([at(each.coefficients, time) for each in inputs], [at(each, time) for each in slopes]))
         if len(sampled) == len(instants):
-            return sampled
+            return parts, gravity, sampled
         numbers = [at(state.coefficients, step) for state in inputs]
         now += step
+
+
+def motion(text: str, instants: Sequence[Decimal]) -> list[Instant]:
+    """Return the states of a tree at ascending instants (s) >= 0."""
+    parts, _, sampled = reached(text, instants)
+    return [_instant(parts, each.numbers) for each in sampled]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The frame of a body: position and velocity of its origin, attitude, spin along its axes; or their derivatives."""
+
+    position: Vector
+    velocity: Vector
+    turn: Matrix
+    spin: Vector
+
+
+def frames_of(parts: Sequence[Part], numbers: Sequence[Decimal]) -> list[tuple[Frame, Decimal | None]]:
+    """Return the frame of each body, and the coordinate of its joint, from numbers of the states or of their derivatives."""
+    frames, left = [], list(numbers)
+    for part in parts:
+        position, velocity, *rows, spin = (tuple(left[n : n + 3]) for n in range(0, 18, 3))
+        coordinate = None if part.type == "free" else left[18]
+        del left[: 18 if coordinate is None else 19]
+        frames.append((Frame(position, velocity, tuple(rows), spin), coordinate))  # type: ignore[arg-type]
+    return frames
 
 
 def _flat(own: _Moving) -> list[Any]:
@@ -403,39 +439,30 @@ def _flat(own: _Moving) -> list[Any]:
     return numbers if own.coordinate is None else [*numbers, own.coordinate]
 
 
-def _instant(equations: Equations, numbers: Sequence[Decimal]) -> Instant:
+def _instant(parts: Sequence[Part], numbers: Sequence[Decimal]) -> Instant:
     """Return the states of joints and bodies from those of all bodies."""
-    joints, bodies, left = {}, {}, list(numbers)
-    frames: list[tuple[Vector, Vector, Matrix, Vector]] = []
-    for part in equations.parts:
-        position, velocity, *rows, spin = (tuple(left[n : n + 3]) for n in range(0, 18, 3))
-        turn: Any = tuple(rows)
-        coordinate = None if part.type == "free" else left[18]
-        del left[: 18 if coordinate is None else 19]
-        frames.append((position, velocity, turn, spin))  # type: ignore[arg-type]
-        centre = applied(turn, part.inertia.centre)
-        swung = applied(turn, cross(spin, part.inertia.centre))  # type: ignore[arg-type]
-        own_turn = product(turn, part.axes)
+    joints, bodies, frames = {}, {}, frames_of(parts, numbers)
+    for part, (own, coordinate) in zip(parts, frames, strict=True):
+        centre = applied(own.turn, part.inertia.centre)
+        swung = applied(own.turn, cross(own.spin, part.inertia.centre))
         bodies[part.name] = State(
-            plus(position, centre),
-            plus(velocity, swung),
-            own_turn,
-            applied(transposed(part.axes), spin),  # type: ignore[arg-type]
+            plus(own.position, centre),
+            plus(own.velocity, swung),
+            product(own.turn, part.axes),
+            applied(transposed(part.axes), own.spin),
         )
         if coordinate is not None and FREE[part.type] is not None:
-            above = (ORIGIN, ORIGIN, IDENTITY, ORIGIN) if part.parent is None else frames[part.parent]
-            joints[part.joint] = coordinate, _rate(part, frames[-1], above, coordinate)
+            above = Frame(ORIGIN, ORIGIN, IDENTITY, ORIGIN) if part.parent is None else frames[part.parent][0]
+            joints[part.joint] = coordinate, _rate(part, own, above, coordinate)
     return Instant(joints, bodies)
 
 
-def _rate(part: Part, own: Any, above: Any, coordinate: Decimal) -> Decimal:
+def _rate(part: Part, own: Frame, above: Frame, coordinate: Decimal) -> Decimal:
     """Return the rate of a coordinate from the velocities of both bodies."""
-    _, velocity, turn, spin = own
-    _, carrying, parent_turn, parent_spin = above
     if part.type == "revolute":
-        rate: Decimal = spin[2] - applied(transposed(turn), applied(parent_turn, parent_spin))[2]
+        rate: Decimal = own.spin[2] - applied(transposed(own.turn), applied(above.turn, above.spin))[2]
         return rate
     axis = applied(part.turn, ALONG)
     arm = plus(part.position, times(coordinate, axis))
-    seen = applied(transposed(parent_turn), minus(velocity, carrying))
-    return dot(axis, minus(seen, cross(parent_spin, arm)))
+    seen = applied(transposed(above.turn), minus(own.velocity, above.velocity))
+    return dot(axis, minus(seen, cross(above.spin, arm)))

@@ -18,10 +18,12 @@ from tests.judge import (
     maximal,
     mechanism_scenes,
     rods,
+    sensor_scenes,
+    sensors,
     tree_scenes,
 )
 from tests.judge.documents import written
-from tests.judge.numerals import Number, exact, fifty_digits, sine_cosine
+from tests.judge.numerals import ZERO, Number, exact, fifty_digits, sine_cosine
 from tests.judge.slips import Slip, length
 from tests.judge.verdicts import Claim, judged
 
@@ -30,6 +32,9 @@ MECHANISMS = [15, 17]
 
 #: Trees with two hinges on one body, and with such a chain of which one hinge follows the other.
 TREES = [25, 31]
+
+#: Trees with sensors, of shapes that are compiled for others.
+SENSORS = [25, 31]
 
 #: Driven joints: one whose torque-speed line ends, and two between stops.
 DRIVEN = [13, 259, 339]
@@ -85,6 +90,20 @@ def test_truths_of_a_scene_of_each_family_hold(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", [463, 695], ids=["lands on its side", "begins with a rounded velocity"])
 def test_truths_of_coins_hold(seed: int, tmp_path: Path) -> None:
     assert not judged(contact_scenes.judge, seed, 1, tmp_path)[0].broken
+
+
+@pytest.mark.parametrize("seed", SENSORS)
+def test_readings_of_sensors_of_a_few_trees_hold(seed: int, tmp_path: Path) -> None:
+    verdict = judged(sensor_scenes.judge, seed, 1, tmp_path)[0]
+    assert not verdict.broken
+    assert not verdict.refused
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("SENSORS"))
+def test_readings_of_sensors_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(sensor_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken or each.refused]
 
 
 @pytest.mark.slow
@@ -178,6 +197,37 @@ def test_the_judge_knows_an_elastic_stop() -> None:
     # Series leave out terms of 1e-35 in each step.
     assert abs(instants[0].joints["pin"][0] - 2 * (exact(0.01) / 4).sqrt()) < Decimal("1e-32")
     assert abs(instants[1].joints["pin"][1] + 2) < Decimal("1e-32")
+
+
+def test_the_judge_knows_the_accelerometer_of_a_brick_in_free_flight() -> None:
+    """Gravity drops out. The rates follow from Euler's equations, and a = rate x r + w x (w x r)."""
+    sensor = {"name": "imu", "type": "accelerometer", "body": "brick", "position": [0.1, 0.05, 0.02]}
+    moments, spin, place = (0.0134, 0.0105, 0.0043), (1.0, 5.0, 1.0), (0.1, 0.05, 0.02)
+    start = {"velocity": [1.0, 2.0, 3.0], "angular_velocity": list(spin)}
+    bodies = [{"name": "brick", "mass": 1.0, "inertia": list(moments), "initial": start}]
+    text = written({"bodies": bodies, "sensors": [sensor], "scene": {"gravity": 9.81}})
+    (a, b, c), (p, q, r), (x, y, z) = exact(moments), exact(spin), exact(place)
+    rates = ((b - c) * q * r / a, (c - a) * r * p / b, (a - b) * p * q / c)
+    expected = [
+        rates[1] * z - rates[2] * y - x * (q * q + r * r) + p * (q * y + r * z),
+        rates[2] * x - rates[0] * z - y * (r * r + p * p) + q * (r * z + p * x),
+        rates[0] * y - rates[1] * x - z * (p * p + q * q) + r * (p * x + q * y),
+    ]
+    (reading,) = sensors.readings(text, [Decimal(0)])["imu"]
+    assert all(map(_near, reading, expected))
+    known = (-2.5159379844961242, 0.7909406456091635, 0.0323383084577115)
+    assert list(map(float, reading)) == pytest.approx(known, abs=1e-15)
+
+
+def test_the_judge_knows_the_wrench_of_a_pendulum_at_the_bottom() -> None:
+    """A point mass that starts from the horizontal pulls at the bottom with 3 m g, whatever its length."""
+    joint = {"name": "pin", "type": "revolute", "child": "bob", "axis": [0.0, 1.0, 0.0], "initial": {"velocity": 4.0}}
+    bob = {"name": "bob", "mass": 2.0, "inertia": [0.0, 0.0, 0.0], "center_of_mass": [0.0, 0.0, -0.5]}
+    sensor = {"name": "wrench", "type": "force_torque", "joint": "pin"}
+    # The speed that a fall by the length of 0.5 m gives is the root of 2 g 0.5 m = 4 m^2/s^2, where g is 4 m/s^2.
+    text = written({"bodies": [bob], "joints": [joint], "sensors": [sensor], "scene": {"gravity": 4.0}})
+    (reading,) = sensors.readings(text, [Decimal(0)])["wrench"]
+    assert all(map(_near, reading, (ZERO, ZERO, 3 * exact(2.0) * 4, ZERO, ZERO, ZERO)))
 
 
 def test_the_judge_knows_the_ball_that_begins_to_roll() -> None:

@@ -106,12 +106,12 @@ def judge(seed: int, folder: Path) -> Verdict:
     return verdict(seed, kind, claims)
 
 
-def _vector(chance: random.Random, size: float) -> list[float]:
+def vector(chance: random.Random, size: float) -> list[float]:
     return [chance.uniform(-size, size) for _ in range(3)]
 
 
-def _quaternion(chance: random.Random) -> list[float]:
-    parts = [1.0, *_vector(chance, 1.0)]
+def quaternion(chance: random.Random) -> list[float]:
+    parts = [1.0, *vector(chance, 1.0)]
     return [part / math.hypot(*parts) for part in parts]
 
 
@@ -121,13 +121,13 @@ def _body(chance: random.Random, index: int, part: Part) -> Table:
         table |= {"mass": 0.0, "inertia": [0.0, 0.0, 0.0]}
     else:
         a, b, c = (chance.uniform(0.02, 0.2) for _ in range(3))
-        table |= {"mass": chance.uniform(0.5, 2.0), "inertia": [b + c, a + c, a + b], "center_of_mass": _vector(chance, 0.4)}
+        table |= {"mass": chance.uniform(0.5, 2.0), "inertia": [b + c, a + c, a + b], "center_of_mass": vector(chance, 0.4)}
     if part.type == "free":
         table["initial"] = {
-            "position": _vector(chance, 2.0),
-            "quaternion": _quaternion(chance),
-            "velocity": _vector(chance, 2.0),
-            "angular_velocity": _vector(chance, 3.0),
+            "position": vector(chance, 2.0),
+            "quaternion": quaternion(chance),
+            "velocity": vector(chance, 2.0),
+            "angular_velocity": vector(chance, 3.0),
         }
     return table
 
@@ -137,8 +137,8 @@ def _joint(chance: random.Random, index: int, part: Part, forces: tuple[str, ...
         "name": f"joint-{index}",
         "type": part.type,
         "child": f"body-{index}",
-        "position": _vector(chance, 0.6),
-        "quaternion": _quaternion(chance),
+        "position": vector(chance, 0.6),
+        "quaternion": quaternion(chance),
     }
     if part.parent is not None:
         table["parent"] = f"body-{part.parent}"
