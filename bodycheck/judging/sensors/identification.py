@@ -15,7 +15,7 @@ explain them ten times better. A field is empty if another value of this field a
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations, product
-from math import hypot, inf, log10, sqrt
+from math import ceil, hypot, inf, log10, sqrt
 
 import numpy as np
 
@@ -265,7 +265,7 @@ class _Fit:
         if not determined:
             return "", "the sign"
         names = "xyz"[: self.components]
-        undetermined = f"the axes of {', '.join(names[one] for one in equals if one not in determined)}"
+        undetermined = f"the axes {', '.join(names[one] for one in equals if one not in determined)}"
         signs = {best.axes[one][1] for one in determined}
         if all(best.axes[one][0] == one for one in determined) and len(signs) == 1:
             text = "+" if signs == {1} else "-"
@@ -292,11 +292,11 @@ class _Fit:
             return None, None
         of_ages = self if best.source not in self.known.delayed else self.present(best.source)
         fit = of_ages.refitted(replace(best, source="solver"))
-        slope = _root_mean_square(of_ages.left(fit, fit.age + 1e-3) - of_ages.left(fit, fit.age - 1e-3)) / 2e-3
+        slope = _root_mean_square(of_ages.left(fit, fit.age + 0.5) - of_ages.left(fit, fit.age - 0.5))
         uncertainty = hypot(fit.residual, self.floor(fit)) / slope if slope else inf
         if uncertainty > UNCERTAIN or fit.age in (AGES[0], AGES[-1]):
             return None, None
-        return round(fit.age, 6), float(f"{uncertainty:.2g}")
+        return round(fit.age, min(6, max(0, ceil(-log10(uncertainty))))), float(f"{uncertainty:.2g}")
 
 
 def _weights(ages: Array, lags: int) -> Array:
