@@ -8,6 +8,7 @@ from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Plane
+from bodycheck.reference.sensors.readings import Sensed
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.key import RunKey
 
@@ -49,6 +50,9 @@ class Completed:
         not count them, and for steps of fixed size.
     efforts
         When the efforts of driven joints were computed, which the wall time includes; empty if no joint is driven.
+    sensed
+        The readings of the sensors of the case, in memory or in a place from which they can be read; None if the case has no
+        sensors, or the adapter reads none.
     """
 
     states: Trajectory | Stored
@@ -60,6 +64,7 @@ class Completed:
     rejected: int | None = None
     evaluations: int | None = None
     efforts: Efforts = ""
+    sensed: Sensed | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""
