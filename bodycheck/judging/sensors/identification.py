@@ -19,7 +19,8 @@ from math import ceil, hypot, inf, log10, sqrt
 
 import numpy as np
 
-from bodycheck.judging.sensors.jointed import FORCE, MOMENT, contact_force, joint_effort, wrench
+from bodycheck.judging.sensors.errors import parts
+from bodycheck.judging.sensors.jointed import contact_force, joint_effort, wrench
 from bodycheck.judging.sensors.laws import Frame, Laws, Source
 from bodycheck.judging.sensors.mounted import accelerometer, gyroscope, velocimeter
 from bodycheck.judging.sensors.past import LAGS, Past
@@ -88,7 +89,7 @@ def identify(past: Past, sensor: Sensor, index: int, readings: Array) -> tuple[C
     """
     values = past.values[index][past.rows]
     if sensor.type == "force_torque":
-        return tuple(_identified(wrench(past, sensor, values, part), readings[:, part]) for part in (FORCE, MOMENT))
+        return tuple(_identified(wrench(past, sensor, values, part), readings[:, part]) for _, part in parts(sensor))
     functions = {
         "accelerometer": accelerometer,
         "gyroscope": gyroscope,
@@ -110,7 +111,9 @@ def _identified(known: Laws, readings: Array) -> Convention:
         return Convention(note="reads zero")
     best = fit.best()
     if best.residual > EXPLAINED * fit.size:
-        return Convention(note=f"no convention explains the readings; the nearest leaves {best.residual / fit.size:.2g} of them")
+        return Convention(
+            note=f"no convention explains the readings; the nearest leaves {best.residual / fit.size:.2g} of them"
+        )
     return fit.convention(best)
 
 
@@ -287,7 +290,7 @@ class _Fit:
         return _Fit(now, self.given)
 
     def age(self, best: Hypothesis) -> tuple[float | None, float | None]:
-        """Return the age of the exact readings that fit best (steps), and its uncertainty; None if the readings cannot tell it."""
+        """Return the age of the exact readings that fit best (steps), and its uncertainty; None if it cannot be told."""
         if not self.aged:
             return None, None
         of_ages = self if best.source not in self.known.delayed else self.present(best.source)

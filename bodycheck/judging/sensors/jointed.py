@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from bodycheck.judging.sensors.errors import FORCE, MOMENT
 from bodycheck.judging.sensors.laws import Frame, Laws, Source, differences, largest, laws
 from bodycheck.judging.sensors.past import Past
 from bodycheck.reference.bodies import bodies
@@ -15,9 +16,6 @@ from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
-
-#: The components of the force, and those of the moment, in the readings of a wrench.
-FORCE, MOMENT = slice(0, 3), slice(3, 6)
 
 #: The quaternion of the world's axes.
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
@@ -97,7 +95,7 @@ def joint_acceleration(past: Past, joint: Joint) -> Array:
     """Return the acceleration (N,) of the coordinate of a revolute or prismatic joint (rad/s^2 or m/s^2)."""
     child, parent = partial(_point_acceleration, past, joint.child), partial(_point_acceleration, past, joint.parent)
     turn = past.states.quaternion[joint.child]
-    axis = rotate(turn, np.broadcast_to(np.array(exact.nearest_axis(joint)), turn.shape[:-1] + (3,)))
+    axis = rotate(turn, np.broadcast_to(np.array(exact.nearest_axis(joint)), (*turn.shape[:-1], 3)))
     origin = _origin(past, joint.child)
     if joint.type == "prismatic":
         return dot(axis, child(origin) - parent(origin))
@@ -115,7 +113,7 @@ def _origin(past: Past, body: int) -> Array:
     """Return the origin (N, 3) of a body's frame (m)."""
     assert isinstance(past.scene, Mechanism)
     turn = past.states.quaternion[body]
-    centre = np.broadcast_to(np.array(exact.nearest_inertia(past.scene.bodies[body]).centre), turn.shape[:-1] + (3,))
+    centre = np.broadcast_to(np.array(exact.nearest_inertia(past.scene.bodies[body]).centre), (*turn.shape[:-1], 3))
     return past.states.position[body] - rotate(turn, centre)
 
 
@@ -136,7 +134,7 @@ def _point_acceleration(past: Past, body: int, points: Array) -> Array:
 
 
 def _resultant(past: Past, child: int, members: Sequence[int], linear: Array, angular: Array) -> Array:
-    """Return the wrench (lags, n, 6) that gives bodies additional accelerations, as the sensor of the joint of a child reads it.
+    """Return the wrench (lags, n, 6) on a child for additional accelerations of the bodies beyond its joint.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -14,6 +14,9 @@ Source = Literal["solver", "velocities", "positions"]
 
 #: The frames along whose axes a vector may be given.
 Frame = Literal["sensor", "body", "joint", "world"]
+
+#: The texts of sources and frames in tables; empty where they are not identified.
+SOURCES, FRAMES = frozenset(get_args(Source)), frozenset(get_args(Frame))
 
 #: The rounding errors of a reading, in units of the roundoff of its size.
 ROUNDINGS = 64.0

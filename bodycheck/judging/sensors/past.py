@@ -10,13 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.adapters.driving import Controls
-from bodycheck.reference.bodies import of_bodies
+from bodycheck.reference.bodies import bodies, of_bodies
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.sensors.efforts import acting_at
+from bodycheck.reference.sensors.efforts import efforts as exerted
+from bodycheck.reference.sensors.equations import equations, states_of
 from bodycheck.reference.sensors.expected import accelerations, expected
 from bodycheck.reference.sensors.sensor import Sensor
+from bodycheck.reference.sensors.truth import sensor_truth
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import at
+from bodycheck.reference.truths import Truth
 
 #: The numbers of steps before each reading at which states are known. Values between them are interpolated by cubics.
 LAGS = (0, 1, 2, 3)
@@ -58,31 +65,51 @@ class Past:
     roundoff: float
 
 
-def of_window(scene: AnyScene, sensors: Sequence[Sensor], window: Trajectory, timestep: float) -> Past | None:
-    """Return the past of the readings after the steps of a window of states, except the first steps, whose past is too short.
+def of_window(
+    scene: AnyScene, sensors: Sequence[Sensor], window: Trajectory, timestep: float
+) -> tuple[Past, NDArray[np.bool_]]:
+    """Return the past of readings after the steps of a window of states, and which of the states have one.
 
-    Returns None if the window has too few steps, or a state that is not finite.
+    The first states have no past that is long enough. timestep: that of the steps (s). Raises as `expected` does.
     """
-    states, count = of_bodies(window), len(window) - LAGS[-1]
-    if count < 1 or not all(np.isfinite(values).all() for values in (states.position, states.velocity, states.quaternion)):
+    instants = np.arange(len(window))
+    rows = instants[LAGS[-1] :] - np.array(LAGS)[:, None]
+    driving = efforts(scene, window, timestep)
+    linear, angular = accelerations(scene, window, driving)
+    states, exactly = of_bodies(window), expected(scene, sensors, window, driving)
+    return Past(scene, states, linear, angular, exactly, rows, timestep, _roundoff(states)), instants >= LAGS[-1]
+
+
+def of_truth(truth: Truth, sensors: Sequence[Sensor], instants: Array, timestep: float) -> tuple[Past, NDArray[np.bool_]]:
+    """Return the past of readings at instants (n,), s, with the states of the truth, and which of the instants have one.
+
+    timestep: that of the steps before the readings (s); 0 if it is not known. Instants whose past begins before 0 are left out.
+    Raises as `truth.truth` does.
+    """
+    lags = LAGS if timestep else LAGS[:1]
+    chosen = instants >= lags[-1] * timestep * (1 - 1e-9)
+    times = np.maximum(instants[chosen] - np.array(lags)[:, None] * timestep, 0.0)
+    different, rows = np.unique(times, return_inverse=True)
+    there = at(truth, different)
+    nothing = np.full((len(bodies(truth.scene)), len(different), 3), np.nan)
+    linear, angular = nothing, nothing
+    if not touches(truth.scene):
+        linear, angular = accelerations(truth.scene, there.trajectory, _efforts_of_truth(there))
+    exactly = tuple(
+        each.values if not each.reason else np.full((len(different), len(sensor.form.components)), np.nan)
+        for sensor, each in zip(sensors, sensor_truth(there, sensors), strict=True)
+    )
+    states = of_bodies(there.trajectory)
+    return Past(truth.scene, states, linear, angular, exactly, rows.reshape(times.shape), timestep, DOUBLE), chosen
+
+
+def _efforts_of_truth(truth: Truth) -> Array | None:
+    """Return the efforts (n, j) of the controllers of driven joints at the instants of a truth; None if no joint is driven."""
+    if not isinstance(truth.scene, Mechanism) or not truth.scene.controllers:
         return None
-    rows = np.arange(count)[None] + LAGS[-1] - np.array(LAGS)[:, None]
-    return past(scene, sensors, window, rows, timestep, efforts(scene, window, timestep))
-
-
-def past(
-    scene: AnyScene,
-    sensors: Sequence[Sensor],
-    states: Trajectory,
-    rows: NDArray[np.intp],
-    timestep: float,
-    driving: Array | None,
-) -> Past:
-    """Return the past from states (N, ...) or (b, N, ...) and the efforts (N, j) of driven joints. For the others see `Past`."""
-    linear, angular = accelerations(scene, states, driving)
-    values = expected(scene, sensors, states, driving)
-    bodies = of_bodies(states)
-    return Past(scene, bodies, linear, angular, values, rows, timestep, _roundoff(bodies))
+    written = equations(truth.scene)
+    states = states_of(written, of_bodies(truth.trajectory), truth.joints)
+    return exerted(written, states, acting_at(truth)).astype(float)
 
 
 def efforts(scene: AnyScene, window: Trajectory, timestep: float) -> Array | None:
@@ -97,11 +124,11 @@ def efforts(scene: AnyScene, window: Trajectory, timestep: float) -> Array | Non
     coordinates = np.stack([motion.position[:, each][:, 0] for each, _ in slices], axis=1)
     velocities = np.stack([motion.velocity[:, each][:, 0] for _, each in slices], axis=1)
     controllers = [(driven.index(each.joint), each) for each in scene.controllers]
-    controls, exerted = Controls(len(driven), controllers, [], staged=False), [np.zeros(len(driven))]
+    controls, acting = Controls(len(driven), controllers, [], staged=False), [np.zeros(len(driven))]
     for step, state in enumerate(zip(coordinates, velocities, strict=True)):
-        exerted.append(exerted[-1])  # what acts until something else is computed
-        controls.exert(step * Fraction(timestep), partial(_same, state), partial(exerted.__setitem__, -1))
-    return np.array(exerted[1:])
+        acting.append(acting[-1])  # what acts until something else is computed
+        controls.exert(step * Fraction(timestep), partial(_same, state), partial(acting.__setitem__, -1))
+    return np.array(acting[1:])
 
 
 def _same(state: tuple[Array, Array]) -> tuple[Array, Array]:
