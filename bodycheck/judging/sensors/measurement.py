@@ -81,6 +81,7 @@ def sensor_rows(
     index: int,
     readings: Array,
     conventions: Sequence[Convention],
+    reset: bool = True,
 ) -> list[SensorRow]:
     """Return the rows of one sensor: one, or those of the force and the moment of a wrench.
 
@@ -93,9 +94,11 @@ def sensor_rows(
     known
         The truth at the instants of the readings.
     readings
-        The readings (n, k), the first after a reset.
+        The readings (n, k).
     conventions
         The conventions that explain the readings, one for each row.
+    reset
+        Whether the first reading is that after a reset, which does not count in the error.
     """
     reason = known.reason if isinstance(known, NoTruth) else known[1][index].reason
     pairs = zip(parts(sensor), conventions, strict=True)
@@ -104,10 +107,10 @@ def sensor_rows(
         pairs = zip(parts(sensor), noted, strict=True)
         return [_row(head, name, sensor, None, each, None) for (name, _), each in pairs]
     truth, exactly = known[0], known[1][index].values
-    later = np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]])
+    later = np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]]) if reset else readings
     errors = reading_errors(truth, sensor, exactly, later)
     return [
-        _row(head, name, sensor, error, convention, _distance(readings[0, part], exactly[0, part]))
+        _row(head, name, sensor, error, convention, _distance(readings[0, part], exactly[0, part]) if reset else None)
         for ((name, part), convention), error in zip(pairs, errors, strict=True)
     ]
 
