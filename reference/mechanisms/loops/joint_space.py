@@ -13,7 +13,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import matrix
@@ -128,9 +127,7 @@ class Motion:
 
 
 def tree(mechanism: Mechanism) -> Tree:
-    """The tree of a mechanism. Raises `NotModelled` if it has dry friction."""
-    if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in a mechanism with loops")
+    """The tree of a mechanism, whose dry friction, joints that follow others, controllers and stops are not contained in it."""
     slices = dict(zip((id(joint) for joint in mechanism.joints), places(mechanism), strict=True))
     held, moving = joint_sizes(mechanism)
     elements: list[Element] = []
@@ -275,7 +272,7 @@ def frame_motion(linkage: Tree, states: WideArray) -> Motion:
     return motion
 
 
-def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+def point_motion(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """Position, velocity and acceleration (s, 3) of a point (3,) of an element, without accelerations of the coordinates."""
     if element == WORLD:
         still = np.zeros((len(motion.turns), 3), dtype=Wide)
@@ -287,7 +284,7 @@ def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, Wide
     return motion.origin[element] + arm, motion.velocity[element] + around, bias
 
 
-def _rows(linkage: Tree, motion: Motion, row: int, position: WideArray) -> WideArray:
+def point_rows(linkage: Tree, motion: Motion, row: int, position: WideArray) -> WideArray:
     """The velocities (s, u, 3) of a point at a position (s, 3), for a unit value of each velocity.
 
     row: the row in `Tree.along` of the body or loop end to which the point belongs.
@@ -296,21 +293,22 @@ def _rows(linkage: Tree, motion: Motion, row: int, position: WideArray) -> WideA
     return rows
 
 
-def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+def closures(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """Gaps of loops, rates, accelerations without those of coordinates, each (s, 3 l), and the gaps' Jacobian (s, 3 l, u)."""
     count, bodies, loops = len(motion.turns), len(linkage.mass), len(linkage.points)
     gaps, rates, biases, rows = ([np.zeros((count, 0), dtype=Wide)] for _ in range(4))
     rows = [np.zeros((count, 0, len(linkage.inertia)), dtype=Wide)]
     for index, (one, other) in enumerate(linkage.points):
-        first, second = _at(motion, *one), _at(motion, *other)
+        first, second = point_motion(motion, *one), point_motion(motion, *other)
         for part, values in enumerate((gaps, rates, biases)):
             values.append(first[part] - second[part])
-        row = _rows(linkage, motion, bodies + index, first[0]) - _rows(linkage, motion, bodies + loops + index, second[0])
+        row = point_rows(linkage, motion, bodies + index, first[0])
+        row = row - point_rows(linkage, motion, bodies + loops + index, second[0])
         rows.append(np.swapaxes(row, 1, 2))
     return np.hstack(gaps), np.hstack(rates), np.hstack(biases), np.concatenate(rows, axis=1)
 
 
-def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
+def dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
     """The mass matrix (s, u, u), and the forces (s, u) minus the inertial forces without accelerations of coordinates."""
     v = states[:, linkage.coordinates :]
     slots = np.zeros_like(v)
@@ -344,13 +342,13 @@ def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArr
 def derivatives(linkage: Tree, states: WideArray, pushed: WideArray | None = None) -> WideArray:
     """The derivatives (s, c + u) of states (s, c + u). pushed: (s, u) further forces along the coordinates."""
     motion = frame_motion(linkage, states)
-    mass, force = _dynamics(linkage, motion, states)
-    _, _, bias, rows = _loops(linkage, motion)
+    mass, force = dynamics(linkage, motion, states)
+    _, _, bias, rows = closures(linkage, motion)
     accelerations, _ = solved(mass, rows, force if pushed is None else force + pushed, -bias)
-    return np.hstack([_coordinate_rates(linkage, states, states[:, linkage.coordinates :]), accelerations])
+    return np.hstack([coordinate_rates(linkage, states, states[:, linkage.coordinates :]), accelerations])
 
 
-def _coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArray:
+def coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArray:
     """The derivatives (s, c) of the coordinates for velocities v (s, u)."""
     rates = np.zeros((len(states), linkage.coordinates), dtype=Wide)
     for element in linkage.elements:
@@ -369,11 +367,11 @@ def close_loops(linkage: Tree, state: WideArray) -> WideArray:
         if element.kind == "ball":
             states[:, element.held] /= np.sqrt((states[:, element.held] ** 2).sum())
     motion = frame_motion(linkage, states)
-    mass, force = _dynamics(linkage, motion, states)
-    gaps, _, _, rows = _loops(linkage, motion)
+    mass, force = dynamics(linkage, motion, states)
+    gaps, _, _, rows = closures(linkage, motion)
     shift, _ = solved(mass, rows, np.zeros_like(force), -gaps, refinements=2)
-    states[:, :c] += _coordinate_rates(linkage, states, shift)
-    _, rates, _, rows = _loops(linkage, frame_motion(linkage, states))
+    states[:, :c] += coordinate_rates(linkage, states, shift)
+    _, rates, _, rows = closures(linkage, frame_motion(linkage, states))
     change, _ = solved(mass, rows, np.zeros_like(force), -rates, refinements=2)
     states[:, c:] += change
     closed: WideArray = states[0]
@@ -382,7 +380,7 @@ def close_loops(linkage: Tree, state: WideArray) -> WideArray:
 
 def gaps(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
     """Return the largest components (s,) of gaps of loops (m) and of their rates (m/s), at states (s, c + u)."""
-    distances, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
+    distances, rates, _, _ = closures(linkage, frame_motion(linkage, states))
     return np.abs(distances).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
 
@@ -391,7 +389,7 @@ def bodies(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray, Wide
     motion = frame_motion(linkage, states)
     rows: list[tuple[WideArray, ...]] = []
     for body, end in enumerate(linkage.ends):
-        position, velocity, _ = _at(motion, end, linkage.centre[body])
+        position, velocity, _ = point_motion(motion, end, linkage.centre[body])
         axes = np.broadcast_to(_EYE, (len(states), 3, 3)) if end == WORLD else motion.axes[end]
         spin = np.zeros((len(states), 3), dtype=Wide) if end == WORLD else motion.spin[end]
         rows.append((position, quaternions(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))

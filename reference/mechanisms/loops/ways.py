@@ -50,6 +50,8 @@ def way(mechanism: Mechanism, times: Array) -> Way:
 
     Raises `NotModelled` if the mechanism has dry friction, and `OutOfReach` if the motion cannot be followed.
     """
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction in a mechanism with loops")
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
     how: dict[str, Any] = {
         "stages": STAGES,
