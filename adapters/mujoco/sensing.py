@@ -28,7 +28,7 @@ from bodycheck.adapters.mujoco.stepping import Stepper, external_force
 from bodycheck.adapters.stepping import TakingLaws
 from bodycheck.adapters.touching import touching_bodies
 from bodycheck.reference.kinematics import multiply, rotate
-from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
@@ -124,7 +124,7 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
     xml, joints = single.description(scene, method, model)
     turn = np.array(joints.turn)
     placed = [
-        Placed(each, "body", rotate(turn, np.array(each.position)), multiply(turn, np.array(each.attitude))) for each in sensors
+        Placed(each, "body", rotate(turn, np.array(each.position)), multiply(turn, attitude_of(each))) for each in sensors
     ]
     stepper = single.started(with_sensors(xml, placed, method), joints)
     stepper.force = single.external_force(scene, method, model, stepper.data)
@@ -136,9 +136,7 @@ def _touching(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> Sen
     bodies = touching_bodies(scene)
     centres = [nearest_inertia(body).centre for body in scene.bodies] if isinstance(scene, Mechanism) else [(0.0, 0.0, 0.0)]
     placed = [
-        Placed(
-            each, bodies[each.body].name, np.subtract(each.position, centres[each.body]), np.array(each.attitude, dtype=float)
-        )
+        Placed(each, bodies[each.body].name, np.subtract(each.position, centres[each.body]), attitude_of(each))
         for each in sensors
     ]
     simulation = touching.started(scene, bodies, with_sensors(touching.document(scene, bodies, method), placed, method), method)
@@ -180,7 +178,12 @@ def _placed(scene: Mechanism, sensor: Sensor) -> Placed:
     """Return a sensor in the model of a mechanism, whose bodies have the frames of the case."""
     joint = None if sensor.joint is None else scene.joints[sensor.joint].name
     part = joint if sensor.type == "joint_effort" and joint is not None else scene.bodies[sensor.body].name
-    return Placed(sensor, part, np.array(sensor.position), np.array(sensor.attitude))
+    return Placed(sensor, part, np.array(sensor.position), attitude_of(sensor))
+
+
+def attitude_of(sensor: Sensor) -> Array:
+    """Return the quaternion (4,) from the axes of a sensor to those of the body's frame."""
+    return np.array(nearest_turn(sensor.attitude))
 
 
 def _sensing(simulation: Simulation, stepper: Stepper, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
