@@ -7,6 +7,7 @@ import numpy as np
 from bodycheck.reference.bodies import of_bodies
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
@@ -45,7 +46,7 @@ def parts(sensor: Sensor) -> tuple[tuple[str, slice], ...]:
     return ((sensor.name, slice(0, len(sensor.form.components))),)
 
 
-def reading_errors(truth: Truth, sensor: Sensor, exactly: Array, readings: Array) -> tuple[ReadingError, ...]:
+def reading_errors(truth: Truth, sensor: Sensor, exactly: SensorTruth, readings: Array) -> tuple[ReadingError, ...]:
     """Return the errors of readings (n, k) of a sensor, of which those that are not numbers are left out.
 
     Parameters
@@ -55,21 +56,21 @@ def reading_errors(truth: Truth, sensor: Sensor, exactly: Array, readings: Array
     sensor
         The sensor.
     exactly
-        The true readings (n, k), which are not numbers at instants that are left out.
+        The true readings at the same instants.
     """
     errors = []
     for name, part in parts(sensor):
-        distances = np.linalg.norm(readings[:, part] - exactly[:, part], axis=-1)
-        known, size = distances[~np.isnan(distances)], _size(truth, sensor, exactly[:, part])
+        distances = np.linalg.norm(readings[:, part] - exactly.values[:, part], axis=-1)
+        known, size = distances[~np.isnan(distances)], _size(truth, sensor, exactly, part)
         error = float(known.max()) if len(known) else None
         errors.append(ReadingError(name, part, error, error / size if error is not None and size else None))
     return tuple(errors)
 
 
-def _size(truth: Truth, sensor: Sensor, exactly: Array) -> float:
-    """Return the size of readings to which errors are relative."""
-    sizes = np.linalg.norm(exactly, axis=-1)
-    size = float(np.nanmax(sizes, initial=0.0))
+def _size(truth: Truth, sensor: Sensor, exactly: SensorTruth, part: slice) -> float:
+    """Return the size of readings to which errors are relative; 0 if the true readings are 0 within their bounds."""
+    sizes, bounds = (np.linalg.norm(values[:, part], axis=-1) for values in (exactly.values, exactly.bounds))
+    size = float(np.nanmax(np.where(sizes > bounds, sizes, 0.0), initial=0.0))
     if sensor.type != "accelerometer":
         return size
     scene = truth.scene

@@ -106,11 +106,11 @@ def sensor_rows(
         noted = [replace(each, note="; ".join(filter(None, (each.note, f"no truth: {reason}")))) for each in conventions]
         pairs = zip(parts(sensor), noted, strict=True)
         return [_row(head, name, sensor, None, each, None) for (name, _), each in pairs]
-    truth, exactly = known[0], known[1][index].values
+    truth, exactly = known[0], known[1][index]
     later = np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]]) if reset else readings
     errors = reading_errors(truth, sensor, exactly, later)
     return [
-        _row(head, name, sensor, error, convention, _distance(readings[0, part], exactly[0, part]) if reset else None)
+        _row(head, name, sensor, error, convention, _distance(readings[0, part], exactly.values[0, part]) if reset else None)
         for ((name, part), convention), error in zip(pairs, errors, strict=True)
     ]
 

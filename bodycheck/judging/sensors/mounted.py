@@ -140,5 +140,6 @@ def _turned(turn: Array) -> Array:
 def _frames(past: Past, sensor: Sensor, place: Mounting) -> dict[Frame, Array]:
     """Return the frames along whose axes a mounted sensor may read, beginning with its own."""
     frames = frames_of_body(past, sensor.body)
-    turned = bool(np.abs(np.array(exact.nearest_turn(sensor.attitude))[1:]).any())
-    return {"sensor": place.axes, **frames} if turned else frames
+    if not np.abs(np.array(exact.nearest_turn(sensor.attitude))[1:]).any():  # its axes are those of the body
+        del frames["body"]
+    return {"sensor": place.axes, **frames}

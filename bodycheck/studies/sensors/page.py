@@ -13,12 +13,13 @@ from bodycheck.studies.sensors.rows import Line, age_text, departures, lines
 
 #: Explanations for readers.
 READING = (
-    "“Error” is the largest distance of a reading from the truth at the instant that the reading claims, relative to the largest "
-    "true reading; it contains the error of the motion. Sign, frame, age and source do not: the readings after the first steps "
-    "are compared with what the sensor should read at the engine's own states, for other axes, frames, delays and sources.",
-    "The age is the delay in steps that explains the readings best. The source is the state itself with the accelerations of the "
-    "solver, or a difference of velocities or of positions over a step. A field is empty where the scene cannot tell it. “At "
-    "reset” is the error of the reading after a reset, before any step: 1 means that it is as large as the reading.",
+    "“Error” is the largest distance of a reading from the truth at the instant that the reading claims, relative to the "
+    "largest true reading; it contains the error of the motion. Sign, frame, age and source do not contain it: the readings "
+    "after the first steps are compared with what the sensor should read at the engine's own states, for other axes, frames, "
+    "delays and sources.",
+    "The age is the delay in steps that explains the readings best. The source is the state itself with the accelerations of "
+    "the solver, or a difference of velocities or of positions over a step. A field is empty where the scene cannot tell it. "
+    "“At reset” is the error of the reading after a reset, before any step: 1 means that it is as large as the reading.",
     "These are conventions of engines. They are named, so that a user can account for them.",
 )
 

@@ -59,7 +59,7 @@ def lines(rows: Sequence[SensorRow]) -> list[Line]:
 
 
 def departures(row: SensorRow) -> str:
-    """Return the terms that the readings of a row have in excess or lack, or why there is no row; the rest of its note is left out."""
+    """Return the note of a row without what the scene cannot tell."""
     return "; ".join(part for part in row.note.split("; ") if not part.startswith("the scene cannot tell"))
 
 
