@@ -100,11 +100,11 @@ def run(case: Case, engine: str, method: Method) -> Run:
         outcome = outcome_in(adapter, engine, case.scene, method, times)
         if case.sensors and isinstance(outcome, Completed):
             given = given_to_engines(case.scene, times)
-            outcome = replace(outcome, sensed=sensed(adapter, given, case.sensors, method, outcome.trajectory))
+            outcome = replace(outcome, readings=sensed(adapter, given, case.sensors, method, outcome.trajectory))
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
     record, ended = adapter.engine, where_rounded_to_nearest(outcome)
-    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method))
+    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method), case.sensors)
 
 
 def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
