@@ -19,12 +19,12 @@ from math import ceil, hypot, inf, log10, sqrt
 
 import numpy as np
 
-from bodycheck.judging.sensors.errors import parts
 from bodycheck.judging.sensors.jointed import contact_force, joint_effort, wrench
 from bodycheck.judging.sensors.laws import Frame, Laws, Source
 from bodycheck.judging.sensors.mounted import accelerometer, gyroscope, velocimeter
 from bodycheck.judging.sensors.past import LAGS, Past
 from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.sensors.errors import parts
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 
-from bodycheck.judging.sensors.errors import FORCE, MOMENT
 from bodycheck.judging.sensors.laws import Frame, Laws, Source, differences, largest, laws
 from bodycheck.judging.sensors.past import Past
 from bodycheck.reference.bodies import bodies
@@ -14,6 +13,7 @@ from bodycheck.reference.kinematics import conjugate, dot, multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.sensors.errors import FORCE, MOMENT
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import LABEL, Verdict
-from bodycheck.judging.sensors.errors import ReadingError, parts, reading_errors
 from bodycheck.judging.sensors.identification import Convention, identify
 from bodycheck.judging.sensors.past import of_truth, of_window
 from bodycheck.judging.sensors.rows import SENSORS, SensorRow
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.requirements import touches
+from bodycheck.reference.sensors.errors import ReadingError, parts, reading_errors
 from bodycheck.reference.sensors.readings import Sensed, SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.sensors.truth import sensor_truth

@@ -8,12 +8,12 @@ import numpy as np
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
-from bodycheck.judging.sensors.errors import parts
 from bodycheck.judging.sensors.identification import Convention, identify
 from bodycheck.judging.sensors.measurement import sensor_rows, with_readings
 from bodycheck.judging.sensors.past import of_truth
 from bodycheck.judging.sensors.rows import SensorRow
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.sensors.errors import parts
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth

@@ -55,7 +55,10 @@ def lines(rows: Sequence[SensorRow]) -> list[Line]:
     groups: dict[tuple[str, ...], list[SensorRow]] = {}
     for row in rows:
         groups.setdefault((row.engine, row.version, *_read(row), _type(row)), []).append(row)
-    return [_line(key, group) for key, group in groups.items()]
+    types = list(dict.fromkeys(kind for *_, kind in groups))
+    return [
+        _line(key, groups[key]) for key in sorted(groups, key=lambda key: (key[:3], types.index(key[-1]), key[3] != "step"))
+    ]
 
 
 def departures(row: SensorRow) -> str:
@@ -78,7 +81,7 @@ def _line(key: tuple[str, ...], rows: Sequence[SensorRow]) -> Line:
         source=_joined(rows, lambda row: row.source),
         error=max((row.relative_error for row in rows if row.relative_error is not None), default=None),
         reset=max(resets, default=None),
-        note=_joined(rows, departures, "; "),
+        note=_notes(rows),
         scenes=len({row.case for row in rows}),
     )
 
@@ -91,6 +94,18 @@ def age_text(row: SensorRow) -> str:
 def _joined(rows: Sequence[SensorRow], text: Callable[[SensorRow], str], between: str = ", ") -> str:
     """Return the different texts of rows, without empty ones."""
     return between.join(dict.fromkeys(filter(None, map(text, rows))))
+
+
+def _notes(rows: Sequence[SensorRow]) -> str:
+    """Return the notes of rows, each once; a note that not all scenes share names its scenes."""
+    scenes: dict[str, list[str]] = {}
+    for row in rows:
+        if text := departures(row):
+            scenes.setdefault(text, []).append(row.case)
+    count = len({row.case for row in rows})
+    return "; ".join(
+        text if len(set(names)) == count else f"{text} ({', '.join(dict.fromkeys(names))})" for text, names in scenes.items()
+    )
 
 
 def _read(row: SensorRow) -> tuple[str, str]:
