@@ -1,4 +1,4 @@
-"""What the sensors of engines read: the error of readings, and the convention that explains them.
+"""The sensors of engines: the error of their readings, and the convention that explains them.
 
 - `past`: the states of an engine at the instants of readings and some steps before each.
 - `laws`: what a sensor would read by other conventions, such as other axes, or accelerations by differences of velocities.

@@ -27,7 +27,7 @@ NOTICEABLE = 1e3
 
 @dataclass(frozen=True, eq=False)
 class Laws:
-    """What a sensor would read by several conventions. Readings and vectors are along the axes of the type of the sensor.
+    """The readings of a sensor by several conventions. Readings and vectors are along the axes of the type of the sensor.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""`bodycheck.sensors`: what the sensors of engines read."""
+"""`bodycheck.sensors`: the sheet of sensors of engines, and readings from CSV files."""
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
@@ -26,7 +26,7 @@ from bodycheck.studies.sensors.page import present
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SensorResults(StudyResults):
-    """What the sensors of engines read.
+    """The readings of sensors in engines.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ TABLES = (SENSORS,)
 
 @dataclass(frozen=True)
 class Line:
-    """What a type of sensor reads in an engine with a method, over all scenes that can tell it.
+    """The readings of a type of sensor in an engine with a method, over all scenes that can tell their convention.
 
     Attributes
     ----------
