@@ -146,7 +146,9 @@ def test_what_has_lost_its_trajectory_is_done_again(
 
 def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[int], Study]) -> None:
     study = interrupted(2)
-    half, untold = (study.folder / trajectory_files.TRAJECTORIES / STEADY_SPIN.name / name for name in ("exact.part", "exact.parquet"))
+    half, untold = (
+        study.folder / trajectory_files.TRAJECTORIES / STEADY_SPIN.name / name for name in ("exact.part", "exact.parquet")
+    )
     half.write_bytes(b"PAR1")
     untold.write_bytes(b"PAR1")
     study.run()
