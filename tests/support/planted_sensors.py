@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SensingSimulation, single
+from bodycheck.adapters.contract import Engine, Integrator, Method, SensingSimulation, Strides, single
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import Tensor
 from bodycheck.reference.sensors.sensor import Sensor
@@ -162,7 +162,7 @@ class Sensors:
         self.past = [self.moving.motion]
         self.late: tuple[Array, ...] = tuple(np.zeros(len(sensor.columns)) for sensor in self.sensors)
 
-    def advance(self, strides: Sequence[int]) -> Array:
+    def advance(self, strides: Strides) -> Array:
         rows = []
         for stride in strides:
             for _ in range(int(stride)):
@@ -184,6 +184,7 @@ class Sensors:
         now = self.past[-1]
         if isinstance(self.moving, Swing):
             return self.wrench(self.moving, now)
+        assert isinstance(sensor.attitude, tuple)
         own = Rotation.from_quat(np.array([*sensor.attitude[1:], sensor.attitude[0]])).as_matrix()
         axes = np.eye(3) if self.fault == "along the axes of the world" else now.turn @ own
         vectors = {

@@ -114,7 +114,7 @@ def _origin(past: Past, body: int) -> Array:
     assert isinstance(past.scene, Mechanism)
     turn = past.states.quaternion[body]
     centre = np.broadcast_to(np.array(exact.nearest_inertia(past.scene.bodies[body]).centre), (*turn.shape[:-1], 3))
-    return past.states.position[body] - rotate(turn, centre)
+    return np.asarray(past.states.position[body] - rotate(turn, centre))
 
 
 def _angular(past: Past, body: int) -> Array:
@@ -130,7 +130,7 @@ def _point_acceleration(past: Past, body: int, points: Array) -> Array:
         return np.zeros_like(points)
     rate = rotate(past.states.quaternion[body], past.states.angular_velocity[body])
     arm = points - past.states.position[body]
-    return past.linear[body] + np.cross(_angular(past, body), arm) + np.cross(rate, np.cross(rate, arm))
+    return np.asarray(past.linear[body] + np.cross(_angular(past, body), arm) + np.cross(rate, np.cross(rate, arm)))
 
 
 def _resultant(past: Past, child: int, members: Sequence[int], linear: Array, angular: Array) -> Array:

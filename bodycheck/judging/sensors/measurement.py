@@ -64,7 +64,8 @@ def with_readings(truth: Truth | NoTruth, sensors: Sequence[Sensor]) -> Known:
 def rows_of(case: Case, run: Run, sensed: Sensed, known: Known) -> list[SensorRow]:
     """Return the rows of one completed run. known: the truth at its instants."""
     timestep = run.method.timestep if run.method.accuracy is None else 0.0
-    conventions = _conventions(case, sensed, known, timestep)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # states of a run may be large
+        conventions = _conventions(case, sensed, known, timestep)
     rows = []
     for index, sensor in enumerate(case.sensors):
         reason = sensed.lacking[index] and f"{run.engine} {sensed.lacking[index]}"
@@ -139,16 +140,19 @@ def _conventions(case: Case, sensed: Sensed, known: Known, timestep: float) -> l
     The states are those of the engine; where bodies touch, whose accelerations do not follow from their states, those of the
     truth. timestep: that of the steps (s); 0 if they have no fixed length, and nothing is identified.
     """
+    window = sensed.window
     if not timestep:
         return _unidentified(case, "steps have no fixed length")
+    if not all(np.isfinite(values).all() for values in (window.position, window.quaternion, window.velocity)):
+        return _unidentified(case, "a state is not a number")
     try:
         if touches(case.scene):
             if isinstance(known, NoTruth):
                 return _unidentified(case, known.reason)
-            past, chosen = of_truth(known[0], case.sensors, sensed.window.t, timestep)
+            past, chosen = of_truth(known[0], case.sensors, window.t, timestep)
         else:
-            past, chosen = of_window(case.scene, case.sensors, sensed.window, timestep)
-    except (NotModelled, OutOfReach) as error:
+            past, chosen = of_window(case.scene, case.sensors, window, timestep)
+    except (NotModelled, OutOfReach, np.linalg.LinAlgError) as error:
         return _unidentified(case, str(error))
     return [
         identify(past, sensor, index, readings[chosen])

@@ -64,7 +64,7 @@ def sensors(
     if readings is not None:
         tables.check(view, printing.ROWS)
         known = checked_readings(case, engines, integrator, timestep, name, version)
-        results, notes = of_readings(readings, arguments.load_case(*case), *known, sys.argv, Output(out))
+        results, notes = of_readings(readings, arguments.load_case(case[0]), *known, sys.argv, Output(out))
         for note in notes:
             print(note, file=sys.stderr)
         if json:

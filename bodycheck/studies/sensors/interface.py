@@ -86,8 +86,8 @@ def of_readings(
         As `recorded.rows` does.
     """
     rows, notes = recorded.rows(file, case, engine, version, timestep)
-    versions = {"engines": {engine: version}, "precisions": {engine: "float64"}}
-    header = campaign.header(command, {}, {}) | versions
+    header = campaign.header(command, {}, {})
+    header["engines"], header["precisions"] = {engine: version}, {engine: "float64"}
     report = present(header, rows)
     output.write(report, ((SENSORS, rows),), [origin.origin(header, {case.name: case.text})])
     return SensorResults(report, rows), notes

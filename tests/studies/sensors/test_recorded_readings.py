@@ -30,7 +30,7 @@ def brick() -> Case:
 @cache
 def exact() -> tuple[Array, tuple[Array, ...]]:
     """The instants and the true readings at them."""
-    times = np.arange(31) * STEP
+    times = np.asarray(np.arange(31) * STEP, dtype=np.float64)
     return times, tuple(each.values for each in sensor_truth(truth(brick(), times), brick().sensors))
 
 
