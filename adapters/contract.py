@@ -163,17 +163,24 @@ class Staged(Driven, Protocol):
         ...
 
 
-class SensingSimulation(Simulation, Protocol):
-    """A simulation of one scene whose sensors can be read at the start and between strides."""
+@dataclass(frozen=True)
+class SensingSimulation:
+    """A simulation of one scene, and the function that reads its sensors.
 
-    def read(self) -> tuple[Array, ...]:
-        """Return the present reading (k,) of each sensor, in the order of the sensors, in SI units.
+    Parameters
+    ----------
+    simulation
+        The simulation, as of `Adapter.prepare`: if joints of the scene are driven, it is `Driven`.
+    read
+        Returns a copy of the present reading (k,) of each sensor, in the order of the sensors, in SI units. It is called at the
+        start and between strides. A reading has the components of `Sensor.form`, and is NaN where the engine has none yet. With
+        the option `sensors=step`, the default, it is what the engine has after a step, and at the start what it has after it
+        was reset. With `sensors=forward` the engine first computes all quantities of its present state again, by its own
+        function.
+    """
 
-        A reading has the components of `Sensor.form`, and is NaN where the engine has none yet. With the option
-        `sensors=step`, the default, it is what the engine has after a step, and at the start what it has after it was reset.
-        With `sensors=forward` the engine first computes all quantities of its present state again, by its own function.
-        """
-        ...
+    simulation: Simulation
+    read: Callable[[], tuple[Array, ...]]
 
 
 @runtime_checkable

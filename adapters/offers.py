@@ -6,6 +6,7 @@ which parts of a method it does not know, and which requirements of a scene it d
 
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 from bodycheck.adapters.contract import (
     Adapter,
@@ -15,6 +16,8 @@ from bodycheck.adapters.contract import (
     Method,
     Option,
     SceneUnsupported,
+    Sensing,
+    SensingSimulation,
     Simulation,
     kind_of,
     single_bodies,
@@ -27,6 +30,7 @@ from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import missing, requirements, touches
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.suggestion import did_you_mean
 
 
@@ -176,6 +180,15 @@ def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Sim
     if len(groups) == 1:
         return driven(adapter.prepare(scenes, method), scenes[0], method)
     return InTurn([(group, adapter.prepare([scenes[index] for index in group], method)) for group in groups])
+
+
+def prepare_sensing(adapter: Sensing, scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of one scene with sensors that the engine reads; controllers drive the joints of a mechanism.
+
+    Raises `SceneUnsupported` as `prepare` does.
+    """
+    sensing = adapter.prepare_sensing(scene, sensors, method)
+    return replace(sensing, simulation=driven(sensing.simulation, scene, method))
 
 
 def _groups(engine: Engine, scenes: Sequence[AnyScene]) -> list[list[int]]:

@@ -49,14 +49,17 @@ class Scheduled:
         while taken < len(ends):
             following = last
             if self.step < last:
-                now = self.step * Fraction(self.timestep)
-                self.controls.exert(now, self.simulation.state, self.simulation.apply)
+                self.exert()
                 following = self.controls.following(self.step, last, self.timestep)
             sampled = ends[taken : np.searchsorted(ends, following, side="right")]
             stops = np.append(sampled, following) if not len(sampled) or sampled[-1] < following else sampled
             parts.append(_advanced(parts, self.simulation, np.diff(stops, prepend=self.step))[:, : len(sampled)])
             self.step, taken = following, taken + len(sampled)
         return np.concatenate(parts, axis=1)
+
+    def exert(self) -> None:
+        """Exert the efforts that act from the present step on."""
+        self.controls.exert(self.step * Fraction(self.timestep), self.simulation.state, self.simulation.apply)
 
     @property
     def quaternion_norm_error(self) -> float:
@@ -121,14 +124,18 @@ class ScheduledControl:
 
         A time of these that is within the slack of an instant is yielded in its place.
         """
-        assert isinstance(self.simulation, Driven)
         last = float(times[-1])
         if self.now >= last:
             yield last
         while self.now < last:
-            self.controls.exert(Fraction(self.now), self.simulation.state, self.simulation.apply)
+            self.exert()
             self.now = min([last, *(_nearest(times, each.instant, each.controller) for each in self.controls.samplers)])
             yield self.now
+
+    def exert(self) -> None:
+        """Exert the efforts that act from the present time on."""
+        assert isinstance(self.simulation, Driven)
+        self.controls.exert(Fraction(self.now), self.simulation.state, self.simulation.apply)
 
     @property
     def work(self) -> Work:
@@ -170,6 +177,12 @@ def driven(simulation: Simulation, scene: AnyScene, method: Method) -> Simulatio
         raise SceneUnsupported("efforts that are computed at each step, with a method that chooses its steps")
     assert isinstance(simulation, ErrorControlled)
     return ScheduledControl(simulation, controls, method.timestep)
+
+
+def exert(simulation: Simulation) -> None:
+    """Exert the efforts that act from now on in a simulation whose joints are driven; do nothing in any other."""
+    if isinstance(simulation, Scheduled | ScheduledControl):
+        simulation.exert()
 
 
 def computed(simulation: object) -> Efforts:

@@ -24,7 +24,7 @@ from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.members.blocks import Flown
-from bodycheck.running.simulation import trajectory_of
+from bodycheck.running.states import trajectory_of
 
 COUNT, SAMPLES, DURATION_S, TIMESTEP_S = 1000, 101, 2.0, 0.002
 

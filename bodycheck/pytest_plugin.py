@@ -325,7 +325,8 @@ def _breach_lines(judged: "Judged", where: str) -> Iterator[str]:
 
     expectation = judged.expectation
     for breach in judged.breaches:
-        yield f"{where}: {breach.name}, {EXPECTED[breach.name].told}"
+        meaning = EXPECTED[breach.name].told if breach.name in EXPECTED else "largest error of the sensor"
+        yield f"{where}: {breach.name}, {meaning}"
         yield f"    expected  {breach.expected}"
         yield f"    measured  {breach.measured}"
         yield from (f"              {note}" for note in breach.notes)

@@ -19,8 +19,7 @@ from jax import numpy as jnp
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
-from bodycheck.adapters.mujoco import contact, options
-from bodycheck.adapters.mujoco import engine as adapter
+from bodycheck.adapters.mujoco import contact, options, single
 from bodycheck.adapters.mujoco.driving import indices
 from bodycheck.adapters.mujoco.mechanism_xml import SOFT
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
@@ -112,7 +111,7 @@ def driven(steps: Compiled, compiled: Any, mechanism: Mechanism) -> Taking:
 def unjointed(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more single bodies. Raises as `prepare` does."""
     scene = scenes[0]
-    described = [adapter.description(each, method, "six-coordinates" if each.plane is None else "contact") for each in scenes]
+    described = [single.description(each, method, "six-coordinates" if each.plane is None else "contact") for each in scenes]
     (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
     dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
     drag, joints = scene.drag if dragged else None, [joints_of_scene for _, joints_of_scene in described]
@@ -127,7 +126,7 @@ def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: M
 
     Raises as `prepare` does.
     """
-    xml, joints = adapter.description_of_links(links, scene, method)
+    xml, joints = single.description_of_links(links, scene, method)
     return started(engine, xml, [joints], None)
 
 

@@ -66,7 +66,7 @@ class Touching:
         stops = np.union1d(ends, cuts)
         parts: list[Array] = []
         for stretch in np.split(stops, np.searchsorted(stops, cuts, side="right")):
-            self._switch()
+            self.switch()
             try:
                 parts.append(self.stepper.advance(np.diff(stretch, prepend=self.done)))
             except EngineDiverged as signal:
@@ -83,7 +83,7 @@ class Touching:
         by_pair: dict[tuple[int, int], Array] = {}
         force, body_of = np.empty(6), model.geom_bodyid
         for first, last in self._stretches(steps):
-            self._switch()
+            self.switch()
             with external_force(self.stepper.force):
                 for step in range(first, last):
                     time = data.time
@@ -103,7 +103,7 @@ class Touching:
         edges = [*(step for step in self.pushes if step < steps), steps]
         return list(itertools.pairwise(edges))
 
-    def _switch(self) -> None:
+    def switch(self) -> None:
         """Apply the pushes that act from the current step on."""
         data, acting = self.stepper.data, self.pushes[max(step for step in self.pushes if step <= self.done)]
         data.qfrc_applied[:] = 0
@@ -117,7 +117,12 @@ class Touching:
 def prepare(scene: AnyScene, method: Method) -> Touching:
     """Return the simulation of bodies that touch, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     bodies = touching_bodies(scene)
-    model = compiled_model(document(scene, bodies, method))
+    return started(scene, bodies, document(scene, bodies, method), method)
+
+
+def started(scene: AnyScene, bodies: Sequence[TouchingBody], xml: str, method: Method) -> Touching:
+    """Return the simulation of bodies that touch from their XML. Raises `SceneUnsupported`."""
+    model = compiled_model(xml)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = coordinates(bodies)
     count = len(bodies)

@@ -10,7 +10,7 @@ from mujoco import MjData, MjModel, mj_forward
 
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method, Role, SceneUnsupported, Usage, single_bodies
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mujoco import contact, options
+from bodycheck.adapters.mujoco import contact, options, single
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.driving import indices
 from bodycheck.adapters.mujoco.mechanism_xml import SOFT
@@ -105,7 +105,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn | 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[Any]:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    xml, joints = mujoco.description_of_links(links, scene, method)
+    xml, joints = single.description_of_links(links, scene, method)
     return stepped(*handed_over(xml, [joints]))
 
 
@@ -122,7 +122,7 @@ def described_by_mujoco(scene: Scene, method: Method) -> tuple[str, Joints]:
     """Return the XML of a scene and the joints in it. Raises `SceneUnsupported`."""
     if scene.plane is not None:
         lying_shape(scene)
-    return mujoco.description(scene, method, mujoco.model_of(scene, method))
+    return single.description(scene, method, single.model_of(scene, method))
 
 
 def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any, Any]:
@@ -149,7 +149,7 @@ def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any,
 
 def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
     """Return the same objects as `started`, without drag."""
-    first = mujoco.started(xml, joints[0])
+    first = single.started(xml, joints[0])
     try:
         model = mjw.put_model(first.model)
     except NotImplementedError as error:

@@ -32,12 +32,13 @@ from bodycheck.casefile.mechanisms.stored import loads, parted, text_of_file
 from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.casefile.scenes import Inconsistent, build_scene
-from bodycheck.casefile.sensors.building import build_sensors, sensor_faults
+from bodycheck.casefile.sensors.building import build_sensors, limits_of, sensor_faults
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.suggestion import did_you_mean
 
 #: Limits of a case file's size, of the parts of a dotted key and of the digits of a number.
@@ -303,6 +304,7 @@ def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) 
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
     if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].lacking(scene))]:
         raise Inconsistent(*faults)
+    sensors = build_sensors(table.sensors, scene)
     return Case(
         name=table.name,
         title=table.title,
@@ -311,18 +313,19 @@ def _case(table: AnyCaseTable, scene: AnyScene, expansion: Expanded, text: str) 
         scene=scene,
         duration=table.run.duration,
         samples=table.run.samples,
-        expectations=tuple(_expectation(expect) for expect in table.expect),
+        expectations=tuple(_expectation(expect, sensors) for expect in table.expect),
         extremes=extremes,
         text=text,
         ensemble=build_ensemble(table.ensemble, expansion.document) if table.ensemble else None,
         timestep=expansion.timestep,
         robot=None if expansion.notes is None else with_scene(expansion.notes, scene),
-        sensors=build_sensors(table.sensors, scene),
+        sensors=sensors,
     )
 
 
-def _expectation(table: grammar.ExpectTable) -> Expectation:
-    limits = tuple(_limit(name, limit) for name in LIMITED if (limit := getattr(table, name)) is not None)
+def _expectation(table: grammar.ExpectTable, sensors: Sequence[Sensor]) -> Expectation:
+    figures = [_limit(name, limit) for name in LIMITED if (limit := getattr(table, name)) is not None]
+    limits = (*figures, *limits_of(table.sensors or {}, sensors))
     until = date.fromisoformat(table.until) if table.until is not None else None
     status = table.status or OK
     method = Method.parse(table.integrator, table.timestep)

@@ -75,15 +75,15 @@ def _timesteps(expectations: list[Any]) -> set[float]:
 
 
 def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
-    limits = [name for name in LIMITED if name in expectation]
+    limits = [name for name in (*LIMITED, "sensors") if name in expectation]
     status = expectation.get("status", "ok")
     if not limits and "status" not in expectation:
-        yield (), f"contains no expectation; give at least one of status, {', '.join(LIMITED)}"
+        yield (), f"contains no expectation; give at least one of status, {', '.join(LIMITED)}, sensors"
     if limits and status in get_args(Status) and status != "ok":
         yield (limits[0],), f"a run with the status {status} has no errors to limit; give status alone"
     for name in limits:
         allowed = expectation[name]
-        if isinstance(allowed, dict):
+        if isinstance(allowed, dict) and name != "sensors":
             if not allowed:
                 yield (name,), "contains no limit; allowed: at_least, at_most"
             if "at_most" in allowed and number(allowed.get("at_least")) > number(allowed["at_most"]):

@@ -10,6 +10,9 @@ from bodycheck.figures import columns
 #: Name of the observed order of convergence of the attitude error, which can be limited like a column of results.
 ORDER = columns.ORDER.name
 
+#: The prefix of the names of limits for the errors of sensors.
+SENSORS = "sensors."
+
 #: The status of a completed run, which is expected by default.
 OK = "ok"
 
@@ -26,14 +29,17 @@ class Limit:
     Parameters
     ----------
     name
-        A column of results, or `ORDER`.
+        A column of results, `ORDER`, or `SENSORS` with the name of a sensor or of a part of it, such as "sensors.imu".
     at_least, at_most
-        The ends of the range, in the column's unit; None for no limit.
+        The ends of the range; None for no limit.
+    sensor_unit
+        The unit of the readings if the limit is of the error of a sensor; else empty.
     """
 
     name: str
     at_least: float | None
     at_most: float | None
+    sensor_unit: str = ""
 
     def holds(self, value: float) -> bool:
         """Return whether a value is within the range."""
@@ -42,10 +48,15 @@ class Limit:
         return at_least <= value <= at_most
 
     @property
+    def in_unit(self) -> str:
+        """The unit of the ends with a space before it; empty if they have none."""
+        return f" {self.sensor_unit}" if self.sensor_unit else unit(self.name)
+
+    @property
     def text(self) -> str:
         """The range in words, with units."""
         sides = (("at least", self.at_least), ("at most", self.at_most))
-        return " and ".join(f"{side} {value:g}{unit(self.name)}" for side, value in sides if value is not None)
+        return " and ".join(f"{side} {value:g}{self.in_unit}" for side, value in sides if value is not None)
 
 
 @dataclass(frozen=True)

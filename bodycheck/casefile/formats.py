@@ -77,6 +77,8 @@ def untagged(path: Path) -> Path:
             return ("model", "keyframe")
         case ("scene", *rest):
             return ("scene", *(key for key in rest if key not in ("coefficient", "word")))
+        case ("expect", _, "sensors", *_):
+            return path
         case ("expect", *rest):
             return ("expect", *(key for key in rest if key not in ("limit", "range")))
         case ("ensemble", "vary", index, _, *rest):

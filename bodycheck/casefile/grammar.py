@@ -20,6 +20,7 @@ from bodycheck.casefile.values import (
     MAX_PARTS,
     MAX_PUSHES,
     MAX_SAMPLES,
+    MAX_SENSORS,
     MAX_TAGS,
     BodyPattern,
     EngineName,
@@ -272,6 +273,9 @@ def _is_date(value: str) -> str:
     return value
 
 
+#: The largest errors of sensors, by their names.
+SensorLimits = Annotated[dict[Label, NonNegative], Field(min_length=1, max_length=MAX_SENSORS)]
+
 AnyLimit = Annotated[Annotated[NonNegative, Tag("limit")] | Annotated[RangeTable, Tag("range")], Discriminator(_kind_of_limit)]
 
 
@@ -307,6 +311,9 @@ else:
 class ExpectTable(LimitsTable):
     """What must hold of one method: a figure's largest value over all samples is at most a number, or within a range."""
 
+    sensors: SensorLimits | None = Field(
+        default=None, description="largest error of each sensor by its name, in its unit; of a wrench in N and N m"
+    )
     known: Label | None = Field(default=None, description="where a discrepancy is discussed that breaks this")
     until: Annotated[Text, AfterValidator(_is_date)] | None = Field(default=None, description="last day on which it may")
 

@@ -4,7 +4,8 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -13,9 +14,8 @@ from bodycheck.console.options import AS_THEY_ARE, AS_USUAL, Json, OfRobots, Vie
 from bodycheck.errors import FAILED, OK, BadInput, Failed
 
 if TYPE_CHECKING:
-    from bodycheck.reference.certified import Certificate
+    from bodycheck.reference.sensors.readings import SensorTruth
     from bodycheck.reference.truths import Truth
-    from bodycheck.running.tasks import Question
 
 #: Time limit of the command, that of a truth in a run.
 TIME_LIMIT_S = 300.0
@@ -51,6 +51,7 @@ def truth(
     from bodycheck.console import truths as printing
     from bodycheck.console.robots import noticed
     from bodycheck.reference.certified import Certificate
+    from bodycheck.running import tasks
     from bodycheck.running.tasks import Question
 
     loaded = arguments.load_case(case, robots)
@@ -60,15 +61,22 @@ def truth(
     if not limit > 0:
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
     noticed([loaded], 1, quiet=False)
-    answered = _answered(Question(loaded, tuple(sorted(at)) or None, certify), limit)
+    question = Question(loaded, tuple(sorted(at)) or None, certify)
+    answered: Truth | Certificate = _answered(tasks.answer, question, loaded.name, limit)
     certificate = answered if isinstance(answered, Certificate) else None
     computed = answered.truth if isinstance(answered, Certificate) else answered
+    readings: tuple[SensorTruth, ...] = ()
+    if loaded.sensors:
+        readings = _answered(tasks.answer_sensors, tasks.SensorQuestion(loaded, computed), loaded.name, limit)
     if json:
         from bodycheck.running import truths  # which imports all ways to a truth
 
-        terminal.print_json(truths.as_json(loaded, computed) | (truths.certificate_as_json(certificate) if certificate else {}))
+        parts = truths.certificate_as_json(certificate) if certificate else {}
+        sensors = truths.sensors_as_json(loaded.sensors, readings) if loaded.sensors else {}
+        terminal.print_json(truths.as_json(loaded, computed) | parts | sensors)
     else:
         printing.print_truth(computed, len(at) or 11, view)
+        printing.print_sensors(loaded, readings)
         if certificate:
             printing.print_certificate(certificate)
     for fault in certificate.faults if certificate else ():
@@ -76,10 +84,12 @@ def truth(
     return OK if certificate is None or certificate.certified else FAILED
 
 
-def _answered(question: "Question", limit: float) -> "Truth | Certificate":
+def _answered(compute: Callable[[Any], Any], question: Any, name: str, limit: float) -> Any:
     """Return the answer to a question from a worker process with a time limit (s). Raises `Failed` if there is none.
 
     The process is killed when the command is interrupted, also where it computes in C and hears no signal.
+
+    compute: the function that answers the question. name: of the case.
     """
     from bodycheck.processes import pool
     from bodycheck.processes.failures import Crashed, TimedOut
@@ -87,9 +97,8 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
     from bodycheck.running import tasks
 
     home = pool.Home(prepare=tasks.leave_out_sympy)
-    with pool.Workers(tasks.answer, 1, limit, home=lambda group: home) as workers:
+    with pool.Workers(compute, 1, limit, home=lambda group: home) as workers:
         answer = workers.call(question)
-    name = question.case.name
     match answer:
         case TimedOut():
             raise Failed(f"{name}: its truth takes longer than the limit of {limit:g} s; --limit sets another")

@@ -1,10 +1,12 @@
 """Print a truth and its cross-check to stdout."""
 
+from collections.abc import Sequence
 from importlib.util import find_spec
 from operator import itemgetter
 
 import numpy as np
 
+from bodycheck.casefile.content import Case
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, show
@@ -18,6 +20,8 @@ from bodycheck.reference.certified import Certificate
 from bodycheck.reference.contact.motion import EventKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
 from bodycheck.reference.requirements import touches
+from bodycheck.reference.sensors.readings import SensorTruth
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 
@@ -55,6 +59,31 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
         tell(f"compared with {'; '.join(truth.witnesses)}")
     if any("dop853" in witness for witness in truth.witnesses) and find_spec("heyoka") is None:
         tell("SciPy integrated in double precision, as heyoka is not installed: pip install 'bodycheck[multiprecision]'")
+
+
+def print_sensors(case: Case, readings: Sequence[SensorTruth]) -> None:
+    """Print the largest reading of each sensor of a case and the bound of its error, or why there is no truth of it."""
+    for sensor, each in zip(case.sensors, readings, strict=True):
+        if each.reason:
+            tell(f"sensor {sensor.name}: not modelled: {each.reason}")
+            continue
+        parts, units = [], _units(case, sensor)
+        for unit in dict.fromkeys(units):
+            rows = [row for row, one in enumerate(units) if one == unit]
+            known = ~np.isnan(each.values[:, 0])
+            largest, bound = (values[known][:, rows].max(initial=0.0) for values in (np.abs(each.values), each.bounds))
+            parts.append(f"at most {largest:.6g} {unit}, error at most {rounded_up(float(bound), 2):.2g}")
+        left_out = f"; {each.left_out} of {len(each.values)} instants are those of impacts" if each.left_out else ""
+        tell(f"sensor {sensor.name}: {'; '.join(parts)}{left_out}")
+
+
+def _units(case: Case, sensor: Sensor) -> tuple[str, ...]:
+    """Return the unit of each component of a sensor of a case."""
+    if sensor.type != "joint_effort":
+        return sensor.form.units
+    assert isinstance(case.scene, Mechanism)
+    assert sensor.joint is not None  # a sensor of a joint
+    return ("N",) if case.scene.joints[sensor.joint].type == "prismatic" else ("N m",)
 
 
 def _other_bounds(truth: Truth) -> str:

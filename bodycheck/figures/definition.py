@@ -27,6 +27,8 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.sensors.readings import Sensed
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 
@@ -126,6 +128,8 @@ class Comparison:
         not known.
     interfaces
         The loads between bodies that rest; None if the engine does not report them.
+    sensors, sensed
+        The sensors of the case, and their readings in the run; None if the engine reads none.
     """
 
     truth: Exact
@@ -133,6 +137,8 @@ class Comparison:
     load: Load | None = None
     quaternion_norm_error: float | Array | None = None
     interfaces: tuple[InterfaceLoad, ...] | None = None
+    sensors: tuple[Sensor, ...] = ()
+    sensed: Sensed | None = None
 
     @property
     def scene(self) -> AnyScene | Scenes:

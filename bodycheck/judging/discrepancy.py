@@ -7,6 +7,7 @@ import numpy as np
 
 from bodycheck.figures.columns import BEFORE_DEPARTURE, DEPARTURE, FIGURES
 from bodycheck.figures.definition import Comparison
+from bodycheck.figures.sensors import errors_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
@@ -24,11 +25,14 @@ class Summary:
         The instant (s) at which each series first reaches its largest value, by the name of its column.
     before
         The columns about the time before the departure of a robot from its file; empty if there is none.
+    sensors
+        As in `Discrepancy`.
     """
 
     largest: Mapping[str, float]
     instants: Mapping[str, float]
     before: Mapping[str, float] = field(default_factory=dict)
+    sensors: Mapping[str, float] = field(default_factory=dict)
 
     def maxima(self) -> dict[str, float]:
         """Return the largest value of every series, and the figures that are single numbers, by their names."""
@@ -48,11 +52,14 @@ class Discrepancy:
         which mechanics does not determine the motion; a figure with only such values is left out.
     figures
         Figures that are single numbers.
+    sensors
+        The errors of sensors in their own units, by their names; a wrench has those of its force and its moment.
     """
 
     t: Array
     series: Mapping[str, Array]
     figures: Mapping[str, float]
+    sensors: Mapping[str, float] = field(default_factory=dict)
 
     def maxima(self) -> dict[str, float]:
         """Return the largest value of every series, and the figures that are single numbers, by their names."""
@@ -64,7 +71,7 @@ class Discrepancy:
         departure: the last instant (s) at which neither limits nor contacts of a robot's file have acted; None if they do not.
         """
         instants = {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()}
-        return Summary(self.maxima(), instants, {} if departure is None else self._before(departure))
+        return Summary(self.maxima(), instants, {} if departure is None else self._before(departure), self.sensors)
 
     def _before(self, departure: float) -> dict[str, float]:
         """Return the columns about the time up to a departure (s). Without an instant after the start, there are no errors."""
@@ -85,10 +92,11 @@ def compare(truth: Truth, run: Run, names: Collection[str] = FIGURES) -> Discrep
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to compare, its status is {run.outcome.status}: {run.outcome.reason}")
-    trajectory = run.outcome.trajectory
+    done, trajectory = run.outcome, run.outcome.trajectory
     if not np.array_equal(truth.trajectory.t, trajectory.t):
         raise ValueError("the truth is not at the instants of the run; `Truth.at` computes it there")
-    compared = Comparison(truth, trajectory, run.outcome.load, run.outcome.quaternion_norm_error, run.outcome.interfaces)
+    measured = (done.load, done.quaternion_norm_error, done.interfaces, run.sensors, done.sensed)
+    compared = Comparison(truth, trajectory, *measured)
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
@@ -102,4 +110,5 @@ def compare(truth: Truth, run: Run, names: Collection[str] = FIGURES) -> Discrep
                     series[name] = value
             elif value is not None:
                 figures[name] = value
-    return Discrepancy(trajectory.t, series, figures)
+        sensors = {each.name: each.error for each in errors_of(compared) if each.error is not None}
+    return Discrepancy(trajectory.t, series, figures, sensors)

@@ -9,7 +9,7 @@ from typing import Any
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
+from bodycheck.casefile.expectation import ORDER, REFINEMENTS, SENSORS, Expectation, Limit, unit
 from bodycheck.figures.columns import (
     ALWAYS_TABLED,
     CASE_COLUMNS,
@@ -336,7 +336,8 @@ def broken(
         return (Breach("status", outcome.status, expectation.status, (outcome.reason,) if outcome.reason else ()),)
     if discrepancy is None:
         return ()
-    measured = discrepancy.maxima() | ({} if order is None else {ORDER: order})
+    sensors = {SENSORS + name: error for name, error in discrepancy.sensors.items()}
+    measured = discrepancy.maxima() | sensors | ({} if order is None else {ORDER: order})
     return tuple(
         _breach(limit, measured, discrepancy, bounds)
         for limit in expectation.limits
@@ -354,7 +355,7 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
         notes.append(f"worst at t = {discrepancy.instants[name]:.6g} s")
     if name in bounds:
         notes.append(f"the truth's own error is at most {bounds[name]:.2g}{unit(name)}")
-    return Breach(name, f"{measured[name]:.4g}{unit(name)}", limit.text, tuple(notes))
+    return Breach(name, f"{measured[name]:.4g}{limit.in_unit}", limit.text, tuple(notes))
 
 
 def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, run: Run) -> Judged:

@@ -31,6 +31,7 @@ from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.running import simulation
 from bodycheck.running.members import blocks
 from bodycheck.running.members.blocks import Flown, NormError
+from bodycheck.running.states import trajectory_of
 
 #: The number of members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
 AT_ONCE = 100
@@ -138,7 +139,7 @@ def _exact(scenes: Scenes, truth: Flights, part: slice) -> _Exact:
 
 def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]) -> _Measured:
     """Return the quantities of some of the members. limited: the names of the figures whose instants are needed."""
-    trajectory = simulation.trajectory_of(flown.times, flown.states[part])
+    trajectory = trajectory_of(flown.times, flown.states[part])
     largest, instants = {}, {}
     with np.errstate(all="ignore"):  # impossible states may overflow; too large errors are infinite
         off = blocks.norm_deviations(trajectory)
@@ -228,5 +229,5 @@ def _within(limit: Limit, values: Array) -> NDArray[np.bool_]:
 
 
 def _completed(flown: Flown, index: int) -> Completed:
-    trajectory = simulation.trajectory_of(flown.times, flown.states[index])
+    trajectory = trajectory_of(flown.times, flown.states[index])
     return Completed(trajectory, int(flown.steps[index]), flown.wall_time / len(flown))

@@ -8,6 +8,8 @@ from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Plane
+from bodycheck.reference.sensors.readings import Sensed
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.key import RunKey
 
@@ -24,6 +26,13 @@ class Stored(Protocol):
 
     def read(self) -> Trajectory:
         """Return the trajectory. Raises `BadFolder` if it cannot be read."""
+
+
+class StoredReadings(Protocol):
+    """Readings of sensors that are kept outside memory."""
+
+    def read(self) -> Sensed:
+        """Return the readings. Raises `BadFolder` if they cannot be read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +58,9 @@ class Completed:
         not count them, and for steps of fixed size.
     efforts
         When the efforts of driven joints were computed, which the wall time includes; empty if no joint is driven.
+    readings
+        The readings of sensors, or the place from which stored readings can be read; None if the case has no sensors, or the
+        adapter reads none.
     """
 
     states: Trajectory | Stored
@@ -60,6 +72,7 @@ class Completed:
     rejected: int | None = None
     evaluations: int | None = None
     efforts: Efforts = ""
+    readings: Sensed | StoredReadings | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""
@@ -68,6 +81,11 @@ class Completed:
     def trajectory(self) -> Trajectory:
         """The states at the sampled instants; stored states are read from disk each time, and not kept."""
         return self.states if isinstance(self.states, Trajectory) else self.states.read()
+
+    @property
+    def sensed(self) -> Sensed | None:
+        """The readings of sensors; stored ones are read from disk each time, and not kept."""
+        return self.readings if self.readings is None or isinstance(self.readings, Sensed) else self.readings.read()
 
 
 @dataclass(frozen=True)
@@ -125,6 +143,8 @@ class Run:
     role
         The roles of the method, "default", "recommended" or both, as the column `role` has them; empty if it has none. None if
         it is not known, as in results of earlier versions.
+    sensors
+        The sensors of the case.
     """
 
     case: str
@@ -135,6 +155,7 @@ class Run:
     contact_law: Plane | None = None
     scene: AnyScene | None = field(default=None, repr=False)
     role: str | None = None
+    sensors: tuple[Sensor, ...] = field(default=(), repr=False)
 
     @property
     def is_recorded(self) -> bool:

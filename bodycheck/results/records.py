@@ -215,6 +215,8 @@ class CompletedRecord(RunRecord):
     rejected: Count | None = None
     evaluations: Count | None = None
     efforts: Efforts = ""
+    #: Why the engine does not read each sensor; empty if it does.
+    sensors: list[str] | None = None
 
 
 @dataclass(frozen=True)

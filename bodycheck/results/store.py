@@ -5,8 +5,6 @@ If it has no footer, the work was interrupted. `trajectories/` contains the stat
 files.
 """
 
-import contextlib
-import os
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
@@ -19,7 +17,7 @@ from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
 from bodycheck.figures.definition import Load
 from bodycheck.figures.revisions import REVISIONS
-from bodycheck.files import reading, writing
+from bodycheck.files import reading
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.mechanisms.kinematics import joints
@@ -27,11 +25,12 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truths import NoTruth, Truth
-from bodycheck.results import journal, records, trajectory_files, truth_records
+from bodycheck.results import journal, records, sensor_files, trajectory_files, truth_records
 from bodycheck.results.header import LATER, Header, StoredHeader, stored_case
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Run, Unsupported
-from bodycheck.results.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
+from bodycheck.results.sensor_files import StoredSensed, of_steps
+from bodycheck.results.trajectory_files import StoredTrajectory, run_path, truth_path
 from bodycheck.results.unchecked import Unchecked
 
 #: Version of the format of results folders.
@@ -70,9 +69,9 @@ class Writer:
         )
         there = self.journal.records
         self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
-        bodies = {case.name: _bodies(case.scene) for case in cases}
-        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record, bodies)}
-        _remove_all_but(self.done, folder)
+        by_name = {case.name: case for case in cases}
+        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record, by_name)}
+        trajectory_files.remove_all_but({*self.done, *map(of_steps, self.done)}, folder)
 
     def __enter__(self) -> "Writer":
         self.journal.__enter__()
@@ -128,7 +127,7 @@ class Writer:
         }
         match run.outcome:
             case Completed() as done:
-                trajectory_files.write(self.folder, _path_of(record), done.trajectory, {}, _bodies(run.scene))
+                record |= _write(self.folder, _path_of(record), run, done)
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
                 record |= {"quaternion_norm_error": done.quaternion_norm_error}
@@ -296,6 +295,7 @@ class Results:
         scene = self.cases[key.case].scene
         plane = Plane(**law) if law else None
         run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), plane, scene, record.get("role"))
+        run = replace(run, sensors=self.cases[key.case].sensors)
         match record["status"]:
             case Completed.status if record["steps"] == 0:  # earlier versions called this a completed run
                 return replace(run, outcome=NO_STEP)
@@ -307,13 +307,21 @@ class Results:
                 done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads)
                 # Results of earlier versions have none of these.
                 work = {name: record[name] for name in ("rejected", "evaluations", "efforts") if name in record}
-                done = replace(done, **work)
-                return replace(run, outcome=done)
+                return replace(run, outcome=replace(done, readings=self._readings_of(record), **work))
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
             case status:
                 kind = {kind.status: kind for kind in (Unsupported, Diverged, Crashed)}[status]
                 return replace(run, outcome=kind(record["reason"]))
+
+    def _readings_of(self, record: dict[str, Any]) -> StoredSensed | None:
+        """Return the stored readings of a completed run; None if it has none, as in results of earlier versions."""
+        lacking, case = record.get("sensors"), self.cases[record["case"]]
+        if lacking is None:
+            return None
+        if len(lacking) != len(case.sensors):
+            raise BadFolder(f"{self.folder}: damaged: a run of {case.name} has {len(lacking)} sensors, not {len(case.sensors)}")
+        return StoredSensed(self.folder / _path_of(record), _bodies(case.scene), case.sensors, tuple(lacking))
 
 
 def read(folder: Path) -> Results:
@@ -362,11 +370,24 @@ def _path_of(record: dict[str, Any]) -> Path:
     return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
-def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequence[str]]) -> bool:
-    """Return whether the trajectory of a record can be read; True if the record has none. bodies: by case."""
+def _write(folder: Path, path: Path, run: Run, done: Completed) -> dict[str, Any]:
+    """Write the states of a completed run and the readings of its sensors, and return the entries of its record on them."""
+    bodies, sensed = _bodies(run.scene), done.sensed
+    if sensed is None:
+        trajectory_files.write(folder, path, done.trajectory, {}, bodies)
+        return {}
+    sensor_files.write(folder, path, done.trajectory, sensed, run.sensors, bodies)
+    return {"sensors": list(sensed.lacking)}
+
+
+def _is_stored(folder: Path, record: dict[str, Any], cases: Mapping[str, Case]) -> bool:
+    """Return whether the trajectory of a record can be read, with its readings; True if the record has none. cases: by name."""
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
-    return trajectory_files.is_readable(folder / _path_of(record), bodies[record["case"]])
+    case, file = cases[record["case"]], folder / _path_of(record)
+    if record.get("sensors") is None:
+        return trajectory_files.is_readable(file, _bodies(case.scene))
+    return sensor_files.is_readable(file, _bodies(case.scene), case.sensors)
 
 
 def _refuse_other_things(folder: Path) -> None:
@@ -376,20 +397,3 @@ def _refuse_other_things(folder: Path) -> None:
     if reading.names_in(folder) and not (folder / RECORDS).is_file():
         raise BadFolder(f"{folder}: contains files that are not results; give an empty or a new folder")
     reading.refuse_links(folder)
-
-
-def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
-    """Delete trajectory files that no journal record refers to, and unfinished files of killed processes.
-
-    The folder must not contain any symbolic link.
-    """
-    with writing.failing(folder):
-        for path in folder.rglob("*"):
-            if writing.is_part(path):
-                path.unlink()
-        for subfolder, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
-            for path in (Path(subfolder, name) for name in names):
-                if path.relative_to(folder) not in kept:
-                    path.unlink()
-            with contextlib.suppress(OSError):  # the folder is not empty
-                os.rmdir(subfolder)

@@ -1,6 +1,12 @@
-"""The trajectory files of a results folder: one Parquet file for each truth and for each completed run."""
+"""The trajectory files of a results folder: one Parquet file for each truth and for each completed run.
 
-from collections.abc import Mapping, Sequence
+The file of a run of a case with sensors also has their readings. A second file has the states and the readings after each of
+the first steps of the run.
+"""
+
+import contextlib
+import os
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -112,6 +118,12 @@ def read(file: Path, bodies: Sequence[str] = ()) -> Trajectory:
     return _trajectory(_columns(file, bodies, ()), bodies)
 
 
+def read_with(file: Path, bodies: Sequence[str], more: Sequence[str]) -> tuple[Trajectory, dict[str, Array]]:
+    """Return the trajectory in a file, and its columns (n,) with further names. Raises `BadFolder` as `read` does."""
+    columns = _columns(file, bodies, (), more)
+    return _trajectory(columns, bodies), {name: columns[name] for name in more}
+
+
 def read_truth(file: Path, bodies: Sequence[str] = ()) -> tuple[Trajectory, Bounds, Array | None]:
     """Return the trajectory of a truth at n instants, the bounds of its errors, and the growth (n,) of an error or None.
 
@@ -123,21 +135,38 @@ def read_truth(file: Path, bodies: Sequence[str] = ()) -> tuple[Trajectory, Boun
     return _trajectory(columns, bodies), bounds, columns.get(GROWTH_COLUMN)
 
 
-def is_readable(file: Path, bodies: Sequence[str] = ()) -> bool:
-    """Return whether a trajectory file exists and is complete."""
+def is_readable(file: Path, bodies: Sequence[str] = (), more: Sequence[str] = ()) -> bool:
+    """Return whether a trajectory file exists and is complete, with further columns of these names."""
     try:
-        _columns(file, bodies, ())
+        _columns(file, bodies, (), more)
     except BadFolder:
         return False
     return True
+
+
+def remove_all_but(kept: Collection[Path], folder: Path) -> None:
+    """Delete trajectory files that no journal record refers to, and unfinished files of killed processes.
+
+    The folder must not contain any symbolic link.
+    """
+    with writing.failing(folder):
+        for path in folder.rglob("*"):
+            if writing.is_part(path):
+                path.unlink()
+        for subfolder, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
+            for path in (Path(subfolder, name) for name in names):
+                if path.relative_to(folder) not in kept:
+                    path.unlink()
+            with contextlib.suppress(OSError):  # the folder is not empty
+                os.rmdir(subfolder)
 
 
 def _path(case: str, name: str) -> Path:
     return Path(TRAJECTORIES, case, f"{quote(name, safe=' =,')}.parquet")
 
 
-def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict[str, Array]:
-    """Return the columns of a trajectory, and the `wanted` columns that the file has, by their names.
+def _columns(file: Path, bodies: Sequence[str], wanted: Sequence[str], more: Sequence[str] = ()) -> dict[str, Array]:
+    """Return the columns of a trajectory, those with further names, and the `wanted` columns that the file has, by their names.
 
     Raises `BadFolder` if the file is missing or damaged.
     """
@@ -145,7 +174,7 @@ def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict
         stored = pq.ParquetFile(pa.BufferReader(reading.content(file, MAX_BYTES)))
         if not 1 <= stored.metadata.num_rows <= MAX_SAMPLES:
             raise ValueError(f"it has {stored.metadata.num_rows} instants; allowed: 1 to {MAX_SAMPLES}")
-        names, there = ["t", *_columns_of(bodies)], set(stored.schema_arrow.names)
+        names, there = ["t", *_columns_of(bodies), *more], set(stored.schema_arrow.names)
         if absent := [name for name in names if name not in there]:
             raise ValueError(f"it has no column {absent[0]}")
         asked = [*names, *(name for name in wanted if name in there)]

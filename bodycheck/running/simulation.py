@@ -21,7 +21,6 @@ from bodycheck.adapters.contract import (
     Normalising,
     SceneUnsupported,
     Simulation,
-    Strides,
 )
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.scheduling import computed
@@ -31,7 +30,7 @@ from bodycheck.processes.failures import Crashed, crash
 from bodycheck.processes.process_state import TO_NEAREST, rounding
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact_observables import measured_stop
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.modelled import missing_model
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
@@ -40,7 +39,9 @@ from bodycheck.results.outcome import NO_STEP, Completed, Diverged, Outcome, Run
 from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.running.instants import sampling_times
 from bodycheck.running.roles import method_of, roles_of
+from bodycheck.running.sensing import sensed
 from bodycheck.running.state_checks import check_start, divergence, standstill
+from bodycheck.running.states import of_scene, states_of, steps_to, trajectory_of
 from bodycheck.running.stiff_joints import explained
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
@@ -97,10 +98,13 @@ def run(case: Case, engine: str, method: Method) -> Run:
             law = adapter.contact_law(case.scene, method)
         times = sampling_times(case.instants, method.sampling)
         outcome = outcome_in(adapter, engine, case.scene, method, times)
+        if case.sensors and isinstance(outcome, Completed):
+            given = given_to_engines(case.scene, times)
+            outcome = replace(outcome, readings=sensed(adapter, given, case.sensors, method, outcome.trajectory))
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
     record, ended = adapter.engine, where_rounded_to_nearest(outcome)
-    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method))
+    return Run(case.name, engine, record.version, method, ended, law, case.scene, roles_of(record, case, method), case.sensors)
 
 
 def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
@@ -135,7 +139,7 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
         return Unsupported(f"the reference does not model {missing}")
     if (lacking := offers.not_modelled(adapter.engine, scene, method)) is not None:
         return Unsupported(f"{named} {lacking}")
-    given = _given(scene, float(times[-1]))
+    given = given_to_engines(scene, times)
     simulation = offers.prepare(adapter, [given], method)
     if method.accuracy is None:
         outcome = _advance(simulation, scene, method, times)
@@ -153,13 +157,13 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
     return outcome
 
 
-def _given(scene: AnyScene, duration: float) -> AnyScene:
-    """Return a scene for engines: bodies in contact get finite coefficients of friction. duration: of the run, in s."""
+def given_to_engines(scene: AnyScene, times: Array) -> AnyScene:
+    """Return a scene for engines: bodies in contact get finite coefficients of friction. times: of the run (n,), in s."""
     if not touches(scene):
         return scene
     from bodycheck.reference.contact.ways import finite  # the ways of contact are imported where they are needed
 
-    return finite(scene, duration)
+    return finite(scene, float(times[-1]))
 
 
 def _interfaces(
@@ -230,15 +234,10 @@ def _stepped(step: Callable[[], object], simulation: object, scene: AnyScene, me
             states = step()
         except EngineDiverged as error:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
-            return Diverged(str(error), signal, trajectory_of(times, _of_scene(error.states, scene)))
+            return Diverged(str(error), signal, trajectory_of(times, of_scene(error.states, scene)))
         wall_time = time.perf_counter() - start
-    rows = _of_scene(states_of(states, 1, len(times), len(bodies(scene))), scene)
+    rows = of_scene(states_of(states, 1, len(times), len(bodies(scene))), scene)
     return outcome_of(rows, simulation, scene, method, times, wall_time)
-
-
-def steps_to(times: Array, method: Method) -> Strides:
-    """Return the numbers of steps (n,) of fixed size to times (n,), in s, which are multiples of the time step."""
-    return np.rint(times / method.timestep).astype(np.int64)
 
 
 def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method, times: Array, wall_time: float) -> Outcome:
@@ -273,36 +272,6 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
         norm_error = max(norm_error, simulation.quaternion_norm_error)
     steps, efforts = int(steps_to(times, method)[-1]), computed(simulation)
     return Completed(trajectory, steps, wall_time, quaternion_norm_error=norm_error, efforts=efforts)
-
-
-def _of_scene(states: Array, scene: AnyScene) -> Array:
-    """Return the rows (n, 13) of one body, or (b, n, 13) of a mechanism, from the states (1, n, bodies, 13) of one scene."""
-    return states[0].swapaxes(0, 1) if isinstance(scene, Mechanism) else states[0, :, 0]
-
-
-def rows_of(states: object, scenes: int, count: int) -> Array:
-    """Return the rows (scenes, count, 13) of states of single bodies, as `states_of` does."""
-    return states_of(states, scenes, count, 1)[:, :, 0]
-
-
-def states_of(states: object, scenes: int, count: int, bodies: int) -> Array:
-    """Return the states (scenes, count, bodies, 13) in an engine's own type of array as an array of NumPy.
-
-    Raises `AdapterFault` if the states are not of this number of scenes, instants and bodies.
-    """
-    if isinstance(states, np.ma.MaskedArray):
-        raise AdapterFault("its states are a masked array")
-    array = np.asarray(states)
-    if array.dtype.kind not in "fiu":
-        raise AdapterFault(f"its states are of the type {array.dtype}, not real numbers")
-    if array.shape != (scenes, count, bodies, 13):
-        raise AdapterFault(f"its states have the shape {array.shape}, not {(scenes, count, bodies, 13)}")
-    return array.astype(np.float64)
-
-
-def trajectory_of(times: Array, rows: Array) -> Trajectory:
-    """Return the trajectory of states (..., k, 13) at times (n,), in s, of which the first k are used."""
-    return Trajectory(times[: rows.shape[-2]], rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
 
 
 def _norm_error(trajectory: Trajectory) -> float:

@@ -15,6 +15,7 @@ from bodycheck.reference.certified import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
+from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Run
@@ -63,6 +64,14 @@ class Question:
     certified: bool
 
 
+@dataclass(frozen=True, eq=False)
+class SensorQuestion:
+    """The truth of the sensors of a case, at the instants of a truth of it."""
+
+    case: Case
+    truth: Truth
+
+
 def group(argument: TruthTask | Task) -> str | None:
     """Return the group of tasks that share processes: the name of the engine, or None for truths."""
     return argument.engine if isinstance(argument, Task) else None
@@ -105,6 +114,16 @@ def answer(question: Question) -> Truth | Certificate | NoTruth:
         return NoTruth(f"unsupported: the reference does not model {error}")
     except OutOfReach as error:
         return NoTruth(f"the reference cannot follow this motion: {error}")
+
+
+def answer_sensors(question: SensorQuestion) -> tuple[SensorTruth, ...] | NoTruth:
+    """Compute the truth of the sensors of a case; `NoTruth` if the reference cannot follow what they read."""
+    from bodycheck.reference.sensors.truth import sensor_truth
+
+    try:
+        return sensor_truth(question.truth, question.case.sensors)
+    except OutOfReach as error:
+        return NoTruth(f"the reference cannot follow what sensors read: {error}")
 
 
 def leave_out_sympy(group: None) -> None:

@@ -1,6 +1,6 @@
 """Compute the truth of a case, cross-check it, and convert both to JSON."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -18,6 +18,8 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.sensors.readings import SensorTruth
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.reference.truths import Truth
@@ -118,6 +120,21 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         **(_mechanism_as_json(truth.scene, truth) if isinstance(truth.scene, Mechanism) else _states_as_json(trajectory)),
         **{name: values.tolist() for name, values in bounds_of(truth).items()},
         **(_contact_as_json(truth) if touches(case.scene) else {}),
+    }
+
+
+def sensors_as_json(sensors: Sequence[Sensor], readings: Sequence[SensorTruth]) -> dict[str, Any]:
+    """Return the additional JSON entries of `bodycheck truth --json` for a case with sensors.
+
+    The entries are the readings of each sensor and the bounds of their errors, both by the names of the sensors, as a list of
+    numbers for each instant, and the reasons of the sensors of which the reference has no model. Instants that are left out,
+    because an impact happens there, have NaN.
+    """
+    both = list(zip(sensors, readings, strict=True))
+    return {
+        "sensors": {sensor.name: each.values.tolist() for sensor, each in both if not each.reason},
+        "sensor_bounds": {sensor.name: each.bounds.tolist() for sensor, each in both if not each.reason},
+        "sensors_not_modelled": {sensor.name: each.reason for sensor, each in both if each.reason},
     }
 
 

@@ -24,6 +24,8 @@ TOPICS = {
         "AuditResults",
         "contact",
         "ContactResults",
+        "sensors",
+        "SensorResults",
         "parity",
         "ParityResults",
         "releases",

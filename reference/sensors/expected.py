@@ -10,7 +10,6 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.loops.vectors import apply
 from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.requirements import touches
 from bodycheck.reference.sensors.equations import Equations, Solution, equations, solution, states_of
 from bodycheck.reference.sensors.kinetics import Kinetics, kinetics, on_body, with_accelerations
 from bodycheck.reference.sensors.sensor import Sensor
@@ -44,7 +43,7 @@ def expected(scene: AnyScene, sensors: Sequence[Sensor], states: Trajectory, eff
         If it is undecided which joints at rest begin to move.
     """
     shape = (len(states),)
-    if touches(scene):
+    if scene.plane is not None:
         no_motion = with_accelerations(of_bodies(states), *[np.full(of_bodies(states).position.shape, np.nan, Wide)] * 2)
         return tuple(
             on_body(sensor, np.array(sensor.position, Wide), scene.gravity, no_motion).astype(float)
@@ -74,7 +73,7 @@ def accelerations(scene: AnyScene, states: Trajectory, efforts: Array | None = N
 
     Raises `NotModelled` for bodies that touch a plane or each other.
     """
-    if touches(scene):
+    if scene.plane is not None:
         raise NotModelled("accelerations of bodies that touch, from their states alone")
     written, seen = equations(scene), of_bodies(states)
     moving = kinetics(written, solution(written, states_of(written, seen), efforts), seen)
@@ -84,8 +83,6 @@ def accelerations(scene: AnyScene, states: Trajectory, efforts: Array | None = N
 
 def require_modelled(written: Equations, solved: Solution, sensor: Sensor) -> None:
     """Raise `NotModelled` if the reference has no model of a sensor of a scene without contacts."""
-    if sensor.type == "contact_force":
-        raise NotModelled("contact forces where nothing touches")
     if sensor.type == "force_torque":
         require_unique(written, solved, sensor.body)
 
@@ -95,6 +92,8 @@ def reading(
 ) -> WideArray:
     """The readings (s, k) of a sensor of a scene without contacts. efforts: as of `expected`."""
     linkage = written.linkage
+    if sensor.type == "contact_force":  # nothing touches
+        return np.zeros((len(solved.states), 3), dtype=Wide)
     if sensor.type == "force_torque":
         return wrench(written, solved, moving, sensor.body)
     if sensor.type == "joint_effort":

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.bodies import of_bodies
-from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.loops.joint_space import coordinate_rates
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.sensors.bounding import with_bounds, without
+from bodycheck.reference.sensors.contacts import touching_truth
 from bodycheck.reference.sensors.efforts import Acting, acting_at, efforts, nudged
 from bodycheck.reference.sensors.equations import Equations, closed_sides, equations, solution, states_of
 from bodycheck.reference.sensors.expected import reading, require_modelled
@@ -27,18 +27,6 @@ from bodycheck.reference.sensors.kinetics import kinetics
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.truths import Truth
-
-#: The factor by which bounds exceed the sum of the changes.
-CAUTION = 2.0
-
-#: The bound of an attitude or angle (rad) above which changes by it are not nearly linear.
-LARGEST = 0.05
-
-#: The number of roundings of a reading to double precision.
-ROUNDINGS = 2.0
-
-#: The number of roundings of the terms of a reading in the wide type.
-WIDE_ROUNDINGS = 2.0**10
 
 #: The largest number of entries of the mass matrices that are computed at once.
 MOST_ENTRIES = 1_000_000
@@ -51,8 +39,8 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
     """
     if not sensors:
         return ()
-    if touches(truth.scene):
-        return tuple(_without(sensor, "sensors of bodies that touch") for sensor in sensors)
+    if truth.scene.plane is not None:
+        return touching_truth(truth, sensors)
     model = _Model(equations(truth.scene), tuple(sensors))
     states = states_of(model.written, of_bodies(truth.trajectory), truth.joints)
     acting = None
@@ -60,7 +48,7 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
         try:
             acting = acting_at(truth)
         except NotModelled as error:
-            return tuple(_without(sensor, str(error)) for sensor in sensors)
+            return tuple(without(sensor, str(error)) for sensor in sensors)
     reasons = _reasons(model, states)
     model = replace(model, sensors=tuple(each for each, reason in zip(sensors, reasons, strict=True) if not reason))
     values = _readings(model, states, acting)
@@ -70,10 +58,9 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
         for total, *each in zip(changes, values, *moved, strict=True):
             total += np.max([np.abs(one - each[0]) for one in each[1:]], axis=0)
     known = ~_impacts(model, states, truth)
-    large = truth.bounds.error > LARGEST
     rows = iter(zip(values, changes, strict=True))
     return tuple(
-        _without(sensor, reason) if reason else _with_bounds(*next(rows), known, large)
+        without(sensor, reason) if reason else with_bounds(truth, *next(rows), known)
         for sensor, reason in zip(sensors, reasons, strict=True)
     )
 
@@ -96,19 +83,6 @@ def _reasons(model: _Model, states: WideArray) -> list[str]:
         except NotModelled as error:
             reasons.append(str(error))
     return reasons
-
-
-def _with_bounds(values: WideArray, changes: WideArray, known: NDArray[np.bool_], large: NDArray[np.bool_]) -> SensorTruth:
-    """Return the truth of a sensor from its readings and the sums of their changes (n, k).
-
-    known, large: (n,) whether an instant is not that of an impact, and whether the bound of an attitude is too large.
-    """
-    rounding = ROUNDINGS * EPS * np.abs(values) + WIDE_ROUNDINGS * np.finfo(Wide).eps * np.abs(values).max(
-        axis=1, keepdims=True
-    )
-    bounds = np.where(large[:, None], np.inf, CAUTION * changes + rounding)
-    printed, limits = (np.where(known[:, None], each, np.nan).astype(float) for each in (values, bounds))
-    return SensorTruth(printed, limits, int((~known).sum()))
 
 
 def _readings(model: _Model, states: WideArray, acting: Acting | None) -> list[WideArray]:
@@ -190,9 +164,3 @@ def _impacts(model: _Model, states: WideArray, truth: Truth) -> NDArray[np.bool_
             if limit is not None:
                 hits |= (side * v > 0) & (side * (q - Wide(limit)) >= -shifts[:, moving])
     return hits
-
-
-def _without(sensor: Sensor, reason: str) -> SensorTruth:
-    """Return the truth of a sensor of which the reference has no model."""
-    nothing = np.empty((0, len(sensor.form.components)))
-    return SensorTruth(nothing, nothing, reason=reason)

@@ -7,7 +7,7 @@ from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import MADE, Link, json_text, page, verbatim
 from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.charts import joint_curves
-from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time
+from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents, Section
 
 
@@ -67,6 +67,8 @@ def specifications(contents: Contents) -> dict[str, Spec]:
     }
     moved = {kind for section in contents.sections for kind in section.curves.joints}
     coordinates = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
+    sensed = {number for section in contents.sections for number in section.curves.sensors}
+    coordinates |= {f"readings_{number}": readings(number) for number in sorted(sensed)}
     return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
 
 

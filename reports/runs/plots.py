@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.plot_files import standing_alone
 from bodycheck.reports.runs.charts import joint_curves
-from bodycheck.reports.runs.charts.time_charts import joints, momentum, over_time
+from bodycheck.reports.runs.charts.time_charts import joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents
 
 
@@ -26,10 +26,12 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
         for kind, title in joint_curves.TITLES.items():
             if kind in section.curves.joints:
                 plots[f"joints_{kind}"] = (title, joints(kind))
+        for number, (title, _) in section.curves.sensors.items():
+            plots[f"readings_{number}"] = (title, readings(number))
         for name, (description, chart) in plots.items():
             floor = "; grey: the truth's own error" if name in floors else ""
             complete = chart | {"datasets": section.curves.datasets}
-            rows = 1 if name.startswith(("momentum", "joints")) else len(lines)
+            rows = 1 if name.startswith(("momentum", "joints", "readings")) else len(lines)
             yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)
         for drawn in section.steps:
             description = f"{drawn.title} over the time step"

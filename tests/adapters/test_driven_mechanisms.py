@@ -12,7 +12,7 @@ from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.control import Controller, Sine, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.simulation import trajectory_of
+from bodycheck.running.states import trajectory_of
 from tests.support.driven_hinge import CONTINUOUS, PD, SAMPLED, SAMPLED_RATE, hinge
 from tests.support.jointed import body
 

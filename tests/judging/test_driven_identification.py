@@ -19,7 +19,7 @@ from bodycheck.reference.schemes.jointed import has_schemes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
-from bodycheck.running.simulation import trajectory_of
+from bodycheck.running.states import trajectory_of
 from tests.support.driven_hinge import INERTIA, PD, Exact, fixed_steps, hinge, rows
 from tests.support.jointed import on_one_joint
 

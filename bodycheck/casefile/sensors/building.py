@@ -4,13 +4,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from bodycheck.casefile.contradictions import start_faults
-from bodycheck.casefile.raw_values import tables_of
+from bodycheck.casefile.expectation import SENSORS, Limit
+from bodycheck.casefile.raw_values import mapping, tables_of
 from bodycheck.casefile.scenes import attitude_of
 from bodycheck.casefile.sensors.grammar import MountedTable, OfBodyTable, OfJointTable, SensorTable, type_of
 from bodycheck.casefile.surroundings import BODY
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_SENSORS
+from bodycheck.casefile.values import MAX_EXPECTATIONS, MAX_SENSORS
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.sensors.errors import parts
 from bodycheck.reference.sensors.sensor import SENSOR_TYPES, Sensor
 from bodycheck.suggestion import did_you_mean, first_names
 
@@ -43,6 +45,14 @@ def sensor_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
         fault = _of_joint(sensor, joints) if form.of_joint else _of_body(sensor, bodies)
         if fault is not None:
             yield ("sensors", index, "joint" if form.of_joint else "body"), fault
+    for index, expectation in enumerate(tables_of(document, "expect", MAX_EXPECTATIONS)):
+        for name in mapping(expectation.get("sensors")):
+            if name not in first:
+                listed = ", ".join(first_names(list(first))) or "none, as there is no sensor"
+                yield (
+                    ("expect", index, "sensors", name),
+                    f"there is no such sensor; allowed: {listed}{did_you_mean(name, first)}",
+                )
 
 
 def _names(document: Mapping[str, Any], key: str) -> list[str]:
@@ -77,6 +87,14 @@ def _of_joint(sensor: Mapping[str, Any], joints: Mapping[str, Mapping[str, Any]]
 def _can_sense(joint: Mapping[str, Any], effort: bool) -> bool:
     """Return whether a sensor can belong to a joint. effort: whether it is a joint_effort sensor."""
     return joint.get("type") in WITH_EFFORT if effort else joint.get("type") != "free"
+
+
+def limits_of(table: Mapping[str, float], sensors: Sequence[Sensor]) -> Iterator[Limit]:
+    """Yield the limits of the errors of sensors, by their names: of a wrench those of the force and of the moment."""
+    for sensor in sensors:
+        if sensor.name in table:
+            for name, part in parts(sensor):
+                yield Limit(SENSORS + name, None, table[sensor.name], sensor.form.units[part][0])
 
 
 def build_sensors(tables: Sequence[SensorTable], scene: AnyScene) -> tuple[Sensor, ...]:

@@ -24,6 +24,7 @@ from bodycheck.results.outcome import Completed, Diverged, Outcome
 from bodycheck.running import simulation
 from bodycheck.running.simulation import UNIT_TOLERANCE
 from bodycheck.running.state_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE
+from bodycheck.running.states import rows_of, steps_to, trajectory_of
 
 #: Factor on a limit: a number that is computed for all members at once and is below the reduced limit is certainly below the
 #: limit in a single run, whose sums are rounded in another order.
@@ -77,7 +78,7 @@ class Flown:
         """Return the states of a member; None if its engine returned none."""
         match self.ended.get(k):
             case None:
-                return simulation.trajectory_of(self.times, self.states[k])
+                return trajectory_of(self.times, self.states[k])
             case Completed() | Diverged() as outcome:
                 return outcome.trajectory
             case _:
@@ -191,14 +192,14 @@ def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, times: 
         return None
     if offers.not_offered(record, scenes[0], method) is not None:
         return None
-    steps = simulation.steps_to(times, method)
+    steps = steps_to(times, method)
     try:
         prepared = offers.prepare(adapter, scenes, method)
         with np.errstate(all="ignore"):  # runs that overflow are judged by their states
             start = time.perf_counter()
             returned = prepared.advance(np.diff(steps, prepend=0))
             wall_time = time.perf_counter() - start
-        states = simulation.rows_of(returned, len(scenes), len(times))
+        states = rows_of(returned, len(scenes), len(times))
     except (Exception, SystemExit):  # an engine may raise anything, perhaps only for some of the scenes
         return None
     signals = prepared.signals if isinstance(prepared, Signals) else {}

@@ -29,7 +29,7 @@ from bodycheck.site.submissions.texts import escaped, published
 MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
 
 #: Tables of studies that the site has no pages for.
-UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv")
+UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv", "sensors.csv")
 
 #: Columns of names of models and their parts, which may look like paths. The kind of what is removed from them.
 PARTS = ("subject", "model")

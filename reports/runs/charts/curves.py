@@ -12,9 +12,10 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
-from bodycheck.reports.runs.charts import joint_curves
+from bodycheck.reports.runs.charts import joint_curves, sensor_curves
 from bodycheck.reports.runs.charts.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.results.outcome import Completed
@@ -63,6 +64,8 @@ class Curves:
         A description of the charts of the angular momentum; empty if there are none.
     joints
         Descriptions of the charts of the joints of a mechanism, by the kind of coordinate; empty if there are none.
+    sensors
+        Titles and descriptions of the charts of sensors, by their numbers; empty if there are none.
     """
 
     datasets: dict[str, list[dict[str, Any]]]
@@ -70,6 +73,7 @@ class Curves:
     blank: tuple[str, ...]
     momentum: str
     joints: Mapping[str, Drawn] = field(default_factory=dict)
+    sensors: Mapping[int, tuple[str, Drawn]] = field(default_factory=dict)
 
 
 def draw(
@@ -124,7 +128,25 @@ def draw(
         moved = _joints(mechanism, verdicts, known, truths[min(truths)], instants)
         datasets |= {"joints": moved} if moved else {}
         joints = {kind: Drawn(*told) for kind, told in joint_curves.described(moved, mechanism).items()}
-    return Curves(datasets, drawn, blank, momentum, joints)
+    sensors = {}
+    if truths and (sensed := next((verdict.run.sensors for verdict in verdicts.values()), ())):
+        readings = _readings(sensed, verdicts, known, truths[min(truths)], instants)
+        datasets |= {"sensors": readings} if readings else {}
+        told = sensor_curves.described(readings, sensed)
+        sensors = {number: (title, Drawn(alt, notes)) for number, (title, alt, notes) in told.items()}
+    return Curves(datasets, drawn, blank, momentum, joints, sensors)
+
+
+def _readings(
+    sensors: tuple[Sensor, ...],
+    verdicts: Mapping[str, Verdict],
+    known: Mapping[tuple[str, float], Truth],
+    truth: Truth,
+    instants: int,
+) -> list[dict[str, Any]]:
+    """Return the curves of the sensors of a case in runs and truth. truth: the truth at the smallest time step."""
+    runs = {label: (each.run, known[each.label, each.run.method.sampling]) for label, each in verdicts.items()}
+    return sensor_curves.rows(sensors, truth, runs, max(FEWEST_CORNERS, instants // SHARE))
 
 
 def _joints(

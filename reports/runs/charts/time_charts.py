@@ -7,6 +7,7 @@ Each specification is stored once in a page and drawn with the datasets of every
 - `times`: one row for each time step, with the array `t`.
 - `floor`: one row with the array `t` and one array for each quantity, empty where its floor is not drawn.
 - `joints`: one row for each curve of a joint; see `joint_curves`.
+- `sensors`: one row for each curve of a component of a sensor; see `sensor_curves`.
 - `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
 
 A specification is complete if its entry `datasets` is set to these datasets. Its parameter `hidden` is the list of the methods
@@ -147,29 +148,30 @@ def joints(kind: str) -> Spec:
             "encoding": {"x": {"value": 0}, "x2": {"value": "width"}, "y": y, "y2": {"field": "value"}, "color": colour},
         }
 
-    curves = {
-        "data": {"name": "joints"},
-        "transform": [
-            {"filter": f"datum.kind === '{kind}' && !({is_stop})"},
-            {"filter": "indexof(hidden, datum.method) < 0"},
-            {"flatten": ["t", "value"]},
-        ],
-        "encoding": {
-            "x": _time(),
-            "y": y,
-            "color": colour,
-            "detail": {"field": "method", "type": "nominal"},
-        },
-        "layer": [
-            {
-                "mark": {"type": "line", "clip": True, "aria": False},
-                "encoding": {"strokeDash": styled([1, 0], [1.5, 3], [5, 4]), "strokeWidth": styled(2, 1.3, 1.4)},
-            },
-            _points(_tooltip("joint", title, unit)),
-        ],
-    }
+    curves = _curves("joints", f"datum.kind === '{kind}' && !({is_stop})", y, colour, _tooltip("joint", title, unit))
+    curves["layer"][0]["encoding"] = {"strokeDash": styled([1, 0], [1.5, 3], [5, 4]), "strokeWidth": styled(2, 1.3, 1.4)}
     layers = [band("lower", BAND), band("upper", -BAND), curves]
     return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
+
+
+def readings(number: int) -> Spec:
+    """Return the chart of the readings of a sensor: a colour for each component, solid for the truth, else dashed."""
+    y = {"field": "value", "type": "quantitative", "title": "Reading", "axis": {"tickCount": 6, "format": "~g"}}
+    colour = {"field": "component", "type": "nominal", "sort": None, "scale": {"scheme": "tableau10"}}
+    curves = _curves("sensors", f"datum.sensor === {number}", y, colour, _tooltip("component", "Reading", ""))
+    is_truth = f"datum.method === '{joint_curves.TRUTH}'"
+    curves["layer"][0]["encoding"] = {"strokeDash": {"condition": {"test": is_truth, "value": [1, 0]}, "value": [5, 4]}}
+    return zoomable([curves], height=220) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
+
+
+def _curves(name: str, chosen: str, y: Spec, colour: Spec, tooltip: Spec) -> Spec:
+    """Return the curves of a dataset with these rows, and their points with a tooltip."""
+    return {
+        "data": {"name": name},
+        "transform": [{"filter": chosen}, {"filter": "indexof(hidden, datum.method) < 0"}, {"flatten": ["t", "value"]}],
+        "encoding": {"x": _time(), "y": y, "color": colour, "detail": {"field": "method", "type": "nominal"}},
+        "layer": [{"mark": {"type": "line", "clip": True, "aria": False}}, _points(tooltip)],
+    }
 
 
 def _points(tooltip: Spec) -> Spec:
