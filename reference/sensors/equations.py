@@ -260,7 +260,7 @@ def _accelerations(
 
 
 def _scaled(
-    mass: WideArray, force: WideArray, rows: WideArray, target: WideArray, held: WideArray
+    mass: WideArray, force: WideArray, rows: WideArray, target: WideArray, held: NDArray[np.bool_]
 ) -> tuple[WideArray, WideArray]:
     """The accelerations (s, w) and multipliers (s, m) if some velocities are held, with a unit diagonal of the mass matrix."""
     diagonal = np.diagonal(mass, axis1=1, axis2=2)
