@@ -70,13 +70,13 @@ def on_body(sensor: Sensor, arm: WideArray, gravity: float, moving: Kinetics) ->
     arm: (3,) its place relative to the centre of mass, in the frame of the body (m). gravity: along -z (m/s^2).
     """
     axes, spin = moving.axes[sensor.body], moving.spin[sensor.body]
-    place = apply(axes, arm)
+    offset = apply(axes, arm)
     match sensor.type:
         case "accelerometer":
-            swung = cross(moving.turning[sensor.body], place) + cross(spin, cross(spin, place))
+            swung = cross(moving.turning[sensor.body], offset) + cross(spin, cross(spin, offset))
             vector = moving.acceleration[sensor.body] + swung + np.array([0, 0, gravity], dtype=Wide)
         case "velocimeter":
-            vector = moving.velocity[sensor.body] + cross(spin, place)
+            vector = moving.velocity[sensor.body] + cross(spin, offset)
         case _:
             vector = spin
     mounted = rounded([list(row) for row in matrix(exact.turn(sensor.attitude))])
