@@ -34,6 +34,7 @@ Folders:
 - `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
 - `contact`: bodies that roll, bounce, rest and tip on a plane and on each other.
 - `mechanisms`: bodies on joints, in trees and closed chains.
+- `sensors`: what sensors read, and the truth of their readings.
 - `robots`: the terms of the equations of motion of robot models.
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
 - `independent`: a second computation of the motion from the file, which shares no mechanics with the first.
@@ -41,7 +42,7 @@ Folders:
 - `chapter`: tools of the book's chapter that no truth needs: orientation, particles, wobble.
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these import the folders of
-motions. `contact` and `schemes` import `mechanisms`; `mechanisms` imports tools of `flight`, `independent` and `robots`; all of
-them may import `integration` and `exact`, but `independent` imports only numerical tools of `integration`. `scene`,
-`trajectory`, `bounds` and `errors` import only one another from this package.
+motions. `sensors` imports `truth` and these folders. `contact` and `schemes` import `mechanisms`; `mechanisms` imports tools of
+`flight`, `independent` and `robots`; all of them may import `integration` and `exact`, but `independent` imports only numerical
+tools of `integration`. `scene`, `trajectory`, `bounds` and `errors` import only one another from this package.
 """

@@ -9,6 +9,7 @@ face has the friction of `sliding`, in two ways whose difference is part of the 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,7 @@ def _changed(truth: Truth, states: Trajectory) -> Iterator[tuple[Trajectory, Tra
             np.concatenate([np.ones((len(states), 1)), sign / 2 * bounds.error[:, None] * axis], axis=1).astype(Wide)
             for sign in (1, -1)
         ]
-        turned = [multiply(states.quaternion.astype(Wide), each[None]) for each in turns]
+        turned: list[Any] = [multiply(states.quaternion.astype(Wide), each[None]) for each in turns]
         yield replace(states, quaternion=turned[0]), replace(states, quaternion=turned[1])
         for name in ("velocity", "angular_velocity"):
             shift, moving = getattr(bounds, f"{name}_error")[:, None] * axis, getattr(states, name).astype(Wide)

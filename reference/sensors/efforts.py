@@ -210,9 +210,9 @@ def _integral(truth: Truth, controller: Controller) -> tuple[WideArray, Array]:
 
 def _pieces(ends: Array, panels: int) -> tuple[Array, Array]:
     """Nodes and weights (k, m), s, of the quadrature from each of k + 1 times (s) to the next, each in a number of panels."""
-    place, weight = np.polynomial.legendre.leggauss(NODES)
+    nodes_of_panel, weight = np.polynomial.legendre.leggauss(NODES)
     begins, lengths = ends[:-1, None], np.diff(ends)[:, None] / panels
     starts = begins + lengths * np.arange(panels)
-    nodes = starts[:, :, None] + lengths[:, :, None] * (place + 1) / 2
+    nodes = starts[:, :, None] + lengths[:, :, None] * (nodes_of_panel + 1) / 2
     weights = np.broadcast_to(lengths[:, :, None] * weight / 2, nodes.shape)
     return nodes.reshape(len(lengths), -1), weights.reshape(len(lengths), -1)

@@ -125,13 +125,13 @@ def _shares(mechanism: Mechanism, single: dict[int, tuple[int, int]], count: int
     following = []
     for index, joint in enumerate(mechanism.joints):
         leader, factor, row = joint, Wide(1), single.get(index, (0, 0))[1]
-        place = index
+        leading = index
         while leader.mimic is not None:
-            factor, place = factor * Wide(leader.mimic.multiplier), leader.mimic.joint
-            leader = mechanism.joints[place]
-        if place != index:
+            factor, leading = factor * Wide(leader.mimic.multiplier), leader.mimic.joint
+            leader = mechanism.joints[leading]
+        if leading != index:
             shares[row] = 0
-            shares[row, single[place][1]] = factor
+            shares[row, single[leading][1]] = factor
             following.append(row)
     independent = np.delete(np.arange(count), following)
     return independent, shares[:, independent]
@@ -260,7 +260,7 @@ def _accelerations(
 
 
 def _scaled(
-    mass: WideArray, force: WideArray, rows: WideArray, target: WideArray, held: WideArray
+    mass: WideArray, force: WideArray, rows: WideArray, target: WideArray, held: NDArray[np.bool_]
 ) -> tuple[WideArray, WideArray]:
     """The accelerations (s, w) and multipliers (s, m) if some velocities are held, with a unit diagonal of the mass matrix."""
     diagonal = np.diagonal(mass, axis1=1, axis2=2)

@@ -98,8 +98,10 @@ def reading(
         return wrench(written, solved, moving, sensor.body)
     if sensor.type == "joint_effort":
         assert sensor.joint is not None  # a sensor of a joint
-        own = np.full((len(solved.states), 1), written.mechanism.joints[sensor.joint].effort, dtype=Wide)
+        constant = np.full((len(solved.states), 1), written.mechanism.joints[sensor.joint].effort, dtype=Wide)
         driven = written.mechanism.driven
-        return own if efforts is None or sensor.joint not in driven else own + efforts[:, [driven.index(sensor.joint)]]
+        return (
+            constant if efforts is None or sensor.joint not in driven else constant + efforts[:, [driven.index(sensor.joint)]]
+        )
     centre = linkage.centre[sensor.body] if written.framed else np.zeros(3, dtype=Wide)
     return on_body(sensor, np.array(sensor.position, dtype=Wide) - centre, float(linkage.gravity), moving)

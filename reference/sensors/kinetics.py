@@ -1,6 +1,7 @@
 """The motion of the bodies of a scene with its accelerations, in the wide type, and what sensors on bodies read of it."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,8 +52,8 @@ def kinetics(written: Equations, solved: Solution, seen: Trajectory | None = Non
         turns = motion.turns * linkage.along[body][:, None]
         accelerations.append(bias + (rows * solved.accelerations[:, :, None]).sum(axis=1))
         turnings.append(motion.turn_bias[end] + (turns * solved.accelerations[:, :, None]).sum(axis=1))
-    moving = seen or Trajectory(np.empty(0), *joint_space.bodies(linkage, solved.states))
-    return with_accelerations(moving, np.stack(accelerations), np.stack(turnings))
+    states: tuple[Any, ...] = joint_space.bodies(linkage, solved.states) if seen is None else ()
+    return with_accelerations(seen or Trajectory(np.empty(0), *states), np.stack(accelerations), np.stack(turnings))
 
 
 def with_accelerations(moving: Trajectory, acceleration: WideArray, turning: WideArray) -> Kinetics:
@@ -69,13 +70,13 @@ def on_body(sensor: Sensor, arm: WideArray, gravity: float, moving: Kinetics) ->
     arm: (3,) its place relative to the centre of mass, in the frame of the body (m). gravity: along -z (m/s^2).
     """
     axes, spin = moving.axes[sensor.body], moving.spin[sensor.body]
-    place = apply(axes, arm)
+    offset = apply(axes, arm)
     match sensor.type:
         case "accelerometer":
-            swung = cross(moving.turning[sensor.body], place) + cross(spin, cross(spin, place))
+            swung = cross(moving.turning[sensor.body], offset) + cross(spin, cross(spin, offset))
             vector = moving.acceleration[sensor.body] + swung + np.array([0, 0, gravity], dtype=Wide)
         case "velocimeter":
-            vector = moving.velocity[sensor.body] + cross(spin, place)
+            vector = moving.velocity[sensor.body] + cross(spin, offset)
         case _:
             vector = spin
     mounted = rounded([list(row) for row in matrix(exact.turn(sensor.attitude))])

@@ -8,6 +8,8 @@ Newton's and Euler's equations of the bodies beyond the joint give
 about the origin o of the child's frame. Armatures are not in these sums: what turns a rotor does not pass through the joint.
 """
 
+import functools
+
 import numpy as np
 
 from bodycheck.reference.errors import NotModelled
@@ -35,14 +37,10 @@ def wrench(written: Equations, solved: Solution, moving: Kinetics, child: int) -
     axes = moving.axes[child]
     origin = moving.position[child] - apply(axes, linkage.centre[child])
     force, moment = np.zeros_like(origin), np.zeros_like(origin)
-    up = np.array([0, 0, linkage.gravity], dtype=Wide)
+    pushes, twists = _loads(written, moving)
     for body in beyond:
-        tensor = moving.axes[body] @ linkage.tensor[body] @ np.swapaxes(moving.axes[body], 1, 2)
-        spin = moving.spin[body]
-        push = linkage.mass[body] * (moving.acceleration[body] + up)
-        force += push
-        moment += cross(moving.position[body] - origin, push)
-        moment += apply(tensor, moving.turning[body]) + cross(spin, apply(tensor, spin))
+        force += pushes[body]
+        moment += cross(moving.position[body] - origin, pushes[body]) + twists[body]
     for index in crossing(written.mechanism, beyond):
         one, other = linkage.points[index]
         inside = written.mechanism.loops[index].bodies[0] in beyond
@@ -53,6 +51,22 @@ def wrench(written: Equations, solved: Solution, moving: Kinetics, child: int) -
         moment -= cross(position - origin, pull)
     back = np.swapaxes(axes, 1, 2)
     return np.hstack([apply(back, force), apply(back, moment)])
+
+
+@functools.lru_cache(maxsize=1)
+def _loads(written: Equations, moving: Kinetics) -> tuple[list[WideArray], list[WideArray]]:
+    """The force m (a - g) and the moment I w' + w x I w (s, 3) that the motion of each body requires, world.
+
+    They are kept for the sensors of all joints, which read them one after another.
+    """
+    up = np.array([0, 0, written.linkage.gravity], dtype=Wide)
+    pushes, twists = [], []
+    for body, mass in enumerate(written.linkage.mass):
+        axes, spin = moving.axes[body], moving.spin[body]
+        tensor = axes @ written.linkage.tensor[body] @ np.swapaxes(axes, 1, 2)
+        pushes.append(mass * (moving.acceleration[body] + up))
+        twists.append(apply(tensor, moving.turning[body]) + cross(spin, apply(tensor, spin)))
+    return pushes, twists
 
 
 def subtree(mechanism: Mechanism, child: int) -> set[int]:

@@ -10,10 +10,16 @@ from bodycheck.reference.kinematics import conjugate, cross, normalise, rotate
 from bodycheck.reference.mechanisms import exact, observables
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.scene import EulerAngles
 from bodycheck.reference.sensors.sensor import Sensor
+from bodycheck.reference.sensors.truth import sensor_truth
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
+
+#: Central differences of the fifth order with steps of 1 ms: the fifth derivative and roundings of momenta leave this, relative
+#: to the largest reading.
+DIFFERENCES = 3e-8
 
 #: The interval of the differences (s), and their weights.
 STEP = 1e-3
@@ -76,3 +82,28 @@ def along_joint(mechanism: Mechanism, motion: Truth, joint: int, effort: Array) 
     rate = derivative(motion.joints.velocity[:, moving])[:, 0]
     passive = given.stiffness * (q - given.rest) + given.damping * v + given.friction * np.sign(v)
     return np.asarray(effort + given.effort - passive - given.armature * rate)
+
+
+def sensors_of(mechanism: Mechanism) -> tuple[tuple[Sensor, ...], tuple[Sensor, ...]]:
+    """An accelerometer on every body, and a force_torque sensor in every joint that transmits forces."""
+    turned = EulerAngles(0.3, 1.1, -0.4)
+    mounted = (
+        Sensor(body.name, "accelerometer", index, None, (0.1, -0.2, 0.05), turned)
+        for index, body in enumerate(mechanism.bodies)
+    )
+    cells = (
+        Sensor(each.name, "force_torque", each.child, index)
+        for index, each in enumerate(mechanism.joints)
+        if each.form.transmits
+    )
+    return tuple(mounted), tuple(cells)
+
+
+def check_derivatives(mechanism: Mechanism, motion: Truth, *, of_joints: bool = True) -> None:
+    mounted, cells = sensors_of(mechanism)
+    readings = sensor_truth(motion, (*mounted, *(cells if of_joints else ())))
+    for sensor, reading in zip((*mounted, *cells), readings, strict=False):
+        assert not reading.reason
+        felt = reading.values[2::5]
+        seen = accelerometer(mechanism, motion, sensor) if sensor.joint is None else wrench(mechanism, motion, sensor.joint)
+        np.testing.assert_allclose(felt, seen, atol=DIFFERENCES * max(1.0, np.abs(felt).max()), err_msg=sensor.name)
