@@ -19,6 +19,7 @@ from bodycheck.reference.bounds import STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
+from bodycheck.reference.mechanisms.articulation.nudges import growth_of_trees
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
@@ -148,15 +149,10 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
-    widest, _, _ = arithmetic()
-    return _unless_out_of_reach(
-        lambda: (
-            solution.follow_in_doubles(mechanism, times)
-            if widest is np.float64
-            else solution.follow(mechanism, times, dtype or widest)
-        ),
-        times,
-    )
+    widest = arithmetic()[0]
+    if widest is np.float64:
+        return _unless_out_of_reach(lambda: solution.follow_in_doubles(mechanism, times), times)
+    return _unless_out_of_reach(lambda: solution.follow(mechanism, times, dtype or widest), times)
 
 
 def _lagrangian_beside(mechanism: Mechanism, times: Array, threads: Executor) -> Callable[[], Way | None]:
@@ -348,9 +344,10 @@ def _measured_until(mechanism: Mechanism, end: float) -> Measured:
     t = growth_instants(np.array([end]))
     if sudden(mechanism):
         return _measured_beside(mechanism, t)
-    follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
-    (base,) = follow(mechanism, [t])
-    return Measured(base, growth(mechanism, follow, base, t))
+    if arithmetic()[0] is not np.float64 and not any(joint.friction for joint in mechanism.joints):
+        return Measured(*growth_of_trees(mechanism, t))
+    (base,) = _in_doubles(mechanism, [t])
+    return Measured(base, growth(mechanism, _in_doubles, base, t))
 
 
 def _measured_beside(mechanism: Mechanism, t: Array) -> Measured:
@@ -381,9 +378,11 @@ def _motion_in_joints(states: JointStates) -> Motion:
     return Motion(states.position, states.velocity, states.bodies)
 
 
-def _lagrangian_in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-    """The motion by the Lagrangian and DOP853, which evaluates these equations much faster than those of the recursion."""
-    return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
+    """The motion in double precision: by the recursion, or by the Lagrangian, whose equations DOP853 evaluates much faster."""
+    if arithmetic()[0] is np.float64:
+        return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+    return _in_parts(lambda times: _motion_in_joints(recursion.follow(mechanism, times, np.float64)), parts)
 
 
 def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iterator[Motion]:
@@ -395,7 +394,3 @@ def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iter
 def _motion_of(motion: WideMotion, times: Array) -> Motion:
     bodies = Trajectory(times, motion.position, motion.quaternion, motion.velocity, motion.angular_velocity)
     return Motion(motion.joint_position, motion.joint_velocity, bodies)
-
-
-def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-    return map(_motion_in_joints, recursion.follow_in_parts(mechanism, parts))
