@@ -112,6 +112,23 @@ def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = F
     )
 
 
+@functools.cache
+def vectorised(equations: Callable[[], Equations], lanes: int) -> Any:
+    """heyoka's integrator of several motions at once in double precision, with code that is not optimised.
+
+    Vectors of doubles make it almost as fast as an integrator of one motion.
+    """
+    prepare_heyoka()
+    system = equations()
+    return hy.taylor_adaptive_batch(
+        system,
+        np.zeros((len(system), lanes)),
+        tol=step_tolerance(np.float64),
+        compact_mode=True,
+        opt_level=0,
+    )
+
+
 def step_tolerance(dtype: Any, bits: int | None = None) -> float:
     """The tolerance for the remainder of the series in a step, such that the order of the series is no multiple of four.
 

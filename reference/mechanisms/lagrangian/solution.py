@@ -7,6 +7,8 @@ and shares no formula with the recursion, from which the truth comes.
 
 import functools
 import math
+from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -58,6 +60,21 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
         return _in_phases(ready, mechanism, times.astype(dtype), taylor.stepper(ready.structure, dtype))
 
 
+def begun(mechanism: Mechanism, times: Array, threads: Executor, dtype: Any = Wide) -> Callable[[], WideMotion]:
+    """A function that returns the motion of `follow`, whose equations without switches are solved meanwhile in a thread.
+
+    Everything else is computed in the thread of the caller, since the arithmetic of many digits is not made for threads.
+    """
+    from bodycheck.reference.mechanisms.lagrangian import taylor
+
+    if _switches(mechanism):
+        return lambda: follow(mechanism, times, dtype)
+    ready = prepared(mechanism)
+    groups = _rounded_groups(ready, dtype)
+    solving = threads.submit(_solved, ready, groups, times, dtype, taylor.solve)
+    return lambda: _motion(ready, mechanism, times, solving.result())
+
+
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, as by `follow`, by DOP853 in double precision."""
     from bodycheck.reference.mechanisms.lagrangian import scipy_solver
@@ -92,19 +109,41 @@ def _with_leaders(structure: Structure) -> list[tuple[Law | None, int | None]]:
 
 
 def _followed(ready: Prepared, mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
-    """The motion of a mechanism. Elements that do not act on one another are followed apart, each with steps of its own."""
+    """The motion of a mechanism whose equations do not switch."""
+    return _motion(ready, mechanism, times, _solved(ready, _rounded_groups(ready, dtype), times, dtype, solve))
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Elements that no others act on: their columns in the states of a mechanism, structure, start and parameters."""
+
+    columns: list[int]
+    structure: Structure
+    start: WideArray
+    parameters: WideArray
+
+
+def _rounded_groups(ready: Prepared, dtype: Any) -> list[_Group]:
+    """The groups of elements that move, in a floating-point type."""
     coordinates = ready.structure.places[-1][0].stop if ready.structure.places else 0
-    states = np.empty((len(times), len(ready.start)), dtype)
+    groups = []
     for indices in _groups(ready.border):
         group = _prepared(_part(ready.border, indices), ready.units)
         start, parameters = _rounded(group, dtype)
-        if not len(start):
-            continue
         slices = [ready.structure.places[index] for index in indices]
         columns = [column for held, _ in slices for column in range(held.start, held.stop)]
         columns += [coordinates + column for _, moving in slices for column in range(moving.start, moving.stop)]
-        states[:, columns] = solve(group.structure, start, parameters, times / ready.units.time)
-    return _motion(ready, mechanism, times, states)
+        if len(start):
+            groups.append(_Group(columns, group.structure, start, parameters))
+    return groups
+
+
+def _solved(ready: Prepared, groups: list[_Group], times: Array, dtype: Any, solve: Any) -> WideArray:
+    """The states at times (n,), s. Groups are solved apart, each with steps of its own."""
+    states = np.empty((len(times), len(ready.start)), dtype)
+    for group in groups:
+        states[:, group.columns] = solve(group.structure, group.start, group.parameters, times / ready.units.time)
+    return states
 
 
 def _groups(parts: Border) -> list[list[int]]:
