@@ -67,7 +67,7 @@ def test_a_coupler_makes_a_joint_follow_another_with_the_order_of_the_scheme() -
 @pytest.mark.parametrize(
     ("mechanism", "spelling", "reason"),
     [
-        (gripper(), "runge_kutta3", "loops and mimic joints in its discrete plant with the solver SAP only"),
+        (gripper(), "runge_kutta3", "couplers for mimic joints in cenic and in its discrete plant with the solver SAP only"),
         (hip(), "cenic", "cenic refuses the body trunk:rail: composite for body has zero mass"),
     ],
 )
