@@ -18,8 +18,8 @@ def limited(make, damping, chosen):
     builder.joint_qd[0] = 2.0
     model, angles = builder.finalize(device="cpu"), []
     solver, state, after = make(model), model.state(), model.state()
-    for _ in range(600):
-        state, after = (solver.step(state, after, model.control(), None, 5e-4), after, state)[1:]
+    for _ in range(1500):
+        state, after = (solver.step(state, after, model.control(), None, 2e-4), after, state)[1:]
         angles.append(float(state.joint_q.numpy()[0]))
     return max(angles) - 0.1, -float(state.joint_qd.numpy()[0]) / 2
 
