@@ -44,8 +44,8 @@ ERRORS = ("joint_position_error", "joint_slide_error")
 def verdicts(engine: str, cases: Sequence[str]) -> Mapping[tuple[str, str], Verdict]:
     """Return the verdicts of an engine on cases, by the name of the method and the case."""
     with tempfile.TemporaryDirectory() as folder:
-        options = {"engine": engine, "integrator": METHODS[engine], "timestep": STEP, "allow_missing": True}
-        results = bodycheck.run(cases, out=Path(folder) / "results", **options)
+        out = Path(folder) / "results"
+        results = bodycheck.run(cases, engine=engine, integrator=METHODS[engine], timestep=STEP, out=out, allow_missing=True)
         return {(verdict.run.method.name, verdict.run.case): verdict for verdict in results.verdicts}
 
 

@@ -275,7 +275,7 @@ def twist(link: Link, state: State) -> tuple[float, ...]:
     return (*velocity_of(link.center_of_mass, state), *spin.tolist())
 
 
-def transform(position: Vector, quaternion: Quaternion) -> Any:
+def transform(position: Vector, quaternion: Quaternion | Array) -> Any:
     """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
     w, x, y, z = quaternion
     return wp.transform(position, wp.quat(x, y, z, w))
