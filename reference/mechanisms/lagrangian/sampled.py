@@ -1,6 +1,6 @@
 """Signals of controllers in the Lagrangian's arithmetic of a hundred digits, and controllers that compute at instants.
 
-Times are fractions, so that an instant k / rate is neither early nor late. A table changes exactly at its times, except that held
+Times are fractions, so that an instant k / rate is neither early nor late. A table changes exactly at its times, but held
 values change at an instant that is earlier by at most `SLACK` of a period.
 """
 
