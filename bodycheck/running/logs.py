@@ -165,18 +165,18 @@ def _columns(path: Path) -> dict[str, Array]:
         names = names if "px" in names else [OF_SCRIPTS.get(name, name) for name in names]
         if len(set(names)) != len(names) or TIME not in names:
             raise BadInput(f"{path}:1: read {', '.join(names)[:200]!r}; allowed: different names of columns, among them t")
-        place = names.index(BODY) if BODY in names else None
+        of_body = names.index(BODY) if BODY in names else None
         bodies, values = list[str](), list[list[float]]()
         for row in filter(None, rows):
             values.append(_numbers(path, rows.line_num, names, row))
-            bodies += [] if place is None else [row[place]]
+            bodies += [] if of_body is None else [row[of_body]]
     except csv.Error as error:
         raise BadInput(f"{path}:{rows.line_num}: is no CSV: {error}") from error
     instants = len(values) // max(1, len(set(bodies)))
     if not 2 <= instants <= MAX_INSTANTS:
         raise BadInput(f"{path}: has {instants} instants; allowed: 2 to {MAX_INSTANTS}")
     columns = dict(zip((name for name in names if name != BODY), np.array(values).T, strict=True))
-    return columns if place is None else _of_bodies(path, columns, bodies, instants)
+    return columns if of_body is None else _of_bodies(path, columns, bodies, instants)
 
 
 def _of_bodies(path: Path, columns: Mapping[str, Array], bodies: Sequence[str], instants: int) -> dict[str, Array]:
