@@ -8,9 +8,9 @@ def require_independent(mechanism: Mechanism) -> None:
     """Raise `NotModelled` for joints that follow others where this is not modelled: in loops, and with dry friction on them."""
     coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
     if coupled and mechanism.loops:
-        raise NotModelled("joints that follow others in a mechanism with loops")
+        raise NotModelled("joints that follow others in a mechanism with loops", "followers")
     if dry := [mechanism.joints[index].name for index in sorted(coupled) if mechanism.joints[index].friction]:
-        raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}")
+        raise NotModelled(f"dry friction on joints that follow others or are followed: {', '.join(dry)}", "dry friction")
 
 
 def require_drivable(mechanism: Mechanism) -> None:
@@ -18,11 +18,11 @@ def require_drivable(mechanism: Mechanism) -> None:
     if not sudden(mechanism):
         return
     if mechanism.loops and any(joint.stops for joint in mechanism.joints):
-        raise NotModelled("stops in a mechanism with loops")
+        raise NotModelled("stops in a mechanism with loops", "stops")
     coupled = {index for n, joint in enumerate(mechanism.joints) if joint.mimic for index in (n, joint.mimic.joint)}
     joints = mechanism.joints
     if rigid := [joints[index].name for index in sorted(coupled) if (stops := joints[index].stops) and stops.rigid]:
-        raise NotModelled(f"rigid stops of joints that follow others or are followed: {', '.join(rigid)}")
+        raise NotModelled(f"rigid stops of joints that follow others or are followed: {', '.join(rigid)}", "stops")
 
 
 def sudden(mechanism: Mechanism) -> bool:

@@ -137,7 +137,7 @@ def _outside(problem: Problem, phase: Phase, eps: float) -> list[int]:
         for side, stop in problem.limits(part.link):
             gap, near = side * (stop - q), AT_STOP * eps * (1 + abs(stop))
             if gap < -near:
-                raise OutOfReach(f"a joint is beyond its stop at t = {float(phase.time):.6g} s")
+                raise OutOfReach(f"a joint is beyond its stop at t = {float(phase.time):.6g} s", "stops")
             if gap <= near and side * v > 0:
                 beyond.append(part.link)
     return beyond

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Cause, OutOfReach
 from bodycheck.reference.exact.numbers import Real, real
 from bodycheck.reference.mechanisms.friction.sticking import EXACT, MOST_PIVOTS, sign
 from bodycheck.reference.mechanisms.hybrid.equations import Shape
@@ -47,7 +47,8 @@ def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], *
         return Closed(guess, room)
     modes = _pivoted(tree, shape, phase, resting, real, EXACT) if exact else None
     if modes is None:
-        raise OutOfReach(f"rounding leaves undecided which joints stay at rest at t = {float(phase.time):.6g} s")
+        cause: Cause = "dry friction" if any(tree.links[index].friction for index in resting) else "stops"
+        raise OutOfReach(f"rounding leaves undecided which joints stay at rest at t = {float(phase.time):.6g} s", cause)
     return Closed(modes, room)
 
 

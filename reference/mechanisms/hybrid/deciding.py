@@ -48,7 +48,8 @@ def add_criticals(
         if critical.kind == "impact":
             error = 2 * error / critical.speed
         if not error < critical.room:
-            raise OutOfReach(_undecided(mechanism, critical))
+            dry = critical.kind == "rest" and mechanism.joints[critical.joint].friction
+            raise OutOfReach(_undecided(mechanism, critical), "dry friction" if dry else "stops")
         if critical.kind == "impact":
             rate, speed = critical.jumps
             near = np.abs(times - critical.time) <= error

@@ -169,7 +169,7 @@ def _follow(run: _Run) -> None:
             ended = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
             next_one = settled(problem, ended, kind.eps, instant)
             if next_one.hits:
-                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s")
+                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s", "stops")
             phase = next_one.phase
             _note(run, next_one)
             _update_shadows(run, before, phase, state, instant)

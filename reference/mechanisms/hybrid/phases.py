@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Cause, OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, WideArray, exactly, real
 from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.hybrid.cells import Cell, Margin
@@ -238,9 +238,11 @@ def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray,
             x = w if number < part.margins else q
             size = abs(slope) * (SMALL + abs(x) + abs(origin)) + abs(rate) * (SMALL + abs(v) + abs(speed))
             if slope * (x - origin) + rate * (v - speed) < -MISSED * size:
-                raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s")
+                cause: Cause = "controllers" if number < part.margins else "stops"
+                raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s", cause)
         if part.dry and phase.rest[part.link] * v < -MISSED * fastest:
-            raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s")
+            sentence = f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s"
+            raise OutOfReach(sentence, "dry friction")
 
 
 def _padded(margins: Sequence[Margin], size: int) -> list[Margin]:

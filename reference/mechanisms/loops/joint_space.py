@@ -130,7 +130,7 @@ class Motion:
 def tree(mechanism: Mechanism) -> Tree:
     """The tree of a mechanism. Raises `NotModelled` if it has dry friction."""
     if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in a mechanism with loops")
+        raise NotModelled("dry friction in a mechanism with loops", "dry friction")
     slices = dict(zip((id(joint) for joint in mechanism.joints), places(mechanism), strict=True))
     held, moving = joint_sizes(mechanism)
     elements: list[Element] = []
