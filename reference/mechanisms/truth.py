@@ -21,6 +21,7 @@ import numpy as np
 from bodycheck.reference.bounds import EPS, STATES, Bounds
 from bodycheck.reference.errors import within_range
 from bodycheck.reference.mechanisms import kinematics, observables
+from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, witness_of
 from bodycheck.reference.mechanisms.forms.momentum import floating
@@ -69,7 +70,8 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
     """The truth of a mechanism with the bounds of its way; the arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        course = followed(mechanism, times)
+        end = float(times[-1]) if len(times) else 0.0
+        course = followed(with_acting_stops(mechanism, end), times)
         return joined(mechanism, times, course, witness_of(mechanism, times, course) if vouched else None)
 
 

@@ -71,7 +71,7 @@ def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int],
 def _require_order_not_to_matter(tree: Tree, index: int, others: Collection[int]) -> None:
     """Raise `OutOfReach` if other joints take part in an impact, and one of all their stops has a restitution."""
     if others and any(restitution(tree, each) for each in (index, *others)):
-        raise OutOfReach("two stops take up an impact at one instant, and the result depends on the order")
+        raise OutOfReach("two stops take up an impact, and the result depends on the order,")
 
 
 def restitution(tree: Tree, index: int) -> float:
