@@ -14,12 +14,12 @@ If energy is conserved, it must not drift by more than the bound allows, and the
 must stay on its parabola; otherwise all bounds are multiplied by the ratio of the deviation to the allowed deviation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES, Bounds
-from bodycheck.reference.errors import within_range
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped, within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.coordinates import JointMotion
@@ -70,9 +70,33 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
     """The truth of a mechanism with the bounds of its way; the arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        end = float(times[-1]) if len(times) else 0.0
-        course = followed(with_acting_stops(mechanism, end), times)
+        course = course_of(mechanism, times)
         return joined(mechanism, times, course, witness_of(mechanism, times, course) if vouched else None)
+
+
+def course_of(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism at ascending times (n,), s, with the rigid stops that act. Raises as `mechanism_truth`."""
+    return followed(with_acting_stops(mechanism, float(times[-1]) if len(times) else 0.0), times)
+
+
+def end_of_stops(mechanism: Mechanism, instants: Array) -> tuple[float, str] | None:
+    """Return the last of ascending instants (n,), s, until which the motion with rigid stops can be followed, and why it ends.
+
+    The instant is 0 if the motion ends before the second one. Returns None if it does not end.
+    """
+    until, reason = None, ""
+    while until != 0:
+        try:
+            with within_range("the motion"):
+                course_of(replace(mechanism, stops_until=until), instants)
+        except (NotModelled, OutOfReach) as error:
+            end = error.time if isinstance(error, Stopped) else 0.0
+            if until is not None and end > until:  # the motion without stops ends there
+                return until, reason
+            until, reason = float(instants[max(int(np.searchsorted(instants, end)) - 1, 0)]), reason or str(error)
+        else:
+            return None if until is None else (until, reason)
+    return 0.0, reason
 
 
 def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Computed:

@@ -26,18 +26,25 @@ def with_acting_stops(mechanism: Mechanism, end: float) -> Mechanism:
     stopped = _stopped(mechanism)
     if mechanism.loops or (len(stopped) <= FEW and not stopped & coupled(mechanism)):
         return mechanism
-    return _acting(mechanism, end if mechanism.stops_until is None else min(end, mechanism.stops_until))
+    return _with_stops_of(mechanism, acting_stops(mechanism, end))
+
+
+def acting_stops(mechanism: Mechanism, end: float) -> frozenset[int]:
+    """Return the indices of the joints that may reach rigid stops until a time (s), and few others; see `with_acting_stops`."""
+    if mechanism.stops_until is not None and coupled(mechanism):  # some stops may be modelled until then only
+        end = min(end, mechanism.stops_until)
+    return _acting(replace(mechanism, stops_until=None), end)
 
 
 @functools.lru_cache(maxsize=4)
-def _acting(mechanism: Mechanism, end: float) -> Mechanism:
+def _acting(mechanism: Mechanism, end: float) -> frozenset[int]:
     stopped, acting = _stopped(mechanism), frozenset[int]()
     while True:
         reduced = _with_stops_of(mechanism, acting)
         new = _reached(reduced, [mechanism.joints[index] for index in sorted(stopped - acting)], end)
         added = frozenset(index for index in stopped if mechanism.joints[index].name in new)
         if not added:
-            return reduced
+            return acting
         if undetermined := added & coupled(mechanism):
             raise _not_modelled(reduced, [mechanism.joints[index] for index in sorted(undetermined)], end)
         acting |= added
