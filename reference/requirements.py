@@ -101,8 +101,8 @@ class MechanismRequirements:
     effects
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "mimic joints", "controllers", "rigid stops", "elastic stops",
-        "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies", "contacts" where there is a
-        plane, and "pushes".
+        "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies",
+        "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
         take away are not subtracted.

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters import mechanism_models, scripts
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco import driving, limits
 from bodycheck.adapters.mujoco.exporting import ADVANCE

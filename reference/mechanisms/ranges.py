@@ -204,9 +204,7 @@ def reached(mechanism: Mechanism, ranges: Sequence[Range], duration: float) -> f
             if not len(wanted := np.setdiff1d(wanted, samples.t)):
                 break
             samples = samples.with_others(sample(wanted))
-        return frozenset(
-            {*reaching, *(each.name for each in waiting if _reaches(samples, each) or _open(samples, each).any())}
-        )
+        return frozenset({*reaching, *(each.name for each in waiting if _reaches(samples, each) or _open(samples, each).any())})
 
 
 def _reaches(samples: _Samples, limit: _Limit) -> bool:
@@ -251,9 +249,7 @@ def _passings(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -
             yield limit.passing((start + end) / 2, (end - start) / 2 + EPS * end)
 
 
-def _begun(
-    mechanism: Mechanism, limits: Sequence[_Limit], duration: float
-) -> tuple[Callable[[Array], _Samples], _Samples]:
+def _begun(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -> tuple[Callable[[Array], _Samples], _Samples]:
     """Return a function that samples the coordinates of limits at ascending instants, and samples at evenly spaced instants."""
     coarse = growth_instants(np.array([duration]))
     way = followed(mechanism, coarse).way

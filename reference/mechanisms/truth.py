@@ -21,10 +21,10 @@ import numpy as np
 from bodycheck.reference.bounds import EPS, STATES, Bounds
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped, within_range
 from bodycheck.reference.mechanisms import kinematics, observables
-from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, witness_of
 from bodycheck.reference.mechanisms.forms.momentum import floating
+from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
 from bodycheck.reference.trajectory import Array, Trajectory

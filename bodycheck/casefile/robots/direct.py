@@ -50,6 +50,8 @@ def scene_of_robot(
     Raises `CaseFaults` if the file cannot be read, or is no case.
     """
     case = _case(path, packages, base, ignore, name, TAKEN_OVER)
+    if not _has_stops(case):
+        return case
     ended = _ended(case)
     if ended is None:
         return case if _reaches_stops(case) else _case(path, packages, base, ignore, name, WITHOUT_STOPS)
@@ -58,15 +60,18 @@ def scene_of_robot(
 
 def text_for_a_case_file(path: Path, packages: Sequence[Path], ignore: Iterable[Ignored], name: str) -> str:
     """Return `text_of_robot` with stops if there is a truth with them until the end of the case, otherwise without stops."""
-    stops = _ended(_case(path, packages, "fixed", ignore, name, TAKEN_OVER)) is None
+    case = _case(path, packages, "fixed", ignore, name, TAKEN_OVER)
+    stops = not _has_stops(case) or _ended(case) is None
     return text_of_robot(path, packages, ignore=ignore, name=name, stops=stops)
+
+
+def _has_stops(case: Case) -> bool:
+    return isinstance(case.scene, Mechanism) and any(joint.stops for joint in case.scene.joints)
 
 
 def _ended(case: Case) -> tuple[float, str] | None:
     """Return when and why the truth of a case with stops ends; see `end_of_stops`."""
     assert isinstance(case.scene, Mechanism)  # robots are mechanisms
-    if not any(joint.stops for joint in case.scene.joints):
-        return None
     from bodycheck.reference.mechanisms.truth import end_of_stops  # the mechanics takes long to import
 
     return end_of_stops(case.scene, case.instants)
@@ -75,8 +80,6 @@ def _ended(case: Case) -> tuple[float, str] | None:
 def _reaches_stops(case: Case) -> bool:
     """Return whether joints of a case whose truth does not end may reach their stops."""
     assert isinstance(case.scene, Mechanism)  # robots are mechanisms
-    if not any(joint.stops for joint in case.scene.joints):
-        return False
     from bodycheck.reference.mechanisms.hybrid.acting import acting_stops
 
     return bool(acting_stops(case.scene, case.duration))

@@ -69,7 +69,9 @@ def _not_modelled(reduced: Mechanism, joints: list[Joint], end: float) -> Stoppe
     passings = passed(reduced, [JointLimits.of(joint) for joint in joints], end)
     time = passings[0].time - passings[0].error if passings else 0.0
     name = passings[0].name if passings else joints[0].name
-    return Stopped(f"the stop of {name}, a joint that follows another or is followed, is not modelled, from t = {time:.6g} s", time)
+    return Stopped(
+        f"the stop of {name}, a joint that follows another or is followed, is not modelled, from t = {time:.6g} s", time
+    )
 
 
 def _stopped(mechanism: Mechanism) -> frozenset[int]:

@@ -35,7 +35,7 @@ MOST_EVENTS, MOST_REPEATED = 20_000, 3
 #: zero there except for rounding.
 JUST_BEGUN = 2.0**-20
 
-#: The part of a step that is tried again if heyoka has missed a root in it, as it may near the beginning, and the number of tries.
+#: The part of a step that is tried again if heyoka has missed a root in it, as it may near the beginning, and how often.
 SHORTER, TRIES = 2.0**-3, 12
 
 #: The part of a step within which two events may be one.

@@ -52,7 +52,7 @@ def _without(mechanism: Mechanism, indices: frozenset[int]) -> Mechanism:
 
 
 def _touched(mechanism: Mechanism, motion: WideMotion, rows: Array, t: Array, indices: frozenset[int]) -> frozenset[int]:
-    """The indices of joints that may reach their stops at some of the instants t (n,), s, or between them. rows: (n,) a mask."""
+    """The indices of joints that may reach their stops at the instants t (n,), s, in a mask (n,) `rows`, or between them."""
     columns, third = places(mechanism), np.diff(t[rows]) / 3
     new = set[int]()
     for index in indices:
