@@ -60,8 +60,8 @@ class Robots:
     sentences
         Sentences by the name of the case, what was left out on purpose first.
     departures
-        The last instant (s) at which neither limits nor contacts have acted, by the name of the case; cases in which they do
-        not act are missing.
+        The last instant (s) at which neither limits nor contacts have acted that the case does not have, by the name of the
+        case; cases in which they do not act are missing.
     truths
         Truths that were computed for these sentences, by the name of the case and by sampling (`Method.sampling`).
     """
@@ -164,6 +164,7 @@ def _listed(words: Sequence[str]) -> str:
 
 def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     """Return the motion of a case and its truths for runs with some samplings, or why there is no truth of it."""
+    from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
     from bodycheck.reference.mechanisms.ranges import passed
     from bodycheck.running import truths
 
@@ -175,7 +176,7 @@ def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
         ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
-        passings = passed(scene, ranges, case.duration) if ranges else ()
+        passings = passed(with_acting_stops(scene, case.duration), ranges, case.duration) if ranges else ()
         batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
         known = truths.of_runs(case, batches[0]) if batches else {}
     except (NotModelled, OutOfReach) as error:
@@ -280,6 +281,8 @@ class _Acting:
             instants += [passing.time - passing.error for passing in self.moved.passings[:1]]
         if self.touch is not None:
             instants.append(self.between(self.touch)[0])
+        if isinstance(self.case.scene, Mechanism) and self.case.scene.stops_until is not None:
+            instants.append(self.case.scene.stops_until)
         return max(min(instants), 0.0) if instants else None
 
     def between(self, touch: Touch) -> tuple[float, float]:
