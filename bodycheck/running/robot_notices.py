@@ -117,7 +117,7 @@ def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]
     truths are computed in the same process, since they share the integrations.
     """
     concerned = [case for case in cases if case.robot is not None and (case.robot.ranges or case.robot.touching)]
-    if not concerned:
+    if not concerned and all(_stops_until(case) is None for case in cases):
         return as_loaded(cases)
     moved: dict[str, Moved | str] = {}
     with pool.Workers(_moved, jobs, TIME_LIMIT_S, home=lambda _: home(None)) as workers:
@@ -133,6 +133,10 @@ def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
     return Robots(sentences, departures, {name: motion.truths for name, motion in moved.items() if isinstance(motion, Moved)})
+
+
+def _stops_until(case: Case) -> float | None:
+    return case.scene.stops_until if isinstance(case.scene, Mechanism) else None
 
 
 def described(case: Case) -> str:
@@ -281,8 +285,8 @@ class _Acting:
             instants += [passing.time - passing.error for passing in self.moved.passings[:1]]
         if self.touch is not None:
             instants.append(self.between(self.touch)[0])
-        if isinstance(self.case.scene, Mechanism) and self.case.scene.stops_until is not None:
-            instants.append(self.case.scene.stops_until)
+        if (until := _stops_until(self.case)) is not None:
+            instants.append(until)
         return max(min(instants), 0.0) if instants else None
 
     def between(self, touch: Touch) -> tuple[float, float]:
