@@ -84,7 +84,8 @@ def end_of_stops(mechanism: Mechanism, instants: Array) -> tuple[float, str] | N
 
     The instant is 0 if the motion ends before the second one. Returns None if it does not end.
     """
-    until, reason = None, ""
+    until: float | None = None
+    reason = ""
     while until != 0:
         try:
             with within_range("the motion"):

@@ -61,7 +61,9 @@ def test_stops_act_until_the_truth_with_them_ends(tmp_path: Path, monkeypatch: p
     assert free.joints is not None
     hinge = free.joints.position[:, 0]
     assert hinge[case.instants == until] < 0.5 <= hinge[int(np.searchsorted(case.instants, until)) + 1]
-    assert truth(case).joints.position[:, 0] == pytest.approx(hinge, abs=1e-12)  # no stop is reached before: one motion
+    known = truth(case)
+    assert known.joints is not None
+    assert known.joints.position[:, 0] == pytest.approx(hinge, abs=1e-12)  # no stop is reached before: one motion
     assert case.robot is not None
     start = f"From {until:.4g} s on this is the robot without its stops, since the truth with stops ends there: the stop of "
     assert case.robot.notices[0].startswith(start)
