@@ -37,10 +37,10 @@ class OutOfReach(Exception):
 
 
 class Stopped(OutOfReach):
-    """An integration stopped at a time (s)."""
+    """A motion was followed until a time (s)."""
 
-    def __init__(self, text: str, time: float) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, time: float, cause: Cause | None = None) -> None:
+        super().__init__(text, cause)
         self.time = time
 
 

@@ -20,12 +20,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES, Bounds
-from bodycheck.reference.errors import within_range
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped, within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, followed_with_witness
+from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, followed_with_witness, witness_of
 from bodycheck.reference.mechanisms.forms.momentum import floating
+from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.modelled import sudden
 from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
@@ -70,8 +72,43 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
     """The truth of a mechanism with the bounds of its way; the arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        course, witness = followed_with_witness(mechanism, times) if vouched else (followed(mechanism, times), None)
-        return joined(mechanism, times, course, witness)
+        if vouched:
+            return joined(mechanism, times, *course_and_witness(mechanism, times))
+        return joined(mechanism, times, course_of(mechanism, times), None)
+
+
+def course_of(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism at ascending times (n,), s, with the rigid stops that act. Raises as `mechanism_truth`."""
+    return followed(with_acting_stops(mechanism, float(times[-1]) if len(times) else 0.0), times)
+
+
+def course_and_witness(mechanism: Mechanism, times: Array) -> tuple[Followed, Way | None]:
+    """The motion of `course_of` with its witness, which decides by itself which stops act. Raises as `mechanism_truth`."""
+    if sudden(mechanism):
+        course = course_of(mechanism, times)
+        return course, witness_of(mechanism, times, course)
+    return followed_with_witness(mechanism, times)
+
+
+def end_of_stops(mechanism: Mechanism, instants: Array) -> tuple[float, str] | None:
+    """Return the last of ascending instants (n,), s, until which the motion with rigid stops can be followed, and why it ends.
+
+    The instant is 0 if the motion ends before the second one. Returns None if it does not end.
+    """
+    until: float | None = None
+    reason = ""
+    while until != 0:
+        try:
+            with within_range("the motion"):
+                course_of(replace(mechanism, stops_until=until), instants)
+        except (NotModelled, OutOfReach) as error:
+            end = error.time if isinstance(error, Stopped) else 0.0
+            if until is not None and end > until:  # the motion without stops ends there
+                return until, reason
+            until, reason = float(instants[max(int(np.searchsorted(instants, end)) - 1, 0)]), reason or str(error)
+        else:
+            return None if until is None else (until, reason)
+    return 0.0, reason
 
 
 def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Computed:

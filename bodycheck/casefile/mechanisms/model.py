@@ -60,6 +60,8 @@ class Expanded:
         The notes on the model; None if the bodies and joints do not come from a model.
     controllers
         The number of controllers of the case file itself, which come before those of the model.
+    stops_until
+        The time (s) from which on rigid stops no longer act; None if they always act.
     """
 
     document: dict[str, Any]
@@ -68,6 +70,7 @@ class Expanded:
     timestep: float | None = None
     notes: RobotNotes | None = None
     controllers: int = 0
+    stops_until: float | None = None
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
         """Return the path in the case file, and the message, of a fault in the document."""
@@ -215,6 +218,7 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         read.timestep,
         RobotNotes(file, read.without, notices, (*of_joints, *of_tendons), read.touching),
         len(stated),
+        read.stops_until,
     )
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 from bodycheck.reference.mechanisms.lagrangian.equations import parts_of, rows_of
 from bodycheck.reference.mechanisms.lagrangian.laws import Law
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
+from bodycheck.reference.mechanisms.lagrangian.reaching import with_reached_stops
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
 from bodycheck.reference.mechanisms.lagrangian.system import System
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -51,6 +53,10 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     Raises `NotModelled` for free bodies in loops and for stops in a mechanism with loops, `OutOfReach` if the integration fails
     or takes too many steps, and `ImportError` if heyoka is not installed.
     """
+    return with_reached_stops(mechanism, times, lambda reduced, instants: _by_taylor(reduced, instants, dtype))
+
+
+def _by_taylor(mechanism: Mechanism, times: Array, dtype: Any) -> WideMotion:
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
     ready = prepared(mechanism)
@@ -97,7 +103,8 @@ def _in_phases(ready: Prepared, mechanism: Mechanism, times: WideArray, stepper:
         raise NotModelled("stops in a mechanism with loops")
     if any(law is not None and law.holds and leader is not None for law, leader in _with_leaders(ready.structure)):
         raise NotModelled("rigid stops and dry friction of joints that follow others")
-    system = System(ready.border, ready.structure, ready.units, ready.parameters)
+    until = None if mechanism.stops_until is None else Fraction(mechanism.stops_until)
+    system = System(ready.border, ready.structure, ready.units, ready.parameters, until)
     states = np.empty((0, len(ready.start)), times.dtype)
     if len(times):
         states = phases.solve(system, ready.start, times / times.dtype.type(ready.units.time), stepper)
