@@ -24,10 +24,9 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, Strides
-from bodycheck.adapters.driving import SLACK
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.stepping import Stepper
-from bodycheck.reference.mechanisms.control import Stops
+from bodycheck.reference.mechanisms.control import SLACK, Stops
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 

@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import NotModelled, within_range
@@ -213,7 +214,7 @@ def _reaches(samples: _Samples, limit: _Limit) -> bool:
     return bool((over[1:] >= -error[1:]).any())
 
 
-def _open(samples: _Samples, limit: _Limit) -> Array:
+def _open(samples: _Samples, limit: _Limit) -> NDArray[np.bool_]:
     """Return in which intervals (n - 1,) a coordinate might reach a limit."""
     largest, uncertain = _largest(samples, limit)
     return np.asarray(largest + uncertain >= -samples.excess(limit)[2][1:])
@@ -285,7 +286,7 @@ def _largest(samples: _Samples, limit: _Limit) -> tuple[Array, Array]:
     return largest, _uncertainty(samples.t, over, slope)
 
 
-def _divided(t: Array, chosen: Array) -> Array:
+def _divided(t: Array, chosen: NDArray[np.bool_]) -> Array:
     """The instants that divide the chosen intervals (n - 1,) between the instants t (n,)."""
     steps = np.diff(t)
     intervals = np.flatnonzero(chosen & (steps > PARTS * EPS * t[1:]))[:MOST_INTERVALS]

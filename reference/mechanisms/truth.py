@@ -105,7 +105,7 @@ def end_of_stops(mechanism: Mechanism, instants: Array) -> tuple[float, str] | N
             end = error.time if isinstance(error, Stopped) else 0.0
             if until is not None and end > until:  # the motion without stops ends there
                 return until, reason
-            until, reason = float(instants[max(int(np.searchsorted(instants, end)) - 1, 0)]), reason or str(error)
+            until, reason = float(instants[max(int(np.searchsorted(instants, end)) - 1, 0)]), str(error)
         else:
             return None if until is None else (until, reason)
     return 0.0, reason

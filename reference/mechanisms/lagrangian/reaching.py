@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.rotation import WideArray
@@ -51,7 +52,9 @@ def _without(mechanism: Mechanism, indices: frozenset[int]) -> Mechanism:
     return replace(mechanism, joints=joints)
 
 
-def _touched(mechanism: Mechanism, motion: WideMotion, rows: Array, t: Array, indices: frozenset[int]) -> frozenset[int]:
+def _touched(
+    mechanism: Mechanism, motion: WideMotion, rows: NDArray[np.bool_], t: Array, indices: frozenset[int]
+) -> frozenset[int]:
     """The indices of joints that may reach their stops at the instants t (n,), s, in a mask (n,) `rows`, or between them."""
     columns, third = places(mechanism), np.diff(t[rows]) / 3
     new = set[int]()
@@ -66,7 +69,7 @@ def _touched(mechanism: Mechanism, motion: WideMotion, rows: Array, t: Array, in
     return frozenset(new)
 
 
-def _at(motion: WideMotion, rows: Array) -> WideMotion:
+def _at(motion: WideMotion, rows: NDArray[np.intp]) -> WideMotion:
     """The motion at some of its instants."""
 
     def part(values: WideArray, axis: int) -> WideArray:
