@@ -11,14 +11,17 @@ from fractions import Fraction
 from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, Sine, Stops
 
 
-def value_of(signal: Signal, time: float | Fraction) -> float:
-    """Return the value of a signal at a time (s). An exact time is compared exactly with the times of a table."""
+def value_of(signal: Signal, time: float | Fraction, slack: float | Fraction = 0) -> float:
+    """Return the value of a signal at a time (s).
+
+    slack: the time (s) by which a time of a table with held values may be later and counts as reached.
+    """
     if isinstance(signal, Sine):
         return signal.offset + signal.amplitude * math.sin(signal.angular_frequency * float(time) + signal.phase)
     if not isinstance(signal, Samples):
         return signal
     times, values = signal.times, signal.values
-    after = bisect_right(times, time)
+    after = bisect_right(times, time + slack if signal.between == "hold" else time)
     if after == 0 or after == len(times) or signal.between == "hold":
         return values[max(after - 1, 0)]
     part = (float(time) - times[after - 1]) / (times[after] - times[after - 1])
@@ -42,7 +45,14 @@ def integral_of(signal: Signal, start: float, end: float) -> float:
     return total
 
 
-def effort_of(controller: Controller, time: float | Fraction, position: float, velocity: float, integral: float) -> float:
+def effort_of(
+    controller: Controller,
+    time: float | Fraction,
+    position: float,
+    velocity: float,
+    integral: float,
+    slack: float | Fraction = 0,
+) -> float:
     """Return the saturated effort of a controller (N m or N).
 
     Parameters
@@ -53,11 +63,13 @@ def effort_of(controller: Controller, time: float | Fraction, position: float, v
         The time (s), and the coordinate and the velocity of the joint.
     integral
         The integral of the error, or the sum of the errors divided by the rate.
+    slack
+        As for `value_of`.
     """
-    effort = value_of(controller.effort, time)
+    effort = value_of(controller.effort, time, slack)
     if controller.law == "pd":
-        effort += controller.kp * (value_of(controller.target, time) - position)
-        effort += controller.kd * (value_of(controller.target_velocity, time) - velocity)
+        effort += controller.kp * (value_of(controller.target, time, slack) - position)
+        effort += controller.kd * (value_of(controller.target_velocity, time, slack) - velocity)
         effort += controller.ki * integral
     return saturated(controller, effort, velocity)
 

@@ -1,7 +1,8 @@
 """Compute the efforts of controllers and stops while an engine steps: at which instants, and from which state.
 
 A controller with a rate computes its law at the first step that has reached its instant, from the state there. Instants are
-compared as rational numbers, and an instant that is later by at most 1e-9 of a period counts as reached. The module
+compared as rational numbers, and an instant that is later by at most 1e-9 of a period counts as reached, as does a time of a
+table with held values that is later than the instant. The module
 `scheduling` steps an engine from instant to instant.
 
 Continuous laws, and elastic stops as efforts (`limits=effort`), are evaluated at the stages of the engine's integrator if its
@@ -23,12 +24,9 @@ import numpy as np
 
 from bodycheck.adapters.contract import Efforts, Method
 from bodycheck.adapters.control_laws import effort_of, integral_of, push_of, value_of
-from bodycheck.reference.mechanisms.control import Controller, Stops
+from bodycheck.reference.mechanisms.control import SLACK, Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
-
-#: The part of a period by which an instant may be later than a step that counts as having reached it.
-SLACK = Fraction(1, 10**9)
 
 
 @dataclass
@@ -74,8 +72,9 @@ class Sampler:
         """Compute the law at the next instant from the state of the joint."""
         controller = self.controller
         assert controller.rate is not None
-        self.total += value_of(controller.target, self.instant) - position
-        result = effort_of(controller, self.instant, position, velocity, self.total / controller.rate)
+        slack = SLACK / Fraction(controller.rate)
+        self.total += value_of(controller.target, self.instant, slack) - position
+        result = effort_of(controller, self.instant, position, velocity, self.total / controller.rate, slack)
         self.instants += 1
         self.waiting.append(result)
         if len(self.waiting) > controller.delay:

@@ -19,8 +19,8 @@ from bodycheck.adapters.contract import (
     Strides,
     Work,
 )
-from bodycheck.adapters.driving import SLACK, Controls, controls_of
-from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.adapters.driving import Controls, controls_of
+from bodycheck.reference.mechanisms.control import SLACK, Controller
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
 

@@ -141,7 +141,7 @@ def controls_of(mechanism: Mechanism, method: Method) -> str:
         control_laws.push_of,
     )
     return CONTROLS.format(
-        slack=driving.SLACK,
+        slack=control.SLACK,
         source=source(
             *(control.Sine, control.Samples, control.Controller, control.Stops),
             *(*laws, driving.Sampler, driving.Follower, driving.Controls),

@@ -6,23 +6,41 @@ raise `ValueError`.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Literal
 
 import numpy as np
 
+#: The parts of a mechanism without which a motion may have a truth.
+Cause = Literal["dry friction", "stops", "controllers", "followers"]
+
 
 class NotModelled(Exception):
-    """The reference has no model of something that the scene contains; the text names it."""
+    """The reference has no model of something that the scene contains; the text names it.
+
+    cause: what a mechanism must be without, if that is enough; None if it is not.
+    """
+
+    def __init__(self, text: str, cause: Cause | None = None) -> None:
+        super().__init__(text)
+        self.cause = cause
 
 
 class OutOfReach(Exception):
-    """The reference cannot compute this motion, or not in a reasonable number of steps; the text says why."""
+    """The reference cannot compute this motion, or not in a reasonable number of steps; the text says why.
+
+    cause: the part of a mechanism that makes the motion undecidable; None if there is no such part.
+    """
+
+    def __init__(self, text: str, cause: Cause | None = None) -> None:
+        super().__init__(text)
+        self.cause = cause
 
 
 class Stopped(OutOfReach):
-    """An integration stopped at a time (s)."""
+    """A motion was followed until a time (s)."""
 
-    def __init__(self, text: str, time: float) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, time: float, cause: Cause | None = None) -> None:
+        super().__init__(text, cause)
         self.time = time
 
 

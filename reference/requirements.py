@@ -101,8 +101,8 @@ class MechanismRequirements:
     effects
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "mimic joints", "controllers", "rigid stops", "elastic stops",
-        "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies", "contacts" where there is a
-        plane, and "pushes".
+        "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies",
+        "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
         take away are not subtracted.
@@ -165,6 +165,7 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "controllers": bool(mechanism.controllers),
         "rigid stops": any(joint.stops is not None and joint.stops.rigid for joint in joints),
         "elastic stops": any(joint.stops is not None and not joint.stops.rigid for joint in joints),
+        "stops that cease to act": mechanism.stops_until is not None,
         "loops": bool(mechanism.loops),
         "point masses": any(nearest_inertia(body).mass and has_zero_moment(body) for body in mechanism.bodies),
         "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),

@@ -4,8 +4,8 @@ Each joint is Drake's joint of the same type. The coordinates of a spherical joi
 infinite at a pitch of a right angle. A body without a joint and a body on a free joint have Drake's quaternion joint. Springs
 are Drake's force elements. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and efforts are inputs
 of such an actuator. Loops are Drake's ball constraints, a joint that follows another one has Drake's coupler constraint, and
-stops are Drake's limits of coordinates, which have no rebound; only the discrete plant has constraints and limits. Drake has no
-dry friction.
+stops are Drake's limits of coordinates. Only the discrete plant has all of these; `cenic` has couplers and limits, and other
+integrators have none of them. Drake has no dry friction.
 """
 
 from collections.abc import Callable
@@ -77,7 +77,7 @@ MODELS = frozenset(
     }
 )
 
-#: The approximations of contact of the discrete plant whose solver is SAP, the only one with constraints.
+#: The approximations of contact of the discrete plant whose solver is SAP, the only one with constraints for loops.
 CONSTRAINED = ("lagged", "similar", "sap")
 
 
@@ -117,15 +117,16 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
 
 def check(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> None:
     """Raise `SceneUnsupported` for what Drake lacks with a method: constraints, limits, and bodies without mass."""
-    constrained = bool(mechanism.loops) or any(joint.mimic for joint in mechanism.joints)
-    if constrained and method.integrator not in CONSTRAINED:
+    if mechanism.loops and method.integrator not in CONSTRAINED:
+        raise SceneUnsupported("Drake has constraints for loops in its discrete plant with the solver SAP only")
+    if any(joint.mimic for joint in mechanism.joints) and method.integrator not in (*CONSTRAINED, CENIC):
         raise SceneUnsupported(
-            "Drake has constraints for loops and mimic joints in its discrete plant with the solver SAP only"
+            "Drake has couplers for mimic joints in cenic and in its discrete plant with the solver SAP only"
         )
     if method.integrator == CENIC and (part := next(massless_parts(mechanism), None)) is not None:
         raise SceneUnsupported(f"cenic refuses the body {mechanism.bodies[part[0]].name}: composite for body has zero mass")
-    if any(stops_of(joint, method) for joint in mechanism.joints) and method.integrator not in approximations:
-        raise SceneUnsupported("Drake has limits of joints in its discrete plant only")
+    if any(stops_of(joint, method) for joint in mechanism.joints) and method.integrator not in (*approximations, CENIC):
+        raise SceneUnsupported("Drake has limits of joints in cenic and in its discrete plant only")
     check_rebounds(mechanism, "Drake")
 
 

@@ -12,16 +12,23 @@ d / ((1 - d) w), a ten-thousandth of the joint's own.
 Rigid stops become the stiffest springs that a time step resolves by MuJoCo's documentation: those whose time constant is two
 steps at critical damping, with the largest impedance. A spring that only pushes gives back the part e of a velocity that its
 damping ratio z decides, and at critical damping e = exp(-2); for smaller restitutions it stays critical.
+
+Where stops cease to act, `jnt_limited` of the model becomes 0 between two steps.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 
 import mujoco
+import numpy as np
 
+from bodycheck.adapters.contract import EngineDiverged, Strides
 from bodycheck.adapters.mujoco.contact import numbers_written
-from bodycheck.reference.mechanisms.control import Stops
+from bodycheck.adapters.mujoco.stepping import Stepper
+from bodycheck.reference.mechanisms.control import SLACK, Stops
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
+from bodycheck.reference.trajectory import Array
 
 #: The smallest and the largest impedance that MuJoCo uses: mjMINIMP and mjMAXIMP.
 SOFTEST, HARDEST = 0.0001, 0.9999
@@ -94,3 +101,41 @@ def returned(ratio: float) -> float:
 def inverse_inertias(model: mujoco.MjModel, joints: tuple[Joint, ...]) -> dict[str, float]:
     """Return `dof_invweight0` of joints of a compiled model, by their names."""
     return {joint.name: float(model.dof_invweight0[model.joint(joint.name).dofadr[0]]) for joint in joints}
+
+
+def released_after(stops_until: float, timestep: float) -> int:
+    """Return the number of steps (s) after which stops no longer act that act until a time (s)."""
+    return math.ceil(Fraction(stops_until) / Fraction(timestep) - SLACK)
+
+
+class Releasing(Stepper):
+    """A model whose limits of joints cease to act after a number of steps.
+
+    Parameters
+    ----------
+    model, data, rows
+        As those of `Stepper`; the model is changed.
+    steps
+        The number of steps.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rows: Callable[[Array], Array], steps: int) -> None:
+        super().__init__(model, data, rows)
+        self.left = steps
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        ends, left = np.cumsum(strides), self.left
+        if not left or ends[-1] < left:
+            self.left = max(left - int(ends[-1]), 0)
+            return super().advance(strides)
+        count = int(np.searchsorted(ends, left, side="right"))
+        states = super().advance(np.diff(np.append(ends[:count], left), prepend=0))[:, :count]
+        self.model.jnt_limited[:], self.left = 0, 0
+        if count == len(ends):
+            return states
+        try:
+            return np.concatenate([states, super().advance(np.diff(ends[count:], prepend=left))], axis=1)
+        except EngineDiverged as signal:
+            signal.states = np.concatenate([states, signal.states], axis=1)
+            raise

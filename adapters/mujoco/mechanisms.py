@@ -10,13 +10,14 @@ The velocity of a ball joint is the angular velocity in the child's frame. The v
 origin of the child's frame, in the world frame, and the angular velocity in the child's frame.
 """
 
+import copy
 from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 
 from bodycheck.adapters import mechanism_models, scripts
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco import driving, limits
 from bodycheck.adapters.mujoco.exporting import ADVANCE
@@ -34,6 +35,7 @@ MODELS = frozenset(
         *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
         *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
         *("point masses", "massless bodies", "mimic joints", "controllers", "rigid stops", "elastic stops"),
+        "stops that cease to act",
     }
 )
 
@@ -90,9 +92,15 @@ def prepare(mechanism: Mechanism, method: Method) -> Stepper | TakingLaws:
     names = [mechanism.joints[joint].name for joint in mechanism.driven]
     mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
+    if mechanism.stops_until is not None:
+        model = copy.copy(model)  # others share the compiled model, whose limits act
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
-    stepper = Stepper(model, data, seen_states(mechanism, xml, method.option("model") == "three-hinges"))
+    seen = seen_states(mechanism, xml, method.option("model") == "three-hinges")
+    if mechanism.stops_until is None:
+        stepper: Stepper = Stepper(model, data, seen)
+    else:
+        stepper = limits.Releasing(model, data, seen, limits.released_after(mechanism.stops_until, method.timestep))
     return driving.driven(stepper, names) if names else stepper
 
 
@@ -128,6 +136,8 @@ def frames_xml(mechanism: Mechanism, xml: str, hinges: bool) -> str:
 
 def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
+    if mechanism.stops_until is not None:
+        raise SceneUnsupported("stops that cease to act, in a script for the engine alone")
     drive, names = scripts.controls_of(mechanism, method), [mechanism.joints[joint].name for joint in mechanism.driven]
     mechanism, xml = described(mechanism, method)
     xml_of_frames = frames_xml(mechanism, xml, method.option("model") == "three-hinges")

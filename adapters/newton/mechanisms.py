@@ -14,11 +14,11 @@ import warp as wp
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
 from bodycheck.adapters.links import Link, tensor, velocity_of
-from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, link_of, starts, stops_of
+from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, from_x, link_of, starts, stops_of
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton.solvers import FAR, LIMIT_IMPEDANCE, OF_MUJOCO, SOFTEST, SOLVERS, STEEL_DAMPING, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised, Taking
-from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
 from bodycheck.reference.requirements import of_mechanism
@@ -46,6 +46,9 @@ MODELS = frozenset(
         "elastic stops",
     }
 )
+
+#: The identity quaternion (w, x, y, z).
+NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def prepare(mechanism: Mechanism, method: Method) -> Normalised | Taking:
@@ -133,12 +136,8 @@ def check_stops(mechanism: Mechanism, method: Method) -> None:
     """Raise `SceneUnsupported` for stops that a solver of Newton does not have as they are."""
     for joint in mechanism.joints:
         stops = stops_of(joint, method)
-        if stops is None:
-            continue
-        if by_mujoco(method) and not stops.damping:
+        if by_mujoco(method) and stops is not None and not stops.damping:
             raise SceneUnsupported(f"Newton gives MuJoCo no limit without damping, and the stops of {joint.name} have none")
-        if method.integrator == "XPBD" and joint.type == "prismatic" and np.count_nonzero(joint.axis) > 1:
-            raise SceneUnsupported(f"XPBD limits each axis of a frame, so that {joint.name} would leave its oblique axis")
 
 
 def by_mujoco(method: Method) -> bool:
@@ -204,7 +203,11 @@ def built(mechanism: Mechanism, method: Method) -> Any:
 
 def add_joint(builder: Any, joint: Joint, between: tuple[int, int], method: Method) -> int:
     """Add a joint between two bodies of a builder, the parent first, and return its number."""
-    ends: dict[str, Any] = {"parent_xform": transform(joint.position, exact.nearest_turn(joint.attitude))}
+    axis, turn = axis_and_turn(joint)
+    ends: dict[str, Any] = {
+        "parent_xform": transform(joint.position, multiply(np.array(exact.nearest_turn(joint.attitude)), turn)),
+        "child_xform": transform((0.0, 0.0, 0.0), turn),
+    }
     acting: dict[str, Any] = {
         "armature": joint.armature,
         "damping": joint.damping,
@@ -220,7 +223,7 @@ def add_joint(builder: Any, joint: Joint, between: tuple[int, int], method: Meth
                 acting["custom_attributes"] = {LIMIT_IMPEDANCE: [SOFTEST]}
     if joint.type in ("revolute", "prismatic"):
         add = builder.add_joint_revolute if joint.type == "revolute" else builder.add_joint_prismatic
-        return int(add(*between, **ends, axis=exact.nearest_axis(joint), **acting))
+        return int(add(*between, **ends, axis=axis, **acting))
     if joint.type == "spherical":
         return int(builder.add_joint_ball(*between, **ends, armature=0.0, friction=0.0, damping=joint.damping, stiffness=0.0))
     if joint.type == "fixed":
@@ -228,6 +231,17 @@ def add_joint(builder: Any, joint: Joint, between: tuple[int, int], method: Meth
     axes = [newton.ModelBuilder.JointDofConfig(axis=axis) for axis in np.eye(3).tolist()]
     linear, angular = ([], axes[:2]) if joint.type == "universal" else (axes[:2], axes[2:])
     return int(builder.add_joint_d6(*between, **ends, linear_axes=linear, angular_axes=angular))
+
+
+def axis_and_turn(joint: Joint) -> tuple[Vector, Array]:
+    """Return the axis of a joint in Newton's frames of it, and the quaternion (4,) from these frames to those of the mechanism.
+
+    XPBD frees every axis of a frame along which the axis of the joint has a component, up to limits of its own, so that a body
+    leaves an oblique axis; the frames are turned to have x along it, about which XPBD measures the angle of a hinge.
+    """
+    if joint.type not in ("revolute", "prismatic") or np.count_nonzero(axis := exact.nearest_axis(joint)) == 1:
+        return exact.nearest_axis(joint), NO_TURN
+    return (1.0, 0.0, 0.0), from_x(np.array(axis))
 
 
 def in_newton(joint: Joint, position: Array, velocity: Array) -> tuple[list[float], list[float]]:
@@ -261,7 +275,7 @@ def twist(link: Link, state: State) -> tuple[float, ...]:
     return (*velocity_of(link.center_of_mass, state), *spin.tolist())
 
 
-def transform(position: Vector, quaternion: Quaternion) -> Any:
+def transform(position: Vector, quaternion: Quaternion | Array) -> Any:
     """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
     w, x, y, z = quaternion
     return wp.transform(position, wp.quat(x, y, z, w))

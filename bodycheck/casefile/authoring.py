@@ -69,6 +69,8 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
 def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence[Path], ignore: Sequence[Ignored]) -> Path:
     """Write a case file of a whole robot into a folder, and return its path.
 
+    Its joints have rigid stops at their ranges unless the truth with stops ends before the duration of the case.
+
     Parameters
     ----------
     name
@@ -85,8 +87,7 @@ def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence
     BadInput
         As for `new`, and if the file is in another folder, or is no case.
     """
-    from bodycheck.casefile.mechanisms.stored import file_text
-    from bodycheck.casefile.robots import loading
+    from bodycheck.casefile.robots import direct, loading
 
     if model.resolve().parent != folder.resolve():
         raise BadInput(
@@ -95,7 +96,8 @@ def new_of_model(name: str | None, folder: Path, model: Path, packages: Sequence
         )
     case = loading.load(model, packages=packages, ignore=ignore)
     named = case.name if name is None else name
-    return _written(named, folder, file_text(case).replace(f'name = "{case.name}"', f'name = "{named}"', 1))
+    text = direct.text_for_a_case_file(model, packages, ignore, case.name)
+    return _written(named, folder, text.replace(f'name = "{case.name}"', f'name = "{named}"', 1))
 
 
 def _written(name: str, folder: Path, text: str) -> Path:

@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from functools import cache
 from importlib import resources
@@ -187,8 +187,9 @@ def _parsed(
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
-            scene = build_mechanism(table) if isinstance(table, MechanismTable) else build_scene(table)
-            return _case(table, scene, expansion, text)
+            if not isinstance(table, MechanismTable):
+                return _case(table, build_scene(table), expansion, text)
+            return _case(table, replace(build_mechanism(table), stops_until=expansion.stops_until), expansion, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])

@@ -8,6 +8,7 @@ from typing import Any
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.mechanisms.stored import loads
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 
 #: Tables and keys of a case file that do not affect the motion.
 NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensemble", "expect"}
@@ -16,7 +17,9 @@ NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensembl
 def physics(case: Case) -> dict[str, Any]:
     """Return the tables of a case that affect the motion, with the bodies and joints of a robot model instead of its file."""
     document = standalone(loads(case.text))
-    return {name: value for name, value in document.items() if name not in NOT_PHYSICS}
+    tables = {name: value for name, value in document.items() if name not in NOT_PHYSICS}
+    until = case.scene.stops_until if isinstance(case.scene, Mechanism) else None
+    return tables if until is None else tables | {"stops_until": until}
 
 
 def identity(case: Case) -> str:

@@ -38,7 +38,8 @@ def steps(verdict: Verdict, judged: Judged, file: str, where: str) -> Iterator[S
     """
     limits = [limit for limit in judged.expectation.limits if limit.name in FIGURES]
     broken = {breach.name for breach in judged.breaches}
-    figures = [limit for limit in limits if limit.name in broken]
+    measured = {} if verdict.discrepancy is None else verdict.discrepancy.maxima()
+    figures = [limit for limit in limits if limit.name in broken and limit.name in measured]
     # A run that fails exceeds every limit, so any limit finds the release in which the run began to fail.
     bisectable = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
     if bisectable and not verdict.run.is_recorded and judged.expectation.version != verdict.run.version:

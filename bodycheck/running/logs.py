@@ -45,6 +45,10 @@ VELOCITY, ANGULAR_VELOCITY = ("vx", "vy", "vz"), ("wx", "wy", "wz")
 #: The column of the instants (s).
 TIME = "t"
 
+#: The column with the names of bodies in a file with a line for each body at each instant, and the names of columns there that
+#: differ: those that scripts of `bodycheck export` print.
+BODY, OF_SCRIPTS = "body", {"x": "px", "y": "py", "z": "pz"}
+
 #: The largest size of a file in bytes. Its largest number of instants is that of a truth.
 MAX_BYTES = 1 << 28
 
@@ -78,7 +82,8 @@ def read(path: Path, case: Case, engine: str, version: str) -> Recording:
     ----------
     path
         The file, with the column `t` and, for a body, the columns of `POSE`, and, if they are known, of `VELOCITY` and
-        `ANGULAR_VELOCITY`. For bodies of a mechanism, the name of the body and a point precede each name. Joints with one
+        `ANGULAR_VELOCITY`. For bodies of a mechanism, the name of the body and a point precede each name, or the column `body`
+        names the body, with a line for each at each instant, as scripts of `bodycheck export` print it. Joints with one
         coordinate may have `JOINT.position` and `JOINT.velocity` instead (rad and rad/s, or m and m/s).
     case
         The case.
@@ -157,14 +162,38 @@ def columns_of(path: Path) -> dict[str, Array]:
     rows = csv.reader(io.StringIO(text))
     try:
         names = [name.strip() for name in next(rows, [])]
+        names = names if "px" in names else [OF_SCRIPTS.get(name, name) for name in names]
         if len(set(names)) != len(names) or TIME not in names:
             raise BadInput(f"{path}:1: read {', '.join(names)[:200]!r}; allowed: different names of columns, among them t")
-        values = [_numbers(path, rows.line_num, names, row) for row in rows if row]
+        of_body = names.index(BODY) if BODY in names else None
+        bodies, values = list[str](), list[list[float]]()
+        for row in filter(None, rows):
+            values.append(_numbers(path, rows.line_num, names, row))
+            bodies += [] if of_body is None else [row[of_body]]
     except csv.Error as error:
         raise BadInput(f"{path}:{rows.line_num}: is no CSV: {error}") from error
-    if not 2 <= len(values) <= MAX_INSTANTS:
-        raise BadInput(f"{path}: has {len(values)} instants; allowed: 2 to {MAX_INSTANTS}")
-    return dict(zip(names, np.array(values).T, strict=True))
+    instants = len(values) // max(1, len(set(bodies)))
+    if not 2 <= instants <= MAX_INSTANTS:
+        raise BadInput(f"{path}: has {instants} instants; allowed: 2 to {MAX_INSTANTS}")
+    columns = dict(zip((name for name in names if name != BODY), np.array(values).T, strict=True))
+    return columns if of_body is None else _of_bodies(path, columns, bodies, instants)
+
+
+def _of_bodies(path: Path, columns: Mapping[str, Array], bodies: Sequence[str], instants: int) -> dict[str, Array]:
+    """Return columns with one line for each instant, of a file with a line for each body at each instant. Raises `BadInput`."""
+    names = bodies[: len(bodies) // instants]
+    tables = {name: values.reshape(-1, len(names)) for name, values in columns.items() if len(values) == instants * len(names)}
+    if len(set(names)) != len(names) or list(bodies) != [*names] * instants or TIME not in tables:
+        raise BadInput(f"{path}: its bodies differ from instant to instant; allowed: a line for each body, in the same order")
+    if (tables[TIME] != tables[TIME][:, :1]).any():
+        raise BadInput(f"{path}: t differs among bodies; allowed: a line for each body at each instant")
+    of_bodies = {
+        f"{body}{OF_BODY}{name}": table[:, index]
+        for name, table in tables.items()
+        for index, body in enumerate(names)
+        if name != TIME
+    }
+    return {TIME: tables[TIME][:, 0], **of_bodies}
 
 
 def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> list[float]:
@@ -172,6 +201,8 @@ def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) ->
         raise BadInput(f"{path}:{line}: has {len(row)} values; allowed: {len(names)}, as many as the first line has names")
     numbers = []
     for name, entry in zip(names, row, strict=True):
+        if name == BODY:
+            continue
         try:
             number = float(entry)
         except ValueError:

@@ -60,8 +60,8 @@ class Robots:
     sentences
         Sentences by the name of the case, what was left out on purpose first.
     departures
-        The last instant (s) at which neither limits nor contacts have acted, by the name of the case; cases in which they do
-        not act are missing.
+        The last instant (s) at which neither limits nor contacts have acted that the case does not have, by the name of the
+        case; cases in which they do not act are missing.
     truths
         Truths that were computed for these sentences, by the name of the case and by sampling (`Method.sampling`).
     """
@@ -117,7 +117,7 @@ def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]
     truths are computed in the same process, since they share the integrations.
     """
     concerned = [case for case in cases if case.robot is not None and (case.robot.ranges or case.robot.touching)]
-    if not concerned:
+    if not concerned and all(_stops_until(case) is None for case in cases):
         return as_loaded(cases)
     moved: dict[str, Moved | str] = {}
     with pool.Workers(_moved, jobs, TIME_LIMIT_S, home=lambda _: home(None)) as workers:
@@ -133,6 +133,10 @@ def of(cases: Sequence[Case], jobs: int, samplings: Mapping[str, Iterable[float]
         if (instant := acting.departure()) is not None:
             departures[case.name] = instant
     return Robots(sentences, departures, {name: motion.truths for name, motion in moved.items() if isinstance(motion, Moved)})
+
+
+def _stops_until(case: Case) -> float | None:
+    return case.scene.stops_until if isinstance(case.scene, Mechanism) else None
 
 
 def described(case: Case) -> str:
@@ -164,6 +168,7 @@ def _listed(words: Sequence[str]) -> str:
 
 def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     """Return the motion of a case and its truths for runs with some samplings, or why there is no truth of it."""
+    from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
     from bodycheck.reference.mechanisms.ranges import passed
     from bodycheck.running import truths
 
@@ -175,7 +180,7 @@ def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
         ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
-        passings = passed(scene, ranges, case.duration) if ranges else ()
+        passings = passed(with_acting_stops(scene, case.duration), ranges, case.duration) if ranges else ()
         batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
         known = truths.of_runs(case, batches[0]) if batches else {}
     except (NotModelled, OutOfReach) as error:
@@ -280,6 +285,8 @@ class _Acting:
             instants += [passing.time - passing.error for passing in self.moved.passings[:1]]
         if self.touch is not None:
             instants.append(self.between(self.touch)[0])
+        if (until := _stops_until(self.case)) is not None:
+            instants.append(until)
         return max(min(instants), 0.0) if instants else None
 
     def between(self, touch: Touch) -> tuple[float, float]:

@@ -3,7 +3,8 @@
 A force that grows with the velocity or the displacement of a joint limits the steps of explicit schemes: on x' = -c x they are
 stable up to h c = 2 (Euler) or 2.785 (Runge-Kutta 4), and on x'' = -w^2 x up to h w = 2 (semi-implicit Euler) or 2.828
 (Runge-Kutta 4; Hairer, Wanner, Solving Ordinary Differential Equations II, section IV.2). Dry friction is bounded, but an
-explicit step may turn a hinge so far that its next force is that of another motion.
+explicit step may turn a hinge so far that its next force is that of another motion. The gains kd and kp of a continuous
+controller without a limit of its effort act as damping and stiffness.
 
 The inertia of a joint is that at the start with everything else loose: 1 / (M^-1)_ii with the mass matrix M. With several
 damped joints, the largest c of the mechanism, an eigenvalue of M^-1 D, is at least the c of each joint, so that a joint beyond
@@ -63,16 +64,21 @@ def explained(failure: Diverged, scene: AnyScene, method: Method, order: int | N
 def _stiff(mechanism: Mechanism, step: float, fourth_order: bool) -> Iterator[_Stiff]:
     """Yield the joints that are beyond a limit of explicit schemes with a time step (s), once for each such limit."""
     joints, rules = mechanism.joints, [mimicry.rule(mechanism.joints, index) for index in range(len(mechanism.joints))]
+    gains = {law.joint: law for law in mechanism.controllers if law.rate is None and law.effort_limit is None}
+    dampings = [joint.damping + (gains[n].kd if n in gains else 0.0) for n, joint in enumerate(joints)]
+    stiffnesses = [joint.stiffness + (gains[n].kp if n in gains else 0.0) for n, joint in enumerate(joints)]
     for index, inertia in _inertias(mechanism):
-        moved = [(joint, float(rule.multiplier)) for joint, rule in zip(joints, rules, strict=True) if rule.leader == index]
+        moved = [(n, float(rule.multiplier)) for n, rule in enumerate(rules) if rule.leader == index]
         name = joints[index].name
-        damping = step / inertia * sum(ratio**2 * joint.damping for joint, ratio in moved)
-        spring = step * math.sqrt(sum(ratio**2 * joint.stiffness for joint, ratio in moved) / inertia)
-        friction = step**2 / inertia * sum(abs(ratio) * joint.friction for joint, ratio in moved)
+        kd = " + kd" if any(n in gains and gains[n].kd for n, _ in moved) else ""
+        kp = " + kp" if any(n in gains and gains[n].kp for n, _ in moved) else ""
+        damping = step / inertia * sum(ratio**2 * dampings[n] for n, ratio in moved)
+        spring = step * math.sqrt(max(sum(ratio**2 * stiffnesses[n] for n, ratio in moved), 0.0) / inertia)
+        friction = step**2 / inertia * sum(abs(ratio) * joints[n].friction for n, ratio in moved)
         if damping > (limit := OF_DAMPING[fourth_order]):
-            yield _Stiff(f"{name}: damping × h / inertia = {damping:.3g}", damping / limit)
+            yield _Stiff(f"{name}: {f'(damping{kd})' if kd else 'damping'} × h / inertia = {damping:.3g}", damping / limit)
         if spring > (limit := OF_SPRINGS[fourth_order]):
-            yield _Stiff(f"{name}: h × √(stiffness / inertia) = {spring:.3g}", spring / limit)
+            yield _Stiff(f"{name}: h × √({f'(stiffness{kp})' if kp else 'stiffness'} / inertia) = {spring:.3g}", spring / limit)
         if joints[index].type == "revolute" and friction > OF_FRICTION:
             yield _Stiff(f"{name}: friction × h² / inertia = {friction:.3g} rad", math.sqrt(friction / OF_FRICTION))
 

@@ -12,13 +12,21 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.content import Case
 from bodycheck.reference.certified import Certificate
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import Cause, NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Run
+
+#: What leaves a part of a robot's file out, on the command line and in a case.
+OPTIONS: dict[Cause, str] = {
+    "dry friction": '--ignore friction, or ignore = ["friction"]',
+    "stops": '--ignore limits, or use without "limits"',
+    "controllers": '--ignore actuators, or use without "actuators"',
+    "followers": '--ignore mimic, or ignore = ["mimic"]',
+}
 
 
 @dataclass(frozen=True)
@@ -100,7 +108,7 @@ def perform(argument: TruthTask | Task) -> Run | Truths:
     try:
         return truths.of_runs(argument.case, argument.samplings)
     except (NotModelled, OutOfReach) as error:
-        return NoTruth(str(error))
+        return NoTruth(f"{error}{_advice(argument.case, error)}")
 
 
 def answer(question: Question) -> Truth | Certificate | NoTruth:
@@ -111,9 +119,16 @@ def answer(question: Question) -> Truth | Certificate | NoTruth:
     try:
         return compute(question.case, question.times)
     except NotModelled as error:
-        return NoTruth(f"unsupported: the reference does not model {error}")
+        return NoTruth(f"unsupported: the reference does not model {error}{_advice(question.case, error)}")
     except OutOfReach as error:
-        return NoTruth(f"the reference cannot follow this motion: {error}")
+        return NoTruth(f"the reference cannot follow this motion: {error}{_advice(question.case, error)}")
+
+
+def _advice(case: Case, error: NotModelled | OutOfReach) -> str:
+    """Return a clause on the option that may give a robot's file a truth by leaving out what it has none for; else nothing."""
+    if case.robot is None or error.cause is None:
+        return ""
+    return f"; there may be a truth without {error.cause}: {OPTIONS[error.cause]} in [model] of a case"
 
 
 def answer_sensors(question: SensorQuestion) -> tuple[SensorTruth, ...] | NoTruth:

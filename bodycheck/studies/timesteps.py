@@ -1,6 +1,8 @@
 """The ladders at which methods are measured: time steps that suit a case, and accuracies that suit an integrator."""
 
 import math
+from fractions import Fraction
+from functools import reduce
 from itertools import count
 
 import numpy as np
@@ -20,6 +22,9 @@ MAX_STEPS = 100_000
 
 #: Smallest number of time steps in a ladder, regardless of the number of steps of a run.
 MIN_LADDER_LENGTH = 6
+
+#: Largest number of periods of controllers in a case whose time steps divide these periods: smaller steps are then possible.
+MOST_PERIODS = MAX_STEPS // 20
 
 #: The leading digits of time steps.
 MANTISSAS = (5.0, 2.0, 1.0)
@@ -48,15 +53,37 @@ def fastest_spin(scene: AnyScene) -> float:
     return math.hypot(*scene.initial.angular_velocity)
 
 
+def control_period(scene: AnyScene) -> Fraction | None:
+    """Return the largest time (s) that divides the periods of all controllers of a scene; None if none has a rate."""
+    rates = [each.rate for each in scene.controllers if each.rate is not None] if isinstance(scene, Mechanism) else []
+    return reduce(_divisor, (1 / decimal(rate) for rate in rates)) if rates else None
+
+
+def decimal(number: float) -> Fraction:
+    """Return the simplest fraction near a number of a case, such as 1/3 for its double."""
+    return Fraction(number).limit_denominator(MAX_STEPS)
+
+
+def _divisor(one: Fraction, other: Fraction) -> Fraction:
+    """Return the largest number that divides two numbers."""
+    return Fraction(
+        math.gcd(one.numerator * other.denominator, other.numerator * one.denominator), one.denominator * other.denominator
+    )
+
+
 def ladder(case: Case) -> tuple[float, ...]:
     """Return the time steps (s) for a case, the largest first: 20, 10, 5, 2, 1 ms and so on, or values near these.
 
     Every time step divides the sampling interval of the case or is a multiple of it, so that runs with different time steps
-    have common instants.
+    have common instants. If controllers have rates, time steps divide their periods too, unless these are very short.
     """
     interval = case.duration / (case.samples - 1)
     spin = fastest_spin(case.scene)
     largest = min(LARGEST_STEP_S, case.duration / 10, LARGEST_TURN_RAD / spin if spin else math.inf)
+    if (period := control_period(case.scene)) is not None:
+        common = float(_divisor(period, decimal(interval)))
+        if case.duration / common <= MOST_PERIODS:
+            interval, largest = common, min(largest, common)
     steps: list[float] = []
     for decade in count(0):
         for mantissa in MANTISSAS:

@@ -1,6 +1,7 @@
 """Taylor's method in 80-bit, 128-bit and multiprecision arithmetic, with heyoka (Linux only).
 
-heyoka caches compiled code in memory and, for other processes, on disk (`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
+heyoka caches compiled code in memory and, for other processes, on disk: in the folder `bodycheck` in heyoka's cache folder
+(`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
 """
 
 import functools
@@ -39,6 +40,10 @@ EXTENDED_NAME = f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit"
 #: The level at which LLVM optimises code: higher levels compile a third longer, and the code is not faster.
 OPTIMISATION = 1
 
+#: Size limit of the cache of compiled code on disk (bytes). heyoka reads the whole cache in each process that uses it, in 0.3 s
+#: for each gigabyte, and would let it grow to 20 GiB. The code of a free body has 1 MB, and that of a large robot up to 25 MB.
+DISK_CACHE_BYTES = 128 << 20
+
 #: First-order equations in heyoka's form: pairs of a variable and the expression for its derivative.
 Equations = list[tuple[Any, Any]]
 
@@ -50,17 +55,26 @@ integrator_lock = threading.Lock()
 def prepare_heyoka() -> None:
     """Let heyoka cache compiled code on disk only where no other user can write, since cached code is executed.
 
-    heyoka continues without a cache folder that is full or corrupt, but reports this on standard output, which is reserved for
-    results; so its log is limited to critical messages.
+    heyoka continues without a cache folder that is full, but reports this on standard output, which is reserved for results; so
+    its log is limited to critical messages.
     """
     hy.set_logger_level_critical()
-    folder = hy.llvm_state.get_diskcache_path()
+    shared = hy.llvm_state.get_diskcache_path()
+    folder = shared / "bodycheck"  # so that the limit is not that of other programs
     try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        private = all(is_private(path) for path in (folder, *folder.glob("cache.db*")))
-    except OSError:
+        private = _is_made_private(shared) and _is_made_private(folder) and all(map(is_private, folder.glob("cache.db*")))
+        if private:
+            hy.llvm_state.set_diskcache_path(folder)
+            hy.llvm_state.set_diskcache_limit(DISK_CACHE_BYTES)
+    except (OSError, RuntimeError):  # the cache cannot be made, or is corrupt
         private = False
     hy.llvm_state.set_diskcache_enabled(private)
+
+
+def _is_made_private(folder: Path) -> bool:
+    """Make a folder if it is missing, and return whether it is private."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    return is_private(folder)
 
 
 def is_private(path: Path) -> bool:
@@ -95,6 +109,23 @@ def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = F
         opt_level=0 if large else OPTIMISATION,
         nt_events=list(events),
         **options,
+    )
+
+
+@functools.cache
+def vectorised(equations: Callable[[], Equations], lanes: int) -> Any:
+    """heyoka's integrator of several motions at once in double precision, with code that is not optimised.
+
+    Vectors of doubles make it almost as fast as an integrator of one motion.
+    """
+    prepare_heyoka()
+    system = equations()
+    return hy.taylor_adaptive_batch(
+        system,
+        np.zeros((len(system), lanes)),
+        tol=step_tolerance(np.float64),
+        compact_mode=True,
+        opt_level=0,
     )
 
 

@@ -12,13 +12,20 @@ A controller with a rate computes the law and its saturation at the instants k /
 instant; the integral is the sum of e over the instants so far, the present one included, divided by the rate. The result acts
 from (k + delay) / rate until (k + 1 + delay) / rate. Before delay / rate the controller exerts nothing.
 
+At such an instant a time of a table with held values counts as reached if it is later by at most `SLACK` of a period: at 500 Hz
+the value of 0.1 s holds from the instant 50 / 500 on, although the double nearest to 0.1 is larger.
+
 A stop is where the coordinate leaves the interval from `lower` to `upper`. A rigid stop is an impact, which reverses the
 velocity and multiplies it by the restitution; without rebound the joint stays at the stop until its force changes sign. An
 elastic stop, with x beyond the stop, pushes back with max(0, stiffness x + damping x') while x > 0.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
+
+#: The part of a period within which an instant of a controller, and a step or a time of a table, count as the same.
+SLACK = Fraction(1, 10**9)
 
 
 @dataclass(frozen=True)

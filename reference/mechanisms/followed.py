@@ -9,6 +9,7 @@ type makes the same number of roundings, and they grow by the same factor.
 import contextlib
 import functools
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,6 +19,7 @@ from bodycheck.reference.bounds import STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import recursion
+from bodycheck.reference.mechanisms.articulation.nudges import growth_of_trees
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
@@ -106,6 +108,26 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
+def followed_with_witness(mechanism: Mechanism, times: Array) -> tuple[Followed, Way | None]:
+    """The motion of `followed` and its witness, which threads compute side by side where heyoka follows a tree.
+
+    The witness may end earlier than the motion: where errors may be as large as the motion, it has nothing to say.
+    """
+    if arithmetic()[0] is np.float64 or mechanism.loops or sudden(mechanism) or form_of(mechanism) is not None:
+        course = followed(mechanism, times)
+        return course, witness_of(mechanism, times, course)
+    require_independent(mechanism)
+    require_drivable(mechanism)
+    require_modelled(mechanism)
+    with _stops_explained(mechanism):
+        measured = _measured(mechanism, times)
+    of_any = measured.growth.until(times).of_any
+    known = times[: max(1, int(np.searchsorted(of_any, 1 / float(np.finfo(arithmetic()[0]).eps))))]
+    with ThreadPoolExecutor(1) as threads:
+        witness = _lagrangian_beside(mechanism, known, threads)
+        return by_recursion(mechanism, times, measured), witness()
+
+
 def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
     """The witness of a motion: the recursion for a closed form, else the Lagrangian; None if it cannot follow the motion.
 
@@ -127,15 +149,28 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
 
     dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
     """
-    widest, name, digits = arithmetic()
+    widest = arithmetic()[0]
+    if widest is np.float64:
+        return _unless_out_of_reach(lambda: solution.follow_in_doubles(mechanism, times), times)
+    return _unless_out_of_reach(lambda: solution.follow(mechanism, times, dtype or widest), times)
+
+
+def _lagrangian_beside(mechanism: Mechanism, times: Array, threads: Executor) -> Callable[[], Way | None]:
+    """A function that returns the motion of `lagrangian`, which a thread computes meanwhile."""
     try:
-        if widest is np.float64:
-            motion = solution.follow_in_doubles(mechanism, times)
-        else:
-            motion = solution.follow(mechanism, times, dtype or widest)
+        begun = solution.begun(mechanism, times, threads, arithmetic()[0])
+    except (NotModelled, OutOfReach):
+        return lambda: None
+    return lambda: _unless_out_of_reach(begun, times)
+
+
+def _unless_out_of_reach(follow: Callable[[], WideMotion], times: Array) -> Way | None:
+    """The way of a motion by the Lagrangian at times (n,), s; None if the Lagrangian cannot follow it."""
+    _, name, digits = arithmetic()
+    try:
+        return Way(f"{solution.NAME}, {name}", _motion_of(follow(), times), {}, digits)
     except (NotModelled, OutOfReach):
         return None
-    return Way(f"{solution.NAME}, {name}", _motion_of(motion, times), {}, digits)
 
 
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
@@ -145,14 +180,11 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
     """
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
-    try:
+    with _stops_explained(mechanism):
         measured = measured or _measured(mechanism, times)
         grown = measured.growth
         instants = np.union1d(times, grown.t)
         states = recursion.follow(mechanism, instants, dtype)
-    except Stopped as stopped:
-        recursion.require_regular(mechanism, stopped.time, recursion.SMALL)
-        raise
     recursion.require_regular(mechanism, float(grown.t[-1]))
     wide = _motion_in_joints(states)
     count = DOP853_ROUNDINGS
@@ -162,6 +194,16 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
     rows = np.searchsorted(instants, times)
     way = Way(f"{RECURSION}, {name}", wide.part(rows), {name: values[rows] for name, values in errors.items()}, digits)
     return Followed(way, RECURSION, "rigid bodies on joints", name, grown.until(times), measured=measured)
+
+
+@contextlib.contextmanager
+def _stops_explained(mechanism: Mechanism) -> Iterator[None]:
+    """Say of an integration that stops whether the mass matrix becomes singular there."""
+    try:
+        yield
+    except Stopped as stopped:
+        recursion.require_regular(mechanism, stopped.time, recursion.SMALL)
+        raise
 
 
 def with_doubts(mechanism: Mechanism, states: JointStates, grown: Growth, count: float, eps: float) -> dict[str, Array]:
@@ -302,9 +344,10 @@ def _measured_until(mechanism: Mechanism, end: float) -> Measured:
     t = growth_instants(np.array([end]))
     if sudden(mechanism):
         return _measured_beside(mechanism, t)
-    follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
-    (base,) = follow(mechanism, [t])
-    return Measured(base, growth(mechanism, follow, base, t))
+    if arithmetic()[0] is not np.float64 and not any(joint.friction for joint in mechanism.joints):
+        return Measured(*growth_of_trees(mechanism, t))
+    (base,) = _in_doubles(mechanism, [t])
+    return Measured(base, growth(mechanism, _in_doubles, base, t))
 
 
 def _measured_beside(mechanism: Mechanism, t: Array) -> Measured:
@@ -335,9 +378,11 @@ def _motion_in_joints(states: JointStates) -> Motion:
     return Motion(states.position, states.velocity, states.bodies)
 
 
-def _lagrangian_in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-    """The motion by the Lagrangian and DOP853, which evaluates these equations much faster than those of the recursion."""
-    return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
+    """The motion in double precision: by the recursion, or by the Lagrangian, whose equations DOP853 evaluates much faster."""
+    if arithmetic()[0] is np.float64:
+        return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+    return _in_parts(lambda times: _motion_in_joints(recursion.follow(mechanism, times, np.float64)), parts)
 
 
 def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iterator[Motion]:
@@ -349,7 +394,3 @@ def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iter
 def _motion_of(motion: WideMotion, times: Array) -> Motion:
     bodies = Trajectory(times, motion.position, motion.quaternion, motion.velocity, motion.angular_velocity)
     return Motion(motion.joint_position, motion.joint_velocity, bodies)
-
-
-def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
-    return map(_motion_in_joints, recursion.follow_in_parts(mechanism, parts))

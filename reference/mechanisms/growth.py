@@ -26,6 +26,9 @@ NUDGE = 2.0**-30
 #: Deviation, relative to the sizes, up to which deviations are taken to be proportional to the nudge.
 SMALL = 1e-2
 
+#: The range of the size of a deviation, in units of a nudge, within which it is not scaled.
+UNSCALED = 2.0**10
+
 #: The times of the nudges, as parts of the duration: the first motion is nudged in its angles alone, the others in all
 #: coordinates and velocities.
 STARTS = (0.0, 0.0, 1 / 3, 2 / 3)

@@ -192,6 +192,8 @@ class Mechanism:
         Constant forces on bodies.
     controllers
         The controllers of joints, in the order of the file.
+    stops_until
+        The time (s) from which on rigid stops no longer act; None if they always act.
     """
 
     bodies: tuple[JointedBody, ...]
@@ -202,6 +204,7 @@ class Mechanism:
     contacts: tuple[PairContact, ...] = ()
     pushes: tuple[Push, ...] = ()
     controllers: tuple[Controller, ...] = ()
+    stops_until: float | None = None
 
     @property
     def conserves(self) -> bool:

@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import NotModelled, within_range
@@ -23,7 +24,7 @@ from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.followed import arithmetic, followed, growth_instants
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.loops import ways as loops
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.tree import forest
 from bodycheck.reference.mechanisms.ways import Motion, sizes
 from bodycheck.reference.trajectory import Array
@@ -57,6 +58,22 @@ class Range(Protocol):
 
     @property
     def upper(self) -> float | None: ...
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """The stops of one joint as a `Range`."""
+
+    name: str
+    terms: tuple[tuple[str, float], ...]
+    lower: float | None
+    upper: float | None
+
+    @classmethod
+    def of(cls, joint: Joint) -> "JointLimits":
+        """Return the stops of a joint, which has stops."""
+        assert joint.stops is not None
+        return cls(joint.name, ((joint.name, 1.0),), joint.stops.lower, joint.stops.upper)
 
 
 @dataclass(frozen=True)
@@ -169,6 +186,40 @@ def passed(mechanism: Mechanism, ranges: Sequence[Range], duration: float) -> tu
     return tuple(sorted([*at_start, *later], key=lambda each: each.time))
 
 
+def reached(mechanism: Mechanism, ranges: Sequence[Range], duration: float) -> frozenset[str]:
+    """Return the names of ranges of which a limit may be reached within a duration (s).
+
+    The coordinates surely stay within all other ranges, by more than the bounds of their errors. A coordinate that begins at a
+    limit reaches it. Raises as `passed` does.
+    """
+    limits = tuple(_limits(mechanism, ranges))
+    reaching = {limit.name for limit in limits if limit.start >= 0}
+    waiting = [limit for limit in limits if limit.name not in reaching]
+    if not waiting or not duration:
+        return frozenset(reaching)
+    with within_range("the motion"):
+        sample, samples = _begun(mechanism, waiting, duration)
+        for _ in range(ROUNDS):
+            open_ones = {limit: _open(samples, limit) for limit in waiting if not _reaches(samples, limit)}
+            wanted = np.unique(np.concatenate([_divided(samples.t, each) for each in open_ones.values()] or [np.empty(0)]))
+            if not len(wanted := np.setdiff1d(wanted, samples.t)):
+                break
+            samples = samples.with_others(sample(wanted))
+        return frozenset({*reaching, *(each.name for each in waiting if _reaches(samples, each) or _open(samples, each).any())})
+
+
+def _reaches(samples: _Samples, limit: _Limit) -> bool:
+    """Return whether a coordinate is so near to a limit at an instant that it may be beyond it."""
+    over, _, error = samples.excess(limit)
+    return bool((over[1:] >= -error[1:]).any())
+
+
+def _open(samples: _Samples, limit: _Limit) -> NDArray[np.bool_]:
+    """Return in which intervals (n - 1,) a coordinate might reach a limit."""
+    largest, uncertain = _largest(samples, limit)
+    return np.asarray(largest + uncertain >= -samples.excess(limit)[2][1:])
+
+
 def _limits(mechanism: Mechanism, ranges: Sequence[Range]) -> Iterator[_Limit]:
     indices = {joint.name: index for index, joint in enumerate(mechanism.joints)}
     for each in ranges:
@@ -186,12 +237,7 @@ def _limits(mechanism: Mechanism, ranges: Sequence[Range]) -> Iterator[_Limit]:
 
 
 def _passings(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -> Iterator[Passing]:
-    coarse = growth_instants(np.array([duration]))
-    way = followed(mechanism, coarse).way
-    sample = _sampler(
-        mechanism, tuple(dict.fromkeys(joint for limit in limits for joint, _ in limit.terms)), coarse, way.errors
-    )
-    samples = sample(_evenly(mechanism, way.motion, duration))
+    sample, samples = _begun(mechanism, limits, duration)
     for find in (*[_within] * ROUNDS, _around):
         wanted = np.unique(np.concatenate([find(samples, limit) for limit in limits]))
         if len(wanted := np.setdiff1d(wanted, samples.t)):
@@ -204,6 +250,15 @@ def _passings(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -
             yield limit.passing((start + end) / 2, (end - start) / 2 + EPS * end)
 
 
+def _begun(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -> tuple[Callable[[Array], _Samples], _Samples]:
+    """Return a function that samples the coordinates of limits at ascending instants, and samples at evenly spaced instants."""
+    coarse = growth_instants(np.array([duration]))
+    way = followed(mechanism, coarse).way
+    joints = tuple(dict.fromkeys(joint for limit in limits for joint, _ in limit.terms))
+    sample = _sampler(mechanism, joints, coarse, way.errors)
+    return sample, sample(_evenly(mechanism, way.motion, duration))
+
+
 def _first_beyond(over: Array, error: Array) -> int | None:
     """The index of the first instant at which a coordinate is beyond a limit by more than the bound of its error."""
     beyond = np.flatnonzero(over > error)
@@ -212,20 +267,31 @@ def _first_beyond(over: Array, error: Array) -> int | None:
 
 def _within(samples: _Samples, limit: _Limit) -> Array:
     """The instants that divide the intervals in which a coordinate might pass a limit for the first time."""
-    over, slope, error = samples.excess(limit)
-    after, steps = _first_beyond(over, error), np.diff(samples.t)
-    thirds = steps / 3
-    # A cubic lies below the largest of the four coefficients of Bernstein's polynomials.
-    largest = np.max([over[:-1], over[:-1] + slope[:-1] * thirds, over[1:] - slope[1:] * thirds, over[1:]], axis=0)
-    uncertain = _uncertainty(samples.t, over, slope)
+    over, _, error = samples.excess(limit)
+    after = _first_beyond(over, error)
+    largest, uncertain = _largest(samples, limit)
     chosen = largest + uncertain > error[1:]
     if after is not None:
         chosen[after - 1] = uncertain[after - 1] > error[after]
         chosen[after:] = False
-    chosen &= steps > PARTS * EPS * samples.t[1:]
-    intervals = np.flatnonzero(chosen)[:MOST_INTERVALS]
+    return _divided(samples.t, chosen)
+
+
+def _largest(samples: _Samples, limit: _Limit) -> tuple[Array, Array]:
+    """The largest excesses (n - 1,) of cubics over a limit between neighbouring instants, and the errors of these."""
+    over, slope, _ = samples.excess(limit)
+    thirds = np.diff(samples.t) / 3
+    # A cubic lies below the largest of the four coefficients of Bernstein's polynomials.
+    largest = np.max([over[:-1], over[:-1] + slope[:-1] * thirds, over[1:] - slope[1:] * thirds, over[1:]], axis=0)
+    return largest, _uncertainty(samples.t, over, slope)
+
+
+def _divided(t: Array, chosen: NDArray[np.bool_]) -> Array:
+    """The instants that divide the chosen intervals (n - 1,) between the instants t (n,)."""
+    steps = np.diff(t)
+    intervals = np.flatnonzero(chosen & (steps > PARTS * EPS * t[1:]))[:MOST_INTERVALS]
     parts = np.arange(1, PARTS) / PARTS
-    return np.asarray((samples.t[intervals, None] + steps[intervals, None] * parts).ravel())
+    return np.asarray((t[intervals, None] + steps[intervals, None] * parts).ravel())
 
 
 def _uncertainty(t: Array, over: Array, slope: Array) -> Array:

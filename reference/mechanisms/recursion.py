@@ -6,7 +6,7 @@ double precision.
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -96,30 +96,6 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     kind, instants = FloatType(dtype, bits), np.asarray(times, dtype=float)
     courses = [solver()(tree, instants, kind) for tree in forest(mechanism).trees]
     return _of_courses(mechanism, courses, instants, kind)
-
-
-def follow_in_parts(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[JointStates]:
-    """Yield the motion in double precision at ascending times, part by part. Each part is followed when it is asked for.
-
-    Taylor's method follows a part from the end of the one before if there are no dry friction, controllers and stops. Otherwise
-    each part is followed from t = 0. Raises as `follow` does.
-    """
-    trees, kind = forest(mechanism).trees, FloatType(np.float64)
-    if solver() is followed_by_dop853 or any(_has_events(tree) for tree in trees):
-        for count, part in enumerate(parts, 1):
-            whole, rows = follow(mechanism, np.concatenate(parts[:count]), np.float64), slice(-len(part), None)
-            bodies = whole.bodies.part(rows)
-            yield replace(whole, position=whole.position[rows], velocity=whole.velocity[rows], bodies=bodies)
-        return
-    from bodycheck.reference.mechanisms import tree_equations
-
-    for part, *courses in zip(parts, *(tree_equations.in_parts(tree, parts, kind) for tree in trees), strict=True):
-        yield _of_courses(mechanism, courses, part, kind)
-
-
-def _has_events(tree: Tree) -> bool:
-    """Return whether the equations of a tree change at events."""
-    return any(link.friction or link.controller or link.stops for link in tree.links)
 
 
 def _of_courses(mechanism: Mechanism, courses: Sequence[Course], instants: Array, kind: FloatType) -> JointStates:

@@ -95,13 +95,14 @@ class Tree:
 
     base: the place of the base frame in the world. gravity: (3,) gravitational acceleration along the axes of the base (m/s^2);
     zero for a tree that stands on free links alone, since these are followed relative to their free fall. fall: (3,)
-    gravitational acceleration along the axes of the world (m/s^2).
+    gravitational acceleration along the axes of the world (m/s^2). stops_until: as in `Mechanism`.
     """
 
     links: tuple[Link, ...]
     base: Place
     gravity: Vector3
     fall: Vector3
+    stops_until: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +168,7 @@ def forest(mechanism: Mechanism) -> Forest:
             _add_jointed(draft, body, index, joint)
     down = vector((0, 0, -mechanism.gravity))
     trees = tuple(
-        Tree(_completed(mechanism, links), base, _gravity(links, base, down), down)
+        Tree(_completed(mechanism, links), base, _gravity(links, base, down), down, mechanism.stops_until)
         for links, base in zip(draft.trees, draft.bases, strict=True)
     )
     return Forest(trees, tuple(draft.anchors[body] for body in range(len(mechanism.bodies))))

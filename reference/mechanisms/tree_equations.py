@@ -17,8 +17,9 @@ import numpy as np
 from bodycheck.reference.errors import Stopped
 from bodycheck.reference.exact.numbers import MP, FloatType, Real, WideArray
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import Equations, dense, integrator, solve
+from bodycheck.reference.integration.heyoka_solver import Equations, dense, integrator, integrator_lock, solve, vectorised
 from bodycheck.reference.mechanisms.articulation.articulated import Constants
+from bodycheck.reference.mechanisms.growth import LARGEST, NUDGE, SMALL, UNSCALED
 from bodycheck.reference.mechanisms.link_states import (
     Course,
     Form,
@@ -62,6 +63,12 @@ MAX_OPERATIONS = 40_000_000
 
 #: The largest size of the motion of a tree that is kept: 2,000 steps of thirty coordinates and velocities.
 KEPT_BYTES = 2**25
+
+#: The number of motions that are followed together: one vector of the largest size has eight doubles.
+LANES = 8
+
+#: The largest number of instants after which the deviations of nudged motions are looked at.
+WIDEST = 8
 
 #: Velocity (rad/s or m/s) that is added to the velocity of a joint in its event function, since a joint begins to slip from
 #: zero, and heyoka does not find further roots of a function that has a root at the very beginning of a step.
@@ -130,19 +137,6 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     return Course(split(tree, rows, times, kind))
 
 
-def in_parts(tree: Tree, parts: Sequence[Array], kind: FloatType) -> Iterator[Course]:
-    """Yield the motion of `followed` at ascending times (n,) >= 0, s, part by part, each from the end of the one before."""
-    state, numbers, begin = kind.array(start(tree)), kind.array(parameters(tree)), 0.0
-    for part in parts:
-
-        def solved(solver: Any, most: int, state: WideArray = state, times: Array = part - begin) -> WideArray:
-            return solve(solver, state, numbers, times, most=most)
-
-        rows = _patient(tree, kind, solved)
-        yield Course(split(tree, rows, part, kind))
-        state, begin = rows[-1], float(part[-1])
-
-
 @functools.lru_cache(maxsize=8)
 def _kept(tree: Tree, end: float, operations: int) -> Any:
     """The states of a tree from 0 to `end` (s) in 80 bits as a function of times; None if they are too many to keep.
@@ -152,6 +146,73 @@ def _kept(tree: Tree, end: float, operations: int) -> Any:
     kind = FloatType(np.longdouble)
     state, numbers = kind.array(start(tree)), kind.array(parameters(tree))
     return _patient(tree, kind, lambda solver, most: dense(solver, state, numbers, np.longdouble(end), most, KEPT_BYTES))
+
+
+def beside(tree: Tree, t: Array, nudges: Sequence[tuple[int, Array]], units: Array) -> tuple[Array, Array, Array]:
+    """The motion of a tree in double precision at ascending instants (m,), s, from 0 on, and nudged motions beside it.
+
+    All are followed together in the lanes of vectors. A deviation that leaves the size of a nudge is scaled back to it.
+
+    nudges: for each of at most `LANES` - 1 motions, the index of the instant at which it begins, and the deviation (k,) with
+    which it begins. units: (k,) the sizes of the components of a state.
+
+    Returns the states (m, k), and the deviations (n, m, k) of the nudged motions with the factors (n, m) by which they were
+    divided; both are zero before the first instant of a nudged motion, and after it has failed or grown by more than `LARGEST`.
+    """
+    kind = FloatType(np.float64)
+    solver, numbers = vectorised(_equations(shape_of(tree)), LANES), kind.array(parameters(tree))
+    rows = np.tile(kind.array(start(tree)), (len(t), 1))
+    deviations, factors = np.zeros((len(nudges), *rows.shape)), np.zeros((len(nudges), len(t)))
+    offsets, grown = np.zeros((LANES, rows.shape[1])), np.zeros(len(nudges))
+    begin, width, left, waiting = 0, WIDEST, most_steps(solver), dict(enumerate(nudges))
+    while True:
+        for lane, (first, nudge) in tuple(waiting.items()):
+            if first == begin:
+                del waiting[lane]
+                offsets[lane], grown[lane] = nudge, 1.0
+                deviations[lane, begin], factors[lane, begin] = nudge, 1.0
+        if begin + 1 == len(t):
+            return rows, deviations, factors
+        end = min([begin + width, len(t) - 1, *(first for first, _ in waiting.values())])
+        states, steps, failed = _carried(solver, rows[begin] + offsets, numbers, t[begin : end + 1], left)
+        left -= steps
+        if failed:
+            offsets[failed], grown[failed] = 0.0, 0.0
+            continue
+        off = states[:, : len(nudges)] - states[:, LANES - 1 :]
+        if end > begin + 1 and np.max(np.abs(off) / units, initial=0.0) > SMALL:
+            width = (end - begin) // 2
+            continue
+        running = grown > 0
+        rows[begin + 1 : end + 1] = states[:, -1]
+        deviations[running, begin + 1 : end + 1] = np.swapaxes(off, 0, 1)[running]
+        factors[running, begin + 1 : end + 1] = grown[running, None]
+        size = np.where(running, np.max(np.abs(off[-1]) / units, axis=1, initial=0.0) / NUDGE, 1.0)
+        scale = np.where((size > UNSCALED) | ((size < 1 / UNSCALED) & (size > 0)), size, 1.0)
+        offsets[: len(nudges)], grown = off[-1] / scale[:, None], grown * scale
+        ended = grown >= LARGEST
+        offsets[: len(nudges)][ended], grown[ended] = 0.0, 0.0
+        begin, width = end, min(2 * width, WIDEST)
+
+
+def _carried(solver: Any, start: Array, numbers: Array, times: Array, most: int) -> tuple[Array, int, list[int]]:
+    """The states (n, lanes, k) of all lanes at times (n + 1,) after the first one, the number of steps, and lanes that failed.
+
+    start: (lanes, k) the states at the first time; the last lane has the motion that is not nudged.
+
+    Raises `Stopped` if this motion cannot be followed, or takes more than `most` steps.
+    """
+    with integrator_lock:
+        solver.set_time(times[0])
+        solver.state[:] = start.T
+        solver.pars[:] = numbers[: len(solver.pars), None]
+        _, states = solver.propagate_grid(np.tile(times[:, None], (1, LANES)), max_steps=max(most, 1))
+        outcomes = [outcome for outcome, *_ in solver.propagate_res]
+        steps, time = max(each[3] for each in solver.propagate_res), float(solver.time[-1])
+    failed = [lane for lane, outcome in enumerate(outcomes) if outcome == hy.taylor_outcome.err_nf_state]
+    if LANES - 1 in failed or (not failed and any(outcome != hy.taylor_outcome.time_limit for outcome in outcomes)):
+        raise Stopped(f"Taylor's method stopped after {steps} steps: {outcomes[-1].name}", time)
+    return np.asarray(np.swapaxes(states[1:], 1, 2)), steps, failed
 
 
 def _patient(tree: Tree, kind: FloatType, solved: Callable[[Any, int], Solution]) -> Solution:

@@ -6,25 +6,28 @@ mechanism and shares no formula with the recursion. The bound has three parts.
 
 - The rounding of the stated numbers to double precision.
 - The bound of the error that the way itself states; see `followed`.
-- Twice the largest disagreement with the witness so far beyond the bounds of both. It is zero if both bounds hold. Otherwise
-  one of the two is wrong, and nothing tells which; if the witness were exact, the error would be the disagreement. The witness
-  of a mechanism with loops has no bound of its own, so that its errors count as disagreement.
+- Twice the largest disagreement with the witness so far beyond the bounds of both, until errors may be as large as the motion.
+  It is zero if both bounds hold. Otherwise one of the two is wrong, and nothing tells which; if the witness were exact, the
+  error would be the disagreement. The witness of a mechanism with loops has no bound of its own, so that its errors count as
+  disagreement.
 
 If energy is conserved, it must not drift by more than the bound allows, and the centre of mass of a chain that floats freely
 must stay on its parabola; otherwise all bounds are multiplied by the ratio of the deviation to the allowed deviation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES, Bounds
-from bodycheck.reference.errors import within_range
+from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped, within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, witness_of
+from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, followed_with_witness, witness_of
 from bodycheck.reference.mechanisms.forms.momentum import floating
+from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.modelled import sudden
 from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
@@ -69,8 +72,43 @@ def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = Tr
     """The truth of a mechanism with the bounds of its way; the arguments and exceptions are those of `mechanism_truth`."""
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
-        course = followed(mechanism, times)
-        return joined(mechanism, times, course, witness_of(mechanism, times, course) if vouched else None)
+        if vouched:
+            return joined(mechanism, times, *course_and_witness(mechanism, times))
+        return joined(mechanism, times, course_of(mechanism, times), None)
+
+
+def course_of(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism at ascending times (n,), s, with the rigid stops that act. Raises as `mechanism_truth`."""
+    return followed(with_acting_stops(mechanism, float(times[-1]) if len(times) else 0.0), times)
+
+
+def course_and_witness(mechanism: Mechanism, times: Array) -> tuple[Followed, Way | None]:
+    """The motion of `course_of` with its witness, which decides by itself which stops act. Raises as `mechanism_truth`."""
+    if sudden(mechanism):
+        course = course_of(mechanism, times)
+        return course, witness_of(mechanism, times, course)
+    return followed_with_witness(mechanism, times)
+
+
+def end_of_stops(mechanism: Mechanism, instants: Array) -> tuple[float, str] | None:
+    """Return the last of ascending instants (n,), s, until which the motion with rigid stops can be followed, and why it ends.
+
+    The instant is 0 if the motion ends before the second one. Returns None if it does not end.
+    """
+    until: float | None = None
+    reason = ""
+    while until != 0:
+        try:
+            with within_range("the motion"):
+                course_of(replace(mechanism, stops_until=until), instants)
+        except (NotModelled, OutOfReach) as error:
+            end = error.time if isinstance(error, Stopped) else 0.0
+            if until is not None and end > until:  # the motion without stops ends there
+                return until, reason
+            until, reason = float(instants[max(int(np.searchsorted(instants, end)) - 1, 0)]), str(error)
+        else:
+            return None if until is None else (until, reason)
+    return 0.0, reason
 
 
 def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | None) -> Computed:
@@ -97,14 +135,20 @@ def joined(mechanism: Mechanism, times: Array, course: Followed, witness: Way | 
 def _excess(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
     """Return the largest disagreements (n,) so far of a way and its witness beyond the bounds of both, by their names.
 
-    If the disagreement is within the bounds of the way alone, the bounds of the witness are not computed.
+    If the disagreement is within the bounds of the way alone, the bounds of the witness are not computed. After the end of the
+    witness, the disagreements stay as they are.
     """
-    differences = apart(mechanism, course.way.motion, witness.motion)
-    over = {name: difference - course.way.errors[name] for name, difference in differences.items()}
+    motion, count = course.way.motion, len(witness.motion.position)
+    differences = apart(mechanism, motion.part(slice(count)), witness.motion)
+    over = {name: difference - course.way.errors[name][:count] for name, difference in differences.items()}
     if any((values > 0).any() for values in over.values()):
+        course = replace(course, growth=None if course.growth is None else course.growth.until(times[:count]))
         for name, error in errors_of_witness(mechanism, times, course, witness).items():
             over[name] = over[name] - error
-    return {name: np.maximum.accumulate(np.maximum(values, 0.0)) for name, values in over.items()}
+    largest = {name: np.maximum.accumulate(np.maximum(values, 0.0)) for name, values in over.items()}
+    return {
+        name: np.pad(values, (0, len(times) - count), mode="edge" if count else "constant") for name, values in largest.items()
+    }
 
 
 @dataclass(frozen=True, eq=False)

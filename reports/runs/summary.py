@@ -107,7 +107,7 @@ def _late_efforts(verdicts: Sequence[Verdict]) -> Iterator[str]:
     runs = {
         (run.case, run.method.timestep, verdict.duration): run
         for verdict in verdicts
-        if isinstance((run := verdict.run).scene, Mechanism) and run.method.accuracy is None
+        if isinstance((run := verdict.run).scene, Mechanism) and run.method.accuracy is None and not run.is_recorded
     }
     for (case, timestep, duration), run in runs.items():
         assert run.scene is not None

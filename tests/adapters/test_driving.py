@@ -42,6 +42,15 @@ def test_a_sampled_law_has_its_exact_motion_at_any_step_that_divides_the_period(
     assert exact.rate == pytest.approx(SAMPLED_RATE, abs=1e-12)
 
 
+def test_the_fiftieth_instant_at_500_hertz_reaches_a_tenth_of_a_second() -> None:
+    """Fifty of 500 periods are less than the double 0.1, by less than 1e-9 of a period."""
+    target = Samples((0.0, 0.1), (0.0, 1.0))
+    exact = run(hinge(Controller(0, kp=20.0, target=target, rate=500.0)), 0.001, 0.11)
+    assert next(time for time, effort in exact.applied if effort) == pytest.approx(0.1, rel=1e-12)  # a sum of steps
+    linear = replace(target, between="linear")
+    assert run(hinge(Controller(0, kp=20.0, target=linear, rate=500.0)), 0.001, 0.002).angle == 0
+
+
 def test_samples_between_the_instants_do_not_change_the_motion() -> None:
     exact, method = Exact(), Method.parse("exact", 0.0005)
     simulation = scheduling.driven(fixed_steps(exact, 0.0005), hinge(replace(PD, rate=500.0)), method)

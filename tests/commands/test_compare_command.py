@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 import bodycheck
+from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.results.outcome import Completed
+from bodycheck.running import logs
 from tests.support.commands import Done
 from tests.support.commands import bodycheck as command
 
@@ -57,6 +60,28 @@ def test_the_truth_as_a_log_has_no_error_beyond_rounding(brick: Log, tmp_path: P
     for name in ("position_error", "velocity_error", "attitude_error", "angular_velocity_error"):
         assert row[name] < 1e-14, name  # numbers are written to the last digit, and quaternions normalised again
     assert row.get("wall_time") is None
+
+
+def test_what_the_script_of_a_driven_case_prints_is_a_log(tmp_path: Path) -> None:
+    """A line for each body at each instant, with x for px."""
+    trajectory = truth_of("driven-arm").trajectory
+    names = ["upper-arm", "forearm"]
+    states = [np.hstack([each.position, each.quaternion]) for each in map(trajectory.body, range(len(names)))]
+    head = "t,body,x,y,z,qw,qx,qy,qz\n"
+    lines = [
+        ",".join([repr(float(t)), name, *map(repr, of_body[row].tolist())])
+        for row, t in enumerate(trajectory.t)
+        for name, of_body in zip(names, states, strict=True)
+    ]
+    (tmp_path / "script.csv").write_text(head + "\n".join(lines) + "\n")
+    case = bodycheck.load("driven-arm")
+    outcome = logs.read(tmp_path / "script.csv", case, "isaac", "1").run.outcome
+    assert isinstance(outcome, Completed)
+    np.testing.assert_array_equal(outcome.trajectory.position, trajectory.position)
+    np.testing.assert_allclose(outcome.trajectory.quaternion, trajectory.quaternion, rtol=0, atol=1e-15)  # normalised again
+    (tmp_path / "script.csv").write_text(head + "\n".join(lines[:-1]) + "\n")
+    with pytest.raises(BadInput, match="its bodies differ from instant to instant"):
+        logs.read(tmp_path / "script.csv", case, "isaac", "1")
 
 
 def test_an_error_of_a_log_is_measured(brick: Log, tmp_path: Path) -> None:

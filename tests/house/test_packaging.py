@@ -6,11 +6,13 @@ import subprocess
 import sys
 import tarfile
 import zipfile
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
 import jedi
 import pytest
 
+from bodycheck import errors
 from tests.support import ROOT
 from tests.support.distributions import build_editable, build_sdist, build_wheel, installed
 
@@ -28,6 +30,12 @@ SHIPPED = (
     "site/templates/*.*",
     "py.typed",
 )
+
+
+def test_assertions_are_rewritten_in_the_tests_alone() -> None:
+    """pytest would compile every module of bodycheck anew in each process, as bodycheck brings a plug-in."""
+    assert type(errors.__loader__) is SourceFileLoader
+    assert type(sys.modules[__name__].__loader__) is not SourceFileLoader
 
 
 @pytest.fixture(scope="module")

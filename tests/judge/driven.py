@@ -278,8 +278,8 @@ def motion(text: str, instants: Sequence[Decimal]) -> tuple[list[Instant], int]:
 def _sample(driven: Driven, k: int, sums: dict[int, Decimal]) -> Decimal:
     """Return the result of a controller with a rate at the present time."""
     drive, state = driven.drives[k], driven.state
-    target, speed, effort = (drive.signals[name].value(driven.time) for name in SIGNALS)
     assert drive.rate is not None
+    target, speed, effort = (drive.signals[name].at_instant(driven.time, 1 / _decimal(drive.rate)) for name in SIGNALS)
     sums[k] += (target - state.q[k]) / _decimal(drive.rate)
     return drive.cut(drive.raw(state.q[k], state.u[k], sums[k], target, speed, effort), state.u[k])
 

@@ -46,7 +46,9 @@ def judge(seed: int, folder: Path) -> Verdict:
         if true.reason:
             return Verdict(seed, kind, 0.0, refused=f"{sensor.name}: {true.reason}")
         for index, reading in enumerate(expected[sensor.name]):
-            for column, value, printed, bound in zip(sensor.columns, reading, true.values[index], true.bounds[index], strict=True):
+            for column, value, printed, bound in zip(
+                sensor.columns, reading, true.values[index], true.bounds[index], strict=True
+            ):
                 what = f"{column} at instant {index}"
                 claims.append(Claim(what, float(abs(exact(float(printed)) - value)), float(bound)))
     return verdict(seed, kind, claims)

@@ -47,7 +47,9 @@ def _reading(
     if table["type"] == "force_torque":
         force, moment = _wrench(index, parts, gravity, own, rates)
         return tuple(
-            each for vector in (force, moment) for each in applied(transposed(part.axes), applied(transposed(frame.turn), vector))
+            each
+            for vector in (force, moment)
+            for each in applied(transposed(part.axes), applied(transposed(frame.turn), vector))
         )
     place = applied(part.axes, exact(table.get("position", (0, 0, 0))))
     match table["type"]:

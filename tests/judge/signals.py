@@ -27,6 +27,11 @@ class Signal:
         """Return the value at a time (s); where it jumps, the value from then on."""
         return self.piece(time)[0]
 
+    def at_instant(self, time: Decimal, period: Decimal) -> Decimal:
+        """Return the value at an instant of a controller; held values may change later by a billionth of its period (s)."""
+        held = bool(self.times) and self._table.get("between", "hold") == "hold"
+        return self.value(time + period / 10**9 if held else time)
+
     def piece(self, time: Decimal) -> tuple[Decimal, Decimal]:
         """Return the value at a time, and the slope from then on of a signal that is given at times."""
         table = self._table

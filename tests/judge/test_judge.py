@@ -178,6 +178,13 @@ def test_the_judge_knows_a_driven_hinge(rate: dict[str, float], expected: str) -
     assert abs(instants[-1].joints["pin"][0] - Decimal(expected)) < Decimal("5e-16")
 
 
+def test_the_judge_reads_held_values_at_the_instant_that_reaches_their_time() -> None:
+    """The fiftieth instant at 500 Hz reaches 0.1 s, whose double is larger than 50 / 500."""
+    effort = {"times": [0.0, 0.1], "values": [0.0, 1.0]}
+    instants = driven.motion(_hinge({"effort": effort, "rate": 500.0}), [Decimal("0.102")])[0]
+    assert abs(instants[-1].joints["pin"][0] - Decimal("0.0002")) < Decimal("1e-18")  # as the doubles 0.01 and 1
+
+
 def test_the_judge_knows_rebounds_under_a_constant_load() -> None:
     """After the first fall of a time T, rebounds of e = 1/2 last T in all twice, so that the joint rests after 3 T."""
     text = _hinge({"effort": 0.02}, {"upper": 1.0, "restitution": 0.5})

@@ -67,6 +67,12 @@ def test_what_holds_needs_no_advice() -> None:
     assert advice.lines(judged(attitude_error=3.0), FILE) == []
 
 
+def test_a_figure_that_is_not_measured_is_neither_bisected_nor_accepted() -> None:
+    verdict = judged(joint_slide_error=0.0, version="3.3.0")
+    assert "joint_slide_error is unknown" in verdict.reason
+    assert commands(verdict) == []
+
+
 def test_a_run_that_fails_is_bisected_by_any_limit_that_it_exceeds_then() -> None:
     verdict = judged(attitude_error=3.0, version="3.3.0")
     case = parse(a_case(**TUMBLING, expect=[expecting("mujoco", "Euler", 0.01, attitude_error=3.0, version="3.3.0")]), FILE)

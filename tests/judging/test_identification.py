@@ -80,7 +80,14 @@ def of_states(case: Case, states: np.ndarray, steps: np.ndarray, timestep: float
     return Run(case.name, "miniature", "1.0", Method.parse("own", timestep), Completed(trajectory, int(steps[-1]), 1.0))
 
 
-@pytest.mark.parametrize("timesteps", [(0.02, 0.01, 0.005), (0.01, 0.005), (0.002,)], ids=["coarsest", "10ms", "2ms"])
+@pytest.mark.parametrize(
+    "timesteps",
+    [
+        pytest.param((0.02, 0.01, 0.005), id="coarsest"),
+        pytest.param((0.01, 0.005), id="10ms", marks=pytest.mark.slow),
+        pytest.param((0.002,), id="2ms"),
+    ],
+)
 @pytest.mark.parametrize("case", [FLIP, COMPLEX], ids=lambda case: case.name)
 @pytest.mark.parametrize(("engine", "integrator"), ENGINES)
 def test_engines_are_the_schemes_that_they_are(timesteps: tuple[float, ...], case: Case, engine: str, integrator: str) -> None:
@@ -287,8 +294,9 @@ def test_the_truth_is_no_scheme(timestep: float) -> None:
     assert identification.cannot_tell
 
 
-@pytest.mark.parametrize("name", ["projectile", "osrf-boxes-simple", "football-spiral"])
-@pytest.mark.parametrize("integrator", ["Euler", "implicit", "RK4"])
+@pytest.mark.parametrize(
+    ("name", "integrator"), [("projectile", "Euler"), ("osrf-boxes-simple", "implicit"), ("football-spiral", "RK4")]
+)
 def test_a_steady_spin_tells_no_schemes_apart(name: str, integrator: str) -> None:
     case = shortened(load(name), 1.0, 11)
     identification = found(case, simulate(case, "mujoco", integrator, 0.01))

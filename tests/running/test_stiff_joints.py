@@ -7,6 +7,7 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
+from bodycheck.reference.mechanisms.control import Controller
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.results.outcome import Completed, Diverged, Outcome
 from bodycheck.running.simulation import outcome_in
@@ -49,6 +50,21 @@ def test_a_run_that_fails_names_the_stiff_joint_and_the_step_that_it_needs(
     assert f"; wrist: {words}" in failed.reason
     # The step of the reason is that at the limit; nine tenths of it are stable, as one joint alone is stiff.
     assert isinstance(ran(planted(**acting), name, spelling, 0.9 * needed(failed.reason)), Completed)
+
+
+@pytest.mark.parametrize(
+    ("gains", "words"),
+    [({"kd": 900.0}, "(damping + kd) × h / inertia = "), ({"kp": 4e5}, "h × √((stiffness + kp) / inertia) = ")],
+)
+def test_the_gains_of_a_controller_make_a_joint_stiff(gains: dict[str, float], words: str) -> None:
+    chain = free_chain()
+    driven = replace(chain, controllers=(Controller(1, target=0.7, **gains),))
+    failed = ran(driven, "mujoco", "RK4")
+    assert isinstance(failed, Diverged)
+    assert f"; wrist: {words}" in failed.reason
+    assert isinstance(ran(driven, "mujoco", "RK4", 0.9 * needed(failed.reason)), Completed)
+    cut = replace(driven, controllers=(replace(driven.controllers[0], effort_limit=1.0),))
+    assert explained(failed, cut, Method("RK4", STEP), 4) == failed
 
 
 def test_the_time_and_the_signal_of_the_engine_stay_in_the_reason() -> None:

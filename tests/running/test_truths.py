@@ -1,15 +1,23 @@
 """The truths of a case for all time steps come from one computation, and are what each would be on its own."""
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from bodycheck import load
+from bodycheck.casefile.robots import loading
 from bodycheck.reference.bounds import NAMES
-from bodycheck.reference.truths import Truth
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
+from bodycheck.reference.mechanisms.link_states import Critical
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.running import truths
+from bodycheck.running.tasks import Question, answer
 from tests.support.cases import shortened
+from tests.support.driven_hinge import hinge
 from tests.support.truths import truth_for_runs
 
 #: Steps whose multiples are hardly ever the same instants, and of which some do not divide the duration.
@@ -82,3 +90,32 @@ def test_long_truths_come_first() -> None:
     names = ["free-brick", "chain-3", "slider-crank", "chain-20", "projectile"]
     ordered = sorted(map(load, names), key=truths.effort, reverse=True)
     assert [case.name for case in ordered] == ["slider-crank", "chain-20", "chain-3", "free-brick", "projectile"]
+
+
+#: Two arms with dry friction, of which one follows the other.
+DRY = """<mujoco><option gravity="0 0 0"/><worldbody>
+<body><joint name="j" axis="0 1 0" frictionloss="0.2"/><geom size="0.1" pos="0.3 0 0"/></body>
+<body pos="0 3 0"><joint name="l" axis="0 1 0" frictionloss="0.1"/><geom size="0.1" pos="0.3 0 0"/></body>
+</worldbody><equality><joint joint1="l" joint2="j"/></equality></mujoco>"""
+
+
+def test_the_reason_of_a_robot_without_truth_names_the_option_that_gives_it_one(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(DRY)
+    refused = answer(Question(loading.load(tmp_path / "robot.xml"), None, certified=False))
+    assert isinstance(refused, NoTruth)
+    assert refused.reason.endswith(
+        'there may be a truth without dry friction: --ignore friction, or ignore = ["friction"] in [model] of a case'
+    )
+    smooth = loading.load(tmp_path / "robot.xml", ignore=["friction"])
+    assert isinstance(answer(Question(smooth, None, certified=False)), Truth)
+
+
+@pytest.mark.parametrize(("friction", "cause"), [(0.1, "dry friction"), (0.0, "stops")])
+def test_rest_that_rounding_leaves_undecided_names_what_holds_the_joint(friction: float, cause: str) -> None:
+    mechanism = hinge()
+    mechanism = replace(mechanism, joints=(replace(mechanism.joints[0], friction=friction),))
+    rest = Critical(0.5, 0, "rest", True, 1e-20)
+    errors = {"error": np.zeros(2), "position_error": np.zeros(2)}
+    with pytest.raises(OutOfReach, match=r"whether the joint pin stays at rest at t = 0\.5 s") as refused:
+        add_criticals(mechanism, np.array([0.0, 1.0]), [rest], np.full(2, 1e-16), 1.0, errors)
+    assert refused.value.cause == cause

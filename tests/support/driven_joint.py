@@ -339,7 +339,11 @@ class Judge:
         assert c.rate is not None
         q, v, _ = self.z
         time = Fraction(self.count) / Fraction(c.rate)
-        target, target_velocity, effort = (value(s, time) for s in (c.target, c.target_velocity, c.effort))
+        soon = time + Fraction(1, 10**9) / Fraction(c.rate)  # up to which held values count as reached
+        signals = (c.target, c.target_velocity, c.effort)
+        target, target_velocity, effort = (
+            value(s, soon if isinstance(s, Samples) and s.between == "hold" else time) for s in signals
+        )
         self.total += (target - q) / CTX.mpf(c.rate)
         wanted = CTX.mpf(c.kp) * (target - q) + CTX.mpf(c.kd) * (target_velocity - v) + CTX.mpf(c.ki) * self.total + effort
         if c.effort_limit is not None:

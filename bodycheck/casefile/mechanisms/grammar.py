@@ -242,6 +242,7 @@ class StoredTable(Table):
     controllers: StoredTables = Field(default=(), description="tables as in [[controllers]]")
     base: PartName | None = Field(default=None, description="name of the joint of the free base, if there is one")
     timestep: Positive | None = Field(default=None, description="of the file, s")
+    stops_until: Positive | None = Field(default=None, description="from when on ranges are no stops any more, s")
     without: Annotated[tuple[Ignored, ...], Field(max_length=len(IGNORED))] = Field(
         default=(), description="words of ignore that leave out something that the file has"
     )

@@ -29,7 +29,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.mechanisms.rest import is_at_rest
 from bodycheck.reference.scene import EulerAngles
 from bodycheck.robots import elements
-from bodycheck.suggestion import did_you_mean
+from bodycheck.suggestion import did_you_mean, first_names
 
 #: The name of a file, without a folder.
 FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
@@ -60,6 +60,8 @@ class Expanded:
         The notes on the model; None if the bodies and joints do not come from a model.
     controllers
         The number of controllers of the case file itself, which come before those of the model.
+    stops_until
+        The time (s) from which on rigid stops no longer act; None if they always act.
     """
 
     document: dict[str, Any]
@@ -68,6 +70,7 @@ class Expanded:
     timestep: float | None = None
     notes: RobotNotes | None = None
     controllers: int = 0
+    stops_until: float | None = None
 
     def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
         """Return the path in the case file, and the message, of a fault in the document."""
@@ -197,14 +200,16 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         faults += _of_base(starts, None if base is None else names[base])
         if base is not None:
             joints[base]["initial"] = mapping(joints[base].get("initial")) | _base_start(mapping(initial["base"]))
-    of_joints = (JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
+    of_joints = tuple(JointRange(each.joint, each.lower, each.upper) for each in read.ranges)
     of_tendons = (TendonRange(each.name, each.terms, each.lower, each.upper) for each in read.tendons)
-    without_stops = _without_stops(joints)
+    direct = "limits" in choice(document)["ignore"]  # ranges are stops where they can be
+    left_out = _without_stops(joints, direct)
     notices, advice = read.notices, 'ignore = ["limits"] leaves this range out'
-    if "limits" not in choice(document)["ignore"]:
-        faults += [(FILE, f"joint {elements.quoted(name)}: its range: {why}; {advice}") for name, why in without_stops]
-    elif without_stops:
-        notices = (*notices, *(f"The range of the joint {name} is left out: {why}." for name, why in without_stops))
+    if not direct:
+        faults += [(FILE, f"joint {elements.quoted(each.name)}: its range: {why}; {advice}") for each, why in left_out]
+    else:
+        notices = (*notices, *_left_out(left_out))
+        of_joints = (*of_joints, *(each for each, why in left_out if why == COUPLED))
     stated = document.get("controllers", [])
     controllers = [*stated, *_of_model(read, stated)] if isinstance(stated, list) else stated
     tables = {"bodies": bodies, "joints": joints, "loops": loops, "controllers": controllers}
@@ -215,18 +220,42 @@ def _started(document: dict[str, Any], read: StoredTable, file: str) -> Expanded
         read.timestep,
         RobotNotes(file, read.without, notices, (*of_joints, *of_tendons), read.touching),
         len(stated),
+        read.stops_until,
     )
 
 
-def _without_stops(joints: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
-    """Remove the stops of joints that cannot have them, and return the names of these joints, each with the reason."""
+def _without_stops(joints: Sequence[dict[str, Any]], direct: bool) -> list[tuple[JointRange, str]]:
+    """Remove the stops of joints that cannot have them, and return their ranges, each with the reason.
+
+    direct: whether stops that the reference does not model are removed, too.
+    """
+    rules = [(str(joint.get("name")), joint["mimic"].get("joint")) for joint in joints if isinstance(joint.get("mimic"), dict)]
+    coupled = {name for pair in rules for name in pair} if direct else set()
     reasons = []
     for joint in joints:
-        if "limits" in joint and (fault := unusable(joint)) is not None:
-            path, message = fault
-            read = mapping(joint.pop("limits")).get(str(path[0]))
-            reasons.append((str(joint.get("name")), f"{path[0]} {read!r} {message}"))
+        if "limits" not in joint:
+            continue
+        limits, name, fault = mapping(joint["limits"]), str(joint.get("name")), unusable(joint)
+        if fault is not None:
+            (key, *_), why = fault
+            why = f"{key} {limits.get(str(key))!r} {why}"
+        elif name in coupled:
+            why = COUPLED
+        else:
+            continue
+        del joint["limits"]
+        reasons.append((JointRange(name, limits.get("lower"), limits.get("upper")), why))
     return reasons
+
+
+def _left_out(ranges: Sequence[tuple[JointRange, str]]) -> Iterator[str]:
+    """Yield a notice for each reason for which ranges of joints are no stops."""
+    for why in dict.fromkeys(why for _, why in ranges):
+        names = [each.name for each, other in ranges if other == why]
+        if len(names) == 1:
+            yield f"The range of the joint {names[0]} is left out: {why}."
+        else:
+            yield f"The ranges of {len(names)} joints ({', '.join(first_names(names))}) are left out: {why}."
 
 
 def _of_model(read: StoredTable, stated: Sequence[Any]) -> list[dict[str, Any]]:
@@ -262,6 +291,9 @@ def _base_start(start: Mapping[str, Any]) -> dict[str, Any]:
         table["quaternion"] = doubles(attitude(EulerAngles(*angles)))
     return table
 
+
+#: Why a range of a joint that follows another, or is followed, is left out where a robot's file is a case.
+COUPLED = "stops of joints that follow others or are followed are not modelled"
 
 #: The notice on a scene without motion.
 NOTHING_MOVES = "Nothing moves in this scene: it starts at rest in an equilibrium."

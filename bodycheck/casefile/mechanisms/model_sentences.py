@@ -46,13 +46,13 @@ def notices(read: Read, choice: Choice, file: str) -> Iterator[str]:
     for feature in read.features:
         if feature.acts and feature.word in choice.ignore & choice.use:
             clause = f"{feature.text}, and are left out"
-        elif feature.word in choice.ignore:
+        elif feature.word in choice.ignore - choice.use:
             clause = "are left out, as the case ignores them"
         elif not feature.acts:
             clause = feature.text.removeprefix(feature.noun[1]).strip()
         else:
             continue
-        yield f"{_subject(feature, file)} {_agreeing(clause, len(feature.lines))}."
+        yield f"{_subject(feature, file)} {_agreeing(clause, feature)}."
     if _is_held(read):
         yield WELDED
 
@@ -68,8 +68,8 @@ def refusals(read: Read, ignore: Collection[Ignored]) -> Iterator[Refusal]:
     for feature in read.features:
         if feature.acts and feature.word not in ignore:
             clause = feature.text.removeprefix(feature.noun[1]).strip()
-            them = "it" if len(feature.lines) == 1 else "them"
-            yield Refusal(f"{_subject(feature, None)} {_agreeing(clause, len(feature.lines))}", feature.word, them)
+            them = "it" if _is_one(feature) else "them"
+            yield Refusal(f"{_subject(feature, None)} {_agreeing(clause, feature)}", feature.word, them)
 
 
 def without(read: Read, ignore: Collection[Ignored]) -> Iterator[Ignored]:
@@ -85,12 +85,19 @@ def _acting_later(read: Read) -> Iterator[tuple[Ignored, bool]]:
 
 def _subject(feature: Feature, file: str | None) -> str:
     count = len(feature.lines)
-    return f"{count} {feature.noun[count > 1]} ({places(feature.lines, file)})"
+    noun = feature.noun[count > 1]
+    counted = f"The {noun.format(count)}" if "{}" in noun else f"{count} {noun}"
+    return f"{counted} ({places(feature.lines, file)})"
 
 
-def _agreeing(clause: str, count: int) -> str:
-    """Return a clause about several parts as one about `count` parts."""
-    if count > 1:
+def _is_one(feature: Feature) -> bool:
+    """Return whether the subject of a sentence on a feature is singular."""
+    return len(feature.lines) == 1 or "{}" in feature.noun[1]
+
+
+def _agreeing(clause: str, feature: Feature) -> str:
+    """Return a clause about several parts as one about the parts of a feature."""
+    if not _is_one(feature):
         return clause
     words = clause.split(" ")
     return " ".join(SINGULAR.get(word.rstrip(","), word.rstrip(",")) + "," * word.endswith(",") for word in words)

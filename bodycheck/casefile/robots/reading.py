@@ -77,7 +77,8 @@ class Feature:
     text
         A clause about it that follows its number, such as "motors are without control and exert nothing".
     noun
-        What one is, and what several are, such as ("motor", "motors").
+        What one is, and what several are, such as ("motor", "motors"). A property of parts has {} in the place of their number,
+        such as ("damping of {} joint", "damping of {} joints").
     lines
         Where the parts are, as pairs of file and line.
     """

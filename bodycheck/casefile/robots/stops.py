@@ -75,4 +75,4 @@ def _acting(feature: Feature) -> Feature:
     """Return a feature, which acts if it has limits."""
     if feature.word != "limits":
         return feature
-    return replace(feature, acts=True, text="have limits")
+    return replace(feature, acts=True, text="act")

@@ -160,36 +160,37 @@ class Asked:
         The name of the figure that is limited.
     error
         The limit, in the unit of the figure.
+    periods
+        The number of periods of controllers in the case, of which the numbers of steps are multiples, so that instants of
+        controllers are steps; 1 if any number of steps may be measured.
     """
 
     case: str
     duration: float
     figure: str
     error: float
+    periods: int = 1
 
     @property
     def unit(self) -> str:
         """The unit of the error; empty if it is relative."""
         return FIGURES[self.figure].unit
 
-    def timestep(self, steps: int) -> float:
-        """Return the time step (s) of a run with a number of steps, which ends at the end of the case."""
-        return self.duration / steps
-
     def steps(self, timestep: float) -> int:
         """Return the number of steps of a run with a time step (s)."""
         return round(self.duration / timestep)
 
     def number(self, method: Method) -> int | None:
-        """Return the number of a method in its search: of its steps, or the place of its accuracy, from 1.
+        """Return the number of a method in its search: of its steps in a period, or the place of its accuracy, from 1.
 
-        None if a run with the time step does not end at the end of the case, up to the rounding of stored time steps, or if the
-        accuracy is another one.
+        None if a run with the time step does not end at the end of the case, up to the rounding of stored time steps, if its
+        steps do not divide the period, or if the accuracy is another one.
         """
         if method.accuracy is not None:
             return FINE_ACCURACIES.index(method.accuracy) + 1 if method.accuracy in FINE_ACCURACIES else None
         steps = self.steps(method.timestep)
-        return steps if math.isclose(method.timestep * steps, self.duration, rel_tol=1e-9) else None
+        fits = steps % self.periods == 0 and math.isclose(method.timestep * steps, self.duration, rel_tol=1e-9)
+        return steps // self.periods if fits else None
 
     def place(self, probe: Probe) -> tuple[float, float]:
         """Return a sort key that puts the probes of a method in order, the largest time step or accuracy first."""
@@ -199,7 +200,7 @@ class Asked:
         """Return a method with the time step, or with error control with the accuracy, that has a number in its search."""
         if method.accuracy is not None:
             return method.with_accuracy(FINE_ACCURACIES[number - 1])
-        return method.at(self.timestep(number))
+        return method.at(self.duration / (number * self.periods))
 
     def errors(self, probes: Iterable[Probe]) -> dict[int, float]:
         """Return the errors of a method by the number of steps or accuracies; see `number`.

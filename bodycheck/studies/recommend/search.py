@@ -100,9 +100,9 @@ def neighbours(steps: int) -> tuple[int, ...]:
     """Return the numbers of steps whose errors show how reliable an answer is, in ascending order, with the answer itself.
 
     These are all numbers whose time step differs by at most 3 %, or an even selection of them, and at least the next numbers on
-    both sides.
+    both sides, of which 1 is the least.
     """
-    fewest = min(steps - 1, math.ceil(steps / (1 + NEIGHBOURHOOD)))
+    fewest = max(1, min(steps - 1, math.ceil(steps / (1 + NEIGHBOURHOOD))))
     most = max(steps + 1, math.floor(steps / (1 - NEIGHBOURHOOD)))
     if most - fewest < MOST_NEIGHBOURS:
         return tuple(range(fewest, most + 1))

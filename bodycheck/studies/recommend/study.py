@@ -36,7 +36,7 @@ from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.measuring import answer_of, priced
 from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation, key_of
 from bodycheck.studies.recommend.search import LARGEST_ORDER, Range, following
-from bodycheck.studies.timesteps import FINE_ACCURACIES, fastest_spin
+from bodycheck.studies.timesteps import FINE_ACCURACIES, MOST_PERIODS, control_period, decimal, fastest_spin
 from bodycheck.suggestion import did_you_mean
 
 #: Short names of figures. The second figure is for scenes with friction or drag, in which the first figure does not exist.
@@ -96,7 +96,14 @@ class Study:
     @property
     def asked(self) -> Asked:
         """The question of the study."""
-        return Asked(self.case.name, self.case.duration, self.figure, self.error)
+        return Asked(self.case.name, self.case.duration, self.figure, self.error, periods_of(self.case))
+
+
+def periods_of(case: Case) -> int:
+    """Return the number of periods of controllers in a case; 1 if there are none, or if steps should not divide them."""
+    period = control_period(case.scene)
+    number = 1 if period is None else decimal(case.duration) / period
+    return int(number) if number == int(number) and number <= MOST_PERIODS else 1
 
 
 def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str], quantity: str, error: float) -> Study:
@@ -131,7 +138,10 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
         raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")
     plan.check([case], records, integrators, ())
     turns = fastest_spin(case.scene) * case.duration / FIRST_TURN
-    first = max(LEAST_STEPS, min(MOST_STEPS, math.ceil(turns)))
+    fewest, first, most = (
+        max(1, math.ceil(steps / periods_of(case)))
+        for steps in (LEAST_STEPS, max(LEAST_STEPS, min(MOST_STEPS, turns)), MOST_STEPS)
+    )
     methods = [
         (name, record, Method.parse(spelling, 0.0))
         for name, record in records.items()
@@ -141,7 +151,7 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
     searches = {}
     for name, record, method in methods:
         integrator = integrator_of(record, method)
-        within = Range(error, integrator.order if integrator is not None else None, first, LEAST_STEPS, MOST_STEPS)
+        within = Range(error, integrator.order if integrator is not None else None, first, fewest, most)
         if method.accuracy is not None:
             within = Range(error, LARGEST_ORDER, FIRST_ACCURACY, 2, len(FINE_ACCURACIES) - 1, beyond=3)
             method = method.over_accuracies.at(default_timestep(record, case, method))

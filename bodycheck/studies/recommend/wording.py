@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from bodycheck.adapters.method import Method
 from bodycheck.reports.quantities import QUANTITIES, bound, count, exactly, listing, number, verb
 from bodycheck.studies.recommend import search
-from bodycheck.studies.recommend.rows import Answer, Recommendation
+from bodycheck.studies.recommend.rows import Answer, Asked, Recommendation
 from bodycheck.studies.timesteps import FINE_ACCURACIES
 
 
@@ -16,7 +16,9 @@ def headline(recommendation: Recommendation) -> str:
     if best is None:
         return f"No method keeps the {name_of(recommendation)} to {limit(recommendation)} over {duration}."
     cost = "; its cost could not be measured" if best.cost is None else f", {number(best.cost, 2)} s of computing per second"
-    steps = "" if best.timestep is None or best.is_controlled else f" ({count(number_of(recommendation, best), 'step')})"
+    steps = ""
+    if best.timestep is not None and not best.is_controlled:
+        steps = f" ({of_number(recommendation.asked, best, number_of(recommendation, best))})"
     return f"{method(best)} {at_step(best)}{steps}: {error(recommendation, best.error)} over {duration}{cost}."
 
 
@@ -31,7 +33,7 @@ def margin(recommendation: Recommendation) -> str:
         return f"The {figure} asked for is {asked}. {larger_step}"
     fewest, *_, most = search.neighbours(number_of(recommendation, best))
     worst = bounded_error(recommendation, best.worst, 3)
-    between = f"{fewest} to {most} steps"
+    between = f"{fewest * recommendation.asked.periods} to {most * recommendation.asked.periods} steps"
     if best.is_controlled:
         between = f"accuracies from {accuracy_of(fewest)} to {accuracy_of(most)}"
     near = f"with {between}, the {figure} is at most {worst}"
@@ -48,9 +50,16 @@ def larger(recommendation: Recommendation, answer: Answer) -> str:
     errors = asked.errors(probes.values())
     broken = max((number for number, measured in errors.items() if measured > asked.error), default=None)
     if broken is None:
-        why = "larger than 0.1" if answer.is_controlled else "since a run would have fewer than ten"
-        return f"Larger {'accuracies' if answer.is_controlled else 'steps'} are not tried, {why}."
-    probe, numbered = probes[broken], of_number(answer, broken)
+        if answer.is_controlled:
+            return "Larger accuracies are not tried, larger than 0.1."
+        in_period = asked.periods > 1 and 1 in errors
+        why = (
+            "since they would be longer than a period of the controllers"
+            if in_period
+            else "since a run would have fewer than ten"
+        )
+        return f"Larger steps are not tried, {why}."
+    probe, numbered = probes[broken], of_number(asked, answer, broken)
     if probe.error is None:
         return f"With {numbered}, the run ends with the status {probe.status}."
     return f"With {numbered}, it is {error(recommendation, probe.error, 4)}."
@@ -68,8 +77,9 @@ def jumps(recommendation: Recommendation) -> tuple[str, ...]:
     kind = "accuracy" if first.is_controlled else "time step"
     shown = "the run fails" if math.isinf(largest) else f"it is {error(recommendation, largest)}"
     sentence = (
-        f"The {name_of(recommendation)} of {method(first)} is not monotone in the {kind}: with {of_number(first, fewer)} it is "
-        f"{error(recommendation, least)}, and with {of_number(first, more)} {shown}."
+        f"The {name_of(recommendation)} of {method(first)} is not monotone in the {kind}: with "
+        f"{of_number(asked, first, fewer)} it is {error(recommendation, least)}, and with "
+        f"{of_number(asked, first, more)} {shown}."
     )
     if not others:
         return (sentence,)
@@ -155,9 +165,9 @@ def number_of(recommendation: Recommendation, answer: Answer) -> int:
     return number
 
 
-def of_number(answer: Answer, number: int) -> str:
+def of_number(asked: Asked, answer: Answer, number: int) -> str:
     """Return the number of steps, or the accuracy, that has a number in the search of an answer's method, in words."""
-    return f"an accuracy of {accuracy_of(number)}" if answer.is_controlled else count(number, "step")
+    return f"an accuracy of {accuracy_of(number)}" if answer.is_controlled else count(number * asked.periods, "step")
 
 
 def accuracy_of(number: int) -> str:

@@ -10,7 +10,7 @@ from itertools import repeat
 from typing import Any
 
 from bodycheck.reference.exact.numbers import Real
-from bodycheck.reference.mechanisms.control import Samples, Signal, Sine
+from bodycheck.reference.mechanisms.control import SLACK, Samples, Signal, Sine
 
 
 def constant(signal: Signal) -> float | None:
@@ -49,13 +49,17 @@ def begun(mp: Any, signal: Signal, time: float) -> tuple[Real, Real]:
 
 
 def at_instants(mp: Any, signal: Signal, rate: float) -> Iterator[Real]:
-    """Yield the values of a signal at the instants k / rate, k = 0, 1, ...; whether one is past a break is decided exactly."""
+    """Yield the values of a signal at the instants k / rate, k = 0, 1, ...; whether one is past a break is decided exactly.
+
+    A break of held values that is later by at most `SLACK` of a period counts as passed.
+    """
     match signal:
         case Sine():
             yield from _sine_at_instants(mp, signal, rate)
         case Samples(times, _, _):
             index, instant = -1, 0
-            scaled = [mp.mpf(time) * mp.mpf(rate) for time in times]
+            slack = mp.mpf(SLACK.numerator) / SLACK.denominator if signal.between == "hold" else 0
+            scaled = [mp.mpf(time) * mp.mpf(rate) - slack for time in times]
             value, slope, since = _piece(mp, signal, index)
             while True:
                 while index + 1 < len(times) and scaled[index + 1] <= instant:

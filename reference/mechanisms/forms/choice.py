@@ -27,7 +27,7 @@ def form_of(mechanism: Mechanism) -> Form | None:
     Either each joint that moves is on the world, or on a body fixed to it, and has a closed form; or loops make all joints move
     with one angle.
     """
-    if any(joint.mimic for joint in mechanism.joints):
+    if any(joint.mimic for joint in mechanism.joints) or mechanism.stops_until is not None:
         return None
     if mechanism.loops:
         limited = mechanism.controllers or any(joint.stops for joint in mechanism.joints)

@@ -113,7 +113,8 @@ def _rows(
         index, time = crossing
         at_once = at_once + 1 if time == phase.time else 0
         if len(changes) >= MOST_CHANGES or at_once > MOST_AT_ONCE:
-            raise OutOfReach(f"too many changes between sticking and slipping until t = {float(time):.6g} s")
+            sentence = f"too many changes between sticking and slipping until t = {float(time):.6g} s"
+            raise OutOfReach(sentence, "dry friction")
         state, before = solver.output(time), phase.modes
         if before[index]:
             state, moving = _stopped(tree, state, before, index, solver.eps)
@@ -187,7 +188,7 @@ def _missed(tree: Tree, solver: _Solver, modes: Modes, watched: Sequence[int], b
     velocities = {index: modes[index] * float(middle[at]) for index, at in _velocities(tree).items()}
     back = [index for index, velocity in velocities.items() if velocity < 0]
     if any(velocities[index] < -WATCHED * float(np.abs(middle.astype(float)).max()) for index in back):
-        raise OutOfReach("rounding leaves undecided whether a joint with dry friction slips")
+        raise OutOfReach("rounding leaves undecided whether a joint with dry friction slips", "dry friction")
     if not watched:
         return back
     strains = with_modes(tree, [exactly(value) for value in solver.output(until)], modes, real, MP).strains

@@ -92,7 +92,7 @@ def settled(tree: Tree, state: Sequence[Real], moving: Modes, slack: Real) -> Mo
         return guess
     modes = _pivoted(tree, state, guess or moving, rest, slack, real, MP)
     if modes is None:
-        raise OutOfReach("rounding leaves undecided which joints with dry friction stick")
+        raise OutOfReach("rounding leaves undecided which joints with dry friction stick", "dry friction")
     return modes
 
 

@@ -109,10 +109,14 @@ def settled(problem: Problem, phase: Phase, eps: float, instant: Fraction | None
 def _struck(problem: Problem, phase: Phase, eps: float) -> tuple[Phase, list[Hit]]:
     """Apply the impacts of all joints that move beyond their rigid stops; which of them comes first must not matter."""
     hits, tree, at = list[Hit](), problem.tree, places(problem.tree)
-    while outside := _outside(problem, phase, eps):
+    while not phase.released and (outside := _outside(problem, phase, eps)):
         index, *others = outside
         state = in_numbers(phase.state, real)
-        here = blow(tree, state, index, phase.sides, others, real)
+        try:
+            here = blow(tree, state, index, phase.sides, others, real)
+        except OutOfReach as error:
+            time = float(phase.time)
+            raise Stopped(f"{error} at t = {time:.6g} s", time, error.cause) from error
         hits.append(Hit(index, float(state[at[index]]), tuple(float(part) for part in here.change), here.held))
         changed = [value + part for value, part in zip(state, here.change, strict=False)] + state[len(here.change) :]
         side = 1 if state[at[index]] > 0 else -1
@@ -137,7 +141,8 @@ def _outside(problem: Problem, phase: Phase, eps: float) -> list[int]:
         for side, stop in problem.limits(part.link):
             gap, near = side * (stop - q), AT_STOP * eps * (1 + abs(stop))
             if gap < -near:
-                raise OutOfReach(f"a joint is beyond its stop at t = {float(phase.time):.6g} s")
+                time = float(phase.time)
+                raise Stopped(f"a joint is beyond its stop at t = {time:.6g} s", time, "stops")
             if gap <= near and side * v > 0:
                 beyond.append(part.link)
     return beyond
@@ -178,7 +183,7 @@ def _resting(problem: Problem, phase: Phase) -> tuple[dict[int, int], dict[int, 
         modes[part.link] = sign(v) if part.dry else 1
         if v != 0:
             continue
-        limits = problem.limits(part.link) if part.rigid else []
+        limits = problem.limits(part.link) if part.rigid and not phase.released else []
         sides = [side for side, stop in limits if q == number(stop)]
         if sides or part.dry:
             resting[part.link], modes[part.link] = sides[0] if sides else 0, 0
@@ -245,4 +250,4 @@ def _require_rebounds_to_last(problem: Problem, phase: Phase, hit: Hit) -> None:
     speed, acceleration = state[rate_at], rates[rate_at]
     if speed * acceleration < 0 and 2 * abs(speed / acceleration) < max(1 - kept, LOST) * ACCUMULATED * problem.duration:
         time = float(phase.time)
-        raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time)
+        raise Stopped(f"the rebounds of a joint at its stop accumulate at t = {time:.6g} s", time, "stops")

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Cause, Stopped
 from bodycheck.reference.exact.numbers import Real, real
 from bodycheck.reference.mechanisms.friction.sticking import EXACT, MOST_PIVOTS, sign
 from bodycheck.reference.mechanisms.hybrid.equations import Shape
@@ -37,7 +37,7 @@ def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], *
     resting
         The side of each link at rest: 1 or -1 if it is at its upper or lower stop, otherwise 0.
     exact
-        Whether the state is exact. If not, `OutOfReach` is raised where another decision is within `CLEAR`.
+        Whether the state is exact. If not, `Stopped` is raised where another decision is within `CLEAR`.
     """
     if not resting:
         return Closed(phase.rest, math.inf)
@@ -47,7 +47,9 @@ def closed(tree: Tree, shape: Shape, phase: Phase, resting: Mapping[int, int], *
         return Closed(guess, room)
     modes = _pivoted(tree, shape, phase, resting, real, EXACT) if exact else None
     if modes is None:
-        raise OutOfReach(f"rounding leaves undecided which joints stay at rest at t = {float(phase.time):.6g} s")
+        cause: Cause = "dry friction" if any(tree.links[index].friction for index in resting) else "stops"
+        time = float(phase.time)
+        raise Stopped(f"rounding leaves undecided which joints stay at rest at t = {time:.6g} s", time, cause)
     return Closed(modes, room)
 
 

@@ -36,13 +36,14 @@ def _turns(tree: Tree, index: int) -> bool:
 
 
 def _to_instants(tree: Tree, time: Real) -> list[Real]:
-    """The times from a time to the nearest instants of the controllers that read velocities."""
+    """The times from a time to the nearest instants of the controllers that read velocities, and to the end of rigid stops."""
     rates = [
         MP.mpf(controller.rate)
         for link in tree.links
         if (controller := link.controller) and controller.rate and (controller.kd or controller.no_load_speed is not None)
     ]
-    return [abs(time - MP.nint(time * rate) / rate) for rate in rates]
+    ends = [] if tree.stops_until is None else [abs(time - MP.mpf(tree.stops_until))]
+    return [abs(time - MP.nint(time * rate) / rate) for rate in rates] + ends
 
 
 def _jumps(tree: Tree, hit: Hit) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Stopped
 from bodycheck.reference.mechanisms.link_states import Critical
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
@@ -25,7 +25,7 @@ def add_criticals(
 ) -> None:
     """Add to errors (n,) at times (n,), s, what velocities jump at impacts whose times are uncertain.
 
-    Raises `OutOfReach` if the errors may change the order of events, or their number.
+    Raises `Stopped`, with the time of the first such event, if the errors may change the order of events, or their number.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def add_criticals(
     errors
         (n,) bounds of errors, by the names of `bounds.STATES`.
     """
-    for critical in criticals:
+    for critical in sorted(criticals, key=lambda each: each.time):
         row = min(int(np.searchsorted(times, critical.time)), len(times) - 1)
         error = CAUTION * float(errors["error" if critical.turns else "position_error"][row])
         if critical.kind == "rest":
@@ -48,7 +48,8 @@ def add_criticals(
         if critical.kind == "impact":
             error = 2 * error / critical.speed
         if not error < critical.room:
-            raise OutOfReach(_undecided(mechanism, critical))
+            dry = critical.kind == "rest" and mechanism.joints[critical.joint].friction
+            raise Stopped(_undecided(mechanism, critical), critical.time, "dry friction" if dry else "stops")
         if critical.kind == "impact":
             rate, speed = critical.jumps
             near = np.abs(times - critical.time) <= error

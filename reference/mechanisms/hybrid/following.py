@@ -13,11 +13,11 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from bodycheck.reference.errors import OutOfReach, Stopped
+from bodycheck.reference.errors import Stopped
 from bodycheck.reference.exact.numbers import FloatType, Real, WideArray, exactly, real
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
 from bodycheck.reference.mechanisms.friction.sticking import EQUAL, sign
-from bodycheck.reference.mechanisms.hybrid.beginning import Begun, Hit, Problem, first_phase, settled, with_cells
+from bodycheck.reference.mechanisms.hybrid.beginning import ACCUMULATED, Begun, Hit, Problem, first_phase, settled, with_cells
 from bodycheck.reference.mechanisms.hybrid.criticals import NEAR, of_beginnings, touch
 from bodycheck.reference.mechanisms.hybrid.equations import Event, Shape, shape_of, written
 from bodycheck.reference.mechanisms.hybrid.phases import Phase, in_numbers, parameters, places, rates_in, require_consistent
@@ -28,12 +28,15 @@ from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import most_steps
 from bodycheck.reference.trajectory import Array
 
-#: The largest number of events, and of those at one instant.
-MOST_EVENTS, MOST_AT_ONCE = 20_000, 100
+#: The largest number of events, and of impacts of one joint within a time `ACCUMULATED`.
+MOST_EVENTS, MOST_REPEATED = 20_000, 3
 
 #: The first part of a step, as a fraction, in which the events of a joint that has just had one do not count: the functions are
 #: zero there except for rounding.
 JUST_BEGUN = 2.0**-20
+
+#: The part of a step that is tried again if heyoka has missed a root in it, as it may near the beginning, and how often.
+SHORTER, TRIES = 2.0**-3, 12
 
 #: The part of a step within which two events may be one.
 SAME = 2.0**-40
@@ -88,7 +91,7 @@ def _noting(crossings: list[tuple[Event, Any]], event: Event) -> Callable[[Any, 
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     """The motion of the links of a tree at times (n,) >= 0, s, in any order.
 
-    Raises `OutOfReach` if Taylor's method fails or takes too many steps, there are too many events, or an event is undecided.
+    Raises `Stopped` if Taylor's method fails or takes too many steps, there are too many events, or an event is undecided.
     """
     instants, order = np.unique(np.append(0.0, times), return_inverse=True)
     run = _followed(tree, instants, kind, [])
@@ -140,7 +143,8 @@ def _follow(run: _Run) -> None:
     """Append the states at all instants."""
     problem, kind, end = run.problem, run.problem.kind, run.instants[-1]
     controllers = [link.controller for link in problem.tree.links if link.controller is not None]
-    ahead, start = breaks(controllers, exactly(end)), first_phase(problem)
+    released = None if problem.tree.stops_until is None else Fraction(problem.tree.stops_until)
+    ahead, start = breaks(controllers, exactly(end), [] if released is None else [released]), first_phase(problem)
     instant = next(ahead, None)
     now, instant = (instant, next(ahead, None)) if instant == 0 else (None, instant)
     run.rows.append(start.state)
@@ -157,19 +161,23 @@ def _follow(run: _Run) -> None:
         if event is not None:
             events += 1
             if events > MOST_EVENTS:
-                raise OutOfReach(f"too many events of controllers and stops until t = {float(time):.6g} s")
+                raise Stopped(f"too many events of controllers and stops until t = {float(time):.6g} s", float(time))
             ended = replace(phase, time=exactly(time), state=state, begun=frozenset({event.link}), watched=frozenset())
             if event.kind == "stop":
                 _note_depth(run, ended, event)
             next_one = _after(problem, ended, event)
             phase = next_one.phase
             _note(run, next_one)
+            _require_progress(run, next_one.hits)
             _lead_shadows(run, before, phase, event, next_one.hits, state)
         elif instant is not None:
             ended = replace(phase, time=real(instant), state=state, begun=frozenset(), watched=frozenset())
+            if instant == released:
+                ended = replace(ended, sides={}, released=True)
             next_one = settled(problem, ended, kind.eps, instant)
             if next_one.hits:
-                raise OutOfReach(f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s")
+                reason = f"a joint reaches its stop at an instant of a controller, t = {float(time):.9g} s"
+                raise Stopped(reason, float(time), "stops")
             phase = next_one.phase
             _note(run, next_one)
             _update_shadows(run, before, phase, state, instant)
@@ -180,6 +188,16 @@ def _note(run: _Run, begun: Begun) -> None:
     """Keep the beginning of a phase with impacts, or with joints at rest that almost move."""
     if begun.hits or begun.room < NEAR:
         run.beginnings.append((begun.phase.time, begun))
+
+
+def _require_progress(run: _Run, hits: Sequence[Hit]) -> None:
+    """Raise `Stopped` if a joint hits its stop again and again within a very short time, as others push it away from there."""
+    for hit in hits:
+        beginnings = run.beginnings[-MOST_REPEATED * len(run.problem.shape.parts) :]
+        times = [float(time) for time, each in beginnings if any(other.link == hit.link for other in each.hits)]
+        recent = times[-MOST_REPEATED:]
+        if len(recent) == MOST_REPEATED and recent[-1] - recent[0] < ACCUMULATED * run.problem.duration:
+            raise Stopped(f"impacts of joints at their stops accumulate at t = {recent[0]:.6g} s", recent[0], "stops")
 
 
 def _carry_shadows(run: _Run, phase: Phase, rows: Sequence[int], end: Any) -> None:
@@ -220,11 +238,11 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
     if not begin < until:
         return None, until, phase.state, left
     solver.begin(kind, begin, phase.state, parameters(run.problem.tree, run.problem.shape, phase))
-    first = True
+    first, longest, tries = True, until - begin, 0
     while left > 0:
         solver.crossings.clear()
-        begin = inner.time
-        outcome, step = inner.step(max_delta_t=until - begin, write_tc=True)
+        begin, before = inner.time, np.array(inner.state)
+        outcome, step = inner.step(max_delta_t=min(longest, until - begin), write_tc=True)
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
             raise Stopped(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}", float(begin))
         soon = begin + JUST_BEGUN * step
@@ -234,15 +252,28 @@ def _advanced(run: _Run, phase: Phase, until: Any, left: int) -> tuple[Event | N
         state = np.array(inner.state) if event is None else solver.output(time)
         if first and phase.watched and (moved := _moved(run.problem, phase, state, time)) is not None:
             return Event(moved, "rest"), begin, phase.state, left
-        require_consistent(run.problem.tree, run.problem.shape, phase, state, time)
+        left -= 1
+        try:
+            require_consistent(run.problem.tree, run.problem.shape, phase, state, time)
+        except Stopped:
+            if tries == TRIES:
+                raise
+            inner.time, inner.state[:] = begin, before
+            longest, tries = SHORTER * step, tries + 1
+            continue
         while len(run.rows) < len(run.instants) and run.instants[len(run.rows)] <= time:
             run.rows.append(solver.output(run.instants[len(run.rows)]))
         _note_touches(
-            run, [each for each in crossings if each[0].kind == "turn" and phase.rest.get(each[0].link) != 0 and each[1] < time]
+            run,
+            [
+                each
+                for each in crossings
+                if each[0].kind == "turn" and phase.rest.get(each[0].link) != 0 and each[1] < time and not phase.released
+            ],
         )
-        if event is not None or outcome == hy.taylor_outcome.time_limit:
+        if event is not None or (outcome == hy.taylor_outcome.time_limit and not tries):
             return event, until if event is None else time, state, left
-        first, left = False, left - 1
+        first, longest, tries = False, until - inner.time, 0
     last = float(inner.time)
     raise Stopped(f"Taylor's method stopped at t = {last:.6g} s, since the motion needs too many steps", last)
 

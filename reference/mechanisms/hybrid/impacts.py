@@ -56,22 +56,22 @@ def blow(tree: Tree, state: Sequence[Any], index: int, sides: Mapping[int, int],
     """
     held, at = frozenset(sides), places(tree)
     for _ in range(MOST_PIVOTS):
-        change = struck(tree, state, index, held, number)
         unit = response(tree, state, index, held, number)
-        impulse = change[at[index]] / unit.state[at[index]]
+        impulse = _impulse(tree, state, index, unit, number)
         wrong = next((each for each in sides if _wrong(impulse, unit, each, sides[each], at[each], each in held)), None)
         if wrong is None:
+            change = [impulse * part for part in unit.state]
             pushed = {each for each in held if unit.strains[each]} | {each for each in others if change[at[each]]}
             _require_order_not_to_matter(tree, index, pushed)
             return Blow(change, held)
         held = held ^ {wrong}
-    raise OutOfReach("an impact leaves undecided which joints leave their stops")
+    raise OutOfReach("an impact leaves undecided which joints leave their stops", "stops")
 
 
 def _require_order_not_to_matter(tree: Tree, index: int, others: Collection[int]) -> None:
     """Raise `OutOfReach` if other joints take part in an impact, and one of all their stops has a restitution."""
     if others and any(restitution(tree, each) for each in (index, *others)):
-        raise OutOfReach("two stops take up an impact at one instant, and the result depends on the order")
+        raise OutOfReach("two stops take up an impact, and the result depends on the order,", "stops")
 
 
 def restitution(tree: Tree, index: int) -> float:
@@ -89,6 +89,12 @@ def _wrong(impulse: Any, unit: Rates, index: int, side: int, rate_at: int, held:
 
 def struck(tree: Tree, state: Sequence[Any], index: int, held: frozenset[int], number: Number) -> list[Any]:
     """The change of a state by the impact of a link at its stop while some links are held."""
-    unit, rate_at = response(tree, state, index, held, number), places(tree)[index]
-    impulse = -(1 + number(restitution(tree, index))) * state[rate_at] / unit.state[rate_at]
+    unit = response(tree, state, index, held, number)
+    impulse = _impulse(tree, state, index, unit, number)
     return [impulse * part for part in unit.state]
+
+
+def _impulse(tree: Tree, state: Sequence[Any], index: int, unit: Rates, number: Number) -> Any:
+    """The impulse of the impact of a link, whose response to a unit impulse is given."""
+    rate_at = places(tree)[index]
+    return -(1 + number(restitution(tree, index))) * state[rate_at] / unit.state[rate_at]

@@ -4,7 +4,8 @@ import numpy as np
 
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.exact.numbers import FloatType
-from bodycheck.reference.mechanisms.growth import LARGEST, NUDGE, STARTS, Growth, capped, scales
+from bodycheck.reference.mechanisms.articulation.nudges import components, deviating
+from bodycheck.reference.mechanisms.growth import NUDGE, STARTS, Growth, capped, scales
 from bodycheck.reference.mechanisms.hybrid.following import beside
 from bodycheck.reference.mechanisms.hybrid.shadows import Shadow
 from bodycheck.reference.mechanisms.link_states import LinkStates, floating, sizes, split
@@ -42,7 +43,7 @@ def measured_growth(mechanism: Mechanism, t: Array) -> tuple[Motion, Growth]:
 
 def _beside(tree: Tree, t: Array, units: dict[str, float], random: np.random.Generator) -> tuple[Array, list[Shadow]]:
     """The states of a tree, and the nudged motions beside it: the first is nudged in its angles alone."""
-    every, turned = _components(tree, units, turned_only=False), _components(tree, units, turned_only=True)
+    every, turned = (components(tree, units, turned_only=turned_only) for turned_only in (False, True))
     totals = sum(link.controller is not None and not link.controller.rate and bool(link.controller.ki) for link in tree.links)
     every, turned = np.append(every, np.full(totals, t[-1] or 1.0)), np.append(turned, np.zeros(totals))
     nudges = [
@@ -52,24 +53,7 @@ def _beside(tree: Tree, t: Array, units: dict[str, float], random: np.random.Gen
     return beside(tree, t, nudges, every)
 
 
-def _components(tree: Tree, units: dict[str, float], *, turned_only: bool) -> Array:
-    """The sizes of the components of a state of links; zero for those that are not angles if these alone are nudged."""
-    length, speed, rate = (
-        0.0 if turned_only else units[name] for name in ("position_error", "velocity_error", "angular_velocity_error")
-    )
-    values: list[float] = []
-    for link in tree.links:
-        held, moving = sizes(link)
-        slides = link.kind == "prismatic"
-        values += [length if slides else 1.0] * held + [speed if slides else rate] * moving
-    for _ in floating(tree.links):
-        values += [length] * 3 + [speed] * 3
-    return np.array(values)
-
-
 def _nudged(tree: Tree, t: Array, rows: Array, each: Shadow, factors: Array) -> list[LinkStates]:
     """The states of the links in a nudged motion whose deviations are in units of the factors (n,)."""
-    share = np.divide(each.factors, factors, out=np.zeros_like(factors), where=factors > 0)
-    states = rows + each.deviations * np.minimum(share, LARGEST)[:, None]
     count = sum(sum(sizes(link)) for link in tree.links) + 6 * len(floating(tree.links))
-    return split(tree, states[:, :count], t, DOUBLES)
+    return split(tree, deviating(rows, each.deviations, each.factors, factors)[:, :count], t, DOUBLES)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import Cause, Stopped
 from bodycheck.reference.exact.numbers import MP, Real, WideArray, exactly, real
 from bodycheck.reference.mechanisms.articulation.articulated import Constants
 from bodycheck.reference.mechanisms.hybrid.cells import Cell, Margin
@@ -45,6 +45,8 @@ class Phase:
         The links with an event at the beginning.
     watched
         The links that are held within rounding at the beginning, where heyoka may not find the end of it.
+    released
+        Whether rigid stops no longer act.
     """
 
     time: Real
@@ -57,6 +59,7 @@ class Phase:
     memories: dict[int, Memory]
     begun: frozenset[int] = frozenset()
     watched: frozenset[int] = frozenset()
+    released: bool = False
 
 
 #: A function that converts numbers to an arithmetic.
@@ -218,14 +221,14 @@ def margins_of(tree: Tree, phase: Phase, part: Part) -> list[Margin]:
     if part.rigid:
         stops = tree.links[index].stops
         assert stops is not None
-        free = phase.rest[index] != 0
+        free = phase.rest[index] != 0 and not phase.released
         limits = ((1, stops.lower), (-1, stops.upper))
         margins += [Margin() if limit is None or not free else Margin(slope, MP.mpf(limit)) for slope, limit in limits]
     return margins
 
 
 def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray, time: Any) -> None:
-    """Raise `OutOfReach` if the state at the end of a step contradicts the modes of its phase, since an event was missed."""
+    """Raise `Stopped` if the state at the end of a step contradicts the modes of its phase, since an event was missed."""
     if not any(part.margins or part.elastic or part.rigid or part.dry for part in shape.parts):
         return
     values = state.astype(float).tolist()
@@ -238,9 +241,12 @@ def require_consistent(tree: Tree, shape: Shape, phase: Phase, state: WideArray,
             x = w if number < part.margins else q
             size = abs(slope) * (SMALL + abs(x) + abs(origin)) + abs(rate) * (SMALL + abs(v) + abs(speed))
             if slope * (x - origin) + rate * (v - speed) < -MISSED * size:
-                raise OutOfReach(f"rounding leaves undecided what a joint does before t = {float(time):.6g} s")
+                cause: Cause = "controllers" if number < part.margins else "stops"
+                sentence = f"rounding leaves undecided what a joint does before t = {float(time):.6g} s"
+                raise Stopped(sentence, float(phase.time), cause)
         if part.dry and phase.rest[part.link] * v < -MISSED * fastest:
-            raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s")
+            sentence = f"rounding leaves undecided whether a joint with dry friction slips at t = {float(time):.6g} s"
+            raise Stopped(sentence, float(phase.time), "dry friction")
 
 
 def _padded(margins: Sequence[Margin], size: int) -> list[Margin]:

@@ -4,10 +4,11 @@ The numbers are floats, or numbers of a hundred digits.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
-from bodycheck.reference.exact.numbers import Real
-from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.exact.numbers import Real, real
+from bodycheck.reference.mechanisms.control import SLACK, Controller, Samples, Signal
 from bodycheck.reference.mechanisms.hybrid.signals import value
 
 
@@ -34,8 +35,15 @@ class Memory:
 
 
 def signals_at(controller: Controller, time: Real) -> tuple[Real, Real, Real]:
-    """Return the target, its velocity and the effort of a controller at a time (s), in exact arithmetic."""
-    return value(controller.target, time), value(controller.target_velocity, time), value(controller.effort, time)
+    """Return the target, its velocity and the effort of a controller at one of its instants (s), in exact arithmetic."""
+    assert controller.rate is not None, "a continuous law has no instants"
+    reached = time + real(SLACK / Fraction(controller.rate))
+
+    def at_instant(signal: Signal) -> Real:
+        held = isinstance(signal, Samples) and signal.between == "hold"
+        return value(signal, reached if held else time)
+
+    return at_instant(controller.target), at_instant(controller.target_velocity), at_instant(controller.effort)
 
 
 def computed(controller: Controller, memory: Memory, given: tuple[Any, Any, Any], q: Any, v: Any) -> Memory:

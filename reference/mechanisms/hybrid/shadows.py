@@ -15,16 +15,13 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.exact.numbers import Real
-from bodycheck.reference.mechanisms.growth import LARGEST, NUDGE
+from bodycheck.reference.mechanisms.growth import LARGEST, NUDGE, UNSCALED
 from bodycheck.reference.mechanisms.hybrid.beginning import Hit, Problem, memories_at
 from bodycheck.reference.mechanisms.hybrid.equations import Event
 from bodycheck.reference.mechanisms.hybrid.impacts import struck
 from bodycheck.reference.mechanisms.hybrid.phases import Phase, joint_state, margins_of, places, rates_in
 from bodycheck.reference.mechanisms.hybrid.sampled import Memory
 from bodycheck.reference.trajectory import Array
-
-#: The range of the size of a deviation, in units of a nudge, within which it is not scaled.
-UNSCALED = 2.0**10
 
 #: The time by which a nudged motion reaches an event earlier or later, as a part of the duration, up to which its deviation is
 #: proportional to the nudge.

@@ -61,9 +61,12 @@ def signals(controller: Controller) -> tuple[Signal, Signal, Signal]:
     return controller.target, controller.target_velocity, controller.effort
 
 
-def breaks(controllers: Sequence[Controller], end: Real) -> Iterator[Fraction]:
-    """Yield the times before `end` (s), ascending, at which a controller computes its law or a piece of a signal ends."""
-    streams: list[Iterator[Fraction]] = []
+def breaks(controllers: Sequence[Controller], end: Real, further: Sequence[Fraction] = ()) -> Iterator[Fraction]:
+    """Yield the times before `end` (s), ascending, at which a controller computes its law or a piece of a signal ends.
+
+    further: other times (s), ascending, which are yielded too.
+    """
+    streams: list[Iterator[Fraction]] = [iter(further)]
     for controller in controllers:
         if controller.rate is not None:
             streams.append(instants(controller.rate))

@@ -126,9 +126,17 @@ def started(system: System, start: list[Number], samplers: list[Sampler], like: 
 
 
 def renewed(system: System, phase: Phase, samplers: list[Sampler], instant: Fraction) -> Phase:
-    """The phase after an instant (s) at which controllers compute or tables change, with the state of this instant."""
+    """The phase after an instant (s) at which controllers compute, tables change or stops cease to act, with its state."""
+    if instant == system.stops_until:
+        phase = replace(phase, modes=_released(system, phase.modes))
     slack = MP.mpf(ROUNDINGS * float(np.finfo(phase.state.dtype).eps))
     return _with_forces(system, phase, samplers, instant, exact_state(phase.state), slack)
+
+
+def _released(system: System, modes: Modes) -> Modes:
+    """The modes without rigid stops. Elements with dry friction that were at rest may remain so."""
+    moves = {index: mode or int(not system.frictions[index]) for index, mode in modes.moves.items()}
+    return replace(modes, moves=moves, sides=dict.fromkeys(modes.sides, 0), released=True)
 
 
 def _with_forces(

@@ -96,7 +96,7 @@ def solve(system: System, start: list[Number], times: WideArray, stepper: Steppe
     phase = changes.started(system, start, samplers, times)
     left, count = stepper.most, 0
     while True:
-        instant = _next(samplers, phase)
+        instant = _next(system, samplers, phase)
         until = times[-1]
         if instant is not None:
             until = min(rounded(exact(instant) / system.units.time, times.dtype.type), until)
@@ -112,9 +112,11 @@ def solve(system: System, start: list[Number], times: WideArray, stepper: Steppe
             raise OutOfReach(f"more than {MOST_CHANGES} changes between modes of motion, in the Lagrangian")
 
 
-def _next(samplers: list[Sampler], phase: Phase) -> Fraction | None:
-    """The next time (s) at which a controller computes or a table changes; None if there is none."""
+def _next(system: System, samplers: list[Sampler], phase: Phase) -> Fraction | None:
+    """The next time (s) at which a controller computes, a table changes or stops cease to act; None if there is none."""
     ends = [part.until for part in phase.modes.pieces.values() if part.until is not None]
+    if system.stops_until is not None and not phase.modes.released:
+        ends.append(system.stops_until)
     return min([*ends, *(sampler.next for sampler in samplers)], default=None)
 
 
@@ -182,6 +184,8 @@ def _first(course: _Course, phase: Phase, roots: list[tuple[Any, int]]) -> tuple
                 return _Change(time, (guard,)), flips
             flips.append((time, pair, signs[pair]))
         elif guard.name in law.rigid:
+            if modes.released:
+                continue
             side = 1 if guard.name == "upper" else -1
             if modes.sides[index] != side and side * course.stepper.at(time)[system.velocity(index)] > 0:
                 return _Change(time, (guard, *_together(course, roots, time, number))), flips
@@ -238,8 +242,9 @@ def _overlooked(
     for pair, (value, room) in changes.guard_values(system, parameters, halfway).items():
         if _same_as_rest(system, pair):
             continue
-        closed = pair[1] in system.laws[pair[0]].rigid
-        sign = (0 if modes.sides[pair[0]] and not modes.moves[pair[0]] else -1) if closed else signs[pair]
+        rigid = pair[1] in system.laws[pair[0]].rigid
+        idle = modes.released or (modes.sides[pair[0]] and not modes.moves[pair[0]]) if rigid else False
+        sign = (0 if idle else -1) if rigid else signs[pair]
         if sign * value < -room:
             wrong.append(guards[pair])
     return tuple(wrong)

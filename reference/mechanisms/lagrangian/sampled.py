@@ -1,6 +1,7 @@
 """Signals of controllers in the Lagrangian's arithmetic of a hundred digits, and controllers that compute at instants.
 
-Times are fractions, so that an instant k / rate is neither early nor late, and a table changes exactly at its times.
+Times are fractions, so that an instant k / rate is neither early nor late. A table changes exactly at its times, but held
+values change at an instant that is earlier by at most `SLACK` of a period.
 """
 
 import bisect
@@ -8,7 +9,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from bodycheck.reference.independent.border import MP, Number
-from bodycheck.reference.mechanisms.control import Controller, Samples, Signal, Sine
+from bodycheck.reference.mechanisms.control import SLACK, Controller, Samples, Signal, Sine
 
 
 def exact(value: Fraction) -> Number:
@@ -40,14 +41,14 @@ def piece(table: Samples, time: Fraction) -> Piece:
     return Piece(value, slope, since, until)
 
 
-def value_at(signal: Signal, time: Fraction) -> Number:
-    """The value of a signal at a time (s)."""
+def value_at(signal: Signal, time: Fraction, rate: Fraction) -> Number:
+    """The value of a signal at a time (s), which is an instant of a controller with a rate (Hz)."""
     match signal:
         case Sine():
             phase = MP.mpf(signal.angular_frequency) * exact(time) + MP.mpf(signal.phase)
             return MP.mpf(signal.offset) + MP.mpf(signal.amplitude) * MP.sin(phase)
         case Samples():
-            part = piece(signal, time)
+            part = piece(signal, time if signal.between == "linear" else time + SLACK / rate)
             return part.value + part.slope * exact(time - part.since)
     return MP.mpf(signal)
 
@@ -83,11 +84,13 @@ class Sampler:
 
     def _computed(self, time: Fraction, q: Number, v: Number) -> Number:
         law = self.controller
-        total = value_at(law.effort, time)
+        assert law.rate is not None
+        rate = Fraction(law.rate)
+        total = value_at(law.effort, time, rate)
         if law.law == "pd":
-            error = value_at(law.target, time) - q
+            error = value_at(law.target, time, rate) - q
             self.errors += error
-            total += MP.mpf(law.kp) * error + MP.mpf(law.kd) * (value_at(law.target_velocity, time) - v)
+            total += MP.mpf(law.kp) * error + MP.mpf(law.kd) * (value_at(law.target_velocity, time, rate) - v)
             if law.ki:
                 total += MP.mpf(law.ki) * self.errors / MP.mpf(law.rate)
         if law.effort_limit is None:

@@ -7,7 +7,10 @@ and shares no formula with the recursion, from which the truth comes.
 
 import functools
 import math
+from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -23,6 +26,7 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
 from bodycheck.reference.mechanisms.lagrangian.equations import parts_of, rows_of
 from bodycheck.reference.mechanisms.lagrangian.laws import Law
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
+from bodycheck.reference.mechanisms.lagrangian.reaching import with_reached_stops
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
 from bodycheck.reference.mechanisms.lagrangian.system import System
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -49,6 +53,10 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     Raises `NotModelled` for free bodies in loops and for stops in a mechanism with loops, `OutOfReach` if the integration fails
     or takes too many steps, and `ImportError` if heyoka is not installed.
     """
+    return with_reached_stops(mechanism, times, lambda reduced, instants: _by_taylor(reduced, instants, dtype))
+
+
+def _by_taylor(mechanism: Mechanism, times: Array, dtype: Any) -> WideMotion:
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
     ready = prepared(mechanism)
@@ -56,6 +64,21 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
         return _followed(ready, mechanism, times, dtype, taylor.solve)
     with taylor.lock:
         return _in_phases(ready, mechanism, times.astype(dtype), taylor.stepper(ready.structure, dtype))
+
+
+def begun(mechanism: Mechanism, times: Array, threads: Executor, dtype: Any = Wide) -> Callable[[], WideMotion]:
+    """A function that returns the motion of `follow`, whose equations without switches are solved meanwhile in a thread.
+
+    Everything else is computed in the thread of the caller, since the arithmetic of many digits is not made for threads.
+    """
+    from bodycheck.reference.mechanisms.lagrangian import taylor
+
+    if _switches(mechanism):
+        return lambda: follow(mechanism, times, dtype)
+    ready = prepared(mechanism)
+    groups = _rounded_groups(ready, dtype)
+    solving = threads.submit(_solved, ready, groups, times, dtype, taylor.solve)
+    return lambda: _motion(ready, mechanism, times, solving.result())
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
@@ -80,7 +103,8 @@ def _in_phases(ready: Prepared, mechanism: Mechanism, times: WideArray, stepper:
         raise NotModelled("stops in a mechanism with loops")
     if any(law is not None and law.holds and leader is not None for law, leader in _with_leaders(ready.structure)):
         raise NotModelled("rigid stops and dry friction of joints that follow others")
-    system = System(ready.border, ready.structure, ready.units, ready.parameters)
+    until = None if mechanism.stops_until is None else Fraction(mechanism.stops_until)
+    system = System(ready.border, ready.structure, ready.units, ready.parameters, until)
     states = np.empty((0, len(ready.start)), times.dtype)
     if len(times):
         states = phases.solve(system, ready.start, times / times.dtype.type(ready.units.time), stepper)
@@ -92,19 +116,41 @@ def _with_leaders(structure: Structure) -> list[tuple[Law | None, int | None]]:
 
 
 def _followed(ready: Prepared, mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
-    """The motion of a mechanism. Elements that do not act on one another are followed apart, each with steps of its own."""
+    """The motion of a mechanism whose equations do not switch."""
+    return _motion(ready, mechanism, times, _solved(ready, _rounded_groups(ready, dtype), times, dtype, solve))
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Elements that no others act on: their columns in the states of a mechanism, structure, start and parameters."""
+
+    columns: list[int]
+    structure: Structure
+    start: WideArray
+    parameters: WideArray
+
+
+def _rounded_groups(ready: Prepared, dtype: Any) -> list[_Group]:
+    """The groups of elements that move, in a floating-point type."""
     coordinates = ready.structure.places[-1][0].stop if ready.structure.places else 0
-    states = np.empty((len(times), len(ready.start)), dtype)
+    groups = []
     for indices in _groups(ready.border):
         group = _prepared(_part(ready.border, indices), ready.units)
         start, parameters = _rounded(group, dtype)
-        if not len(start):
-            continue
         slices = [ready.structure.places[index] for index in indices]
         columns = [column for held, _ in slices for column in range(held.start, held.stop)]
         columns += [coordinates + column for _, moving in slices for column in range(moving.start, moving.stop)]
-        states[:, columns] = solve(group.structure, start, parameters, times / ready.units.time)
-    return _motion(ready, mechanism, times, states)
+        if len(start):
+            groups.append(_Group(columns, group.structure, start, parameters))
+    return groups
+
+
+def _solved(ready: Prepared, groups: list[_Group], times: Array, dtype: Any, solve: Any) -> WideArray:
+    """The states at times (n,), s. Groups are solved apart, each with steps of its own."""
+    states = np.empty((len(times), len(ready.start)), dtype)
+    for group in groups:
+        states[:, group.columns] = solve(group.structure, group.start, group.parameters, times / ready.units.time)
+    return states
 
 
 def _groups(parts: Border) -> list[list[int]]:

@@ -42,6 +42,8 @@ class Modes:
         The efforts (N m or N) of controllers with a rate, by element.
     pieces
         The pieces of the tables of continuous controllers, by element and signal.
+    released
+        Whether rigid stops no longer act.
     """
 
     moves: dict[int, int] = field(default_factory=dict)
@@ -49,16 +51,21 @@ class Modes:
     signs: dict[tuple[int, str], int] = field(default_factory=dict)
     efforts: dict[int, Number] = field(default_factory=dict)
     pieces: dict[tuple[int, str], Piece] = field(default_factory=dict)
+    released: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A mechanism whose equations switch: its elements, their structure, the units of the equations, and the parameters."""
+    """A mechanism whose equations switch: its elements, their structure, the units of the equations, and the parameters.
+
+    stops_until: the time (s) from which on rigid stops no longer act; None if they always act.
+    """
 
     border: Border
     structure: Structure
     units: Units
     parameters: list[Number]
+    stops_until: Fraction | None = None
 
     @functools.cached_property
     def laws(self) -> dict[int, Law]:

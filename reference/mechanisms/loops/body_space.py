@@ -86,7 +86,7 @@ class System:
 def system(mechanism: Mechanism) -> System:
     """The bodies and links of a mechanism. Raises `NotModelled` if it has dry friction or a point mass that turns."""
     if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in a mechanism with loops")
+        raise NotModelled("dry friction in a mechanism with loops", "dry friction")
     inertias = [exact.inertia(body) for body in mechanism.bodies]
     tensors = [
         [[wide(inertia.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for inertia in inertias

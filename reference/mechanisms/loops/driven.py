@@ -32,7 +32,7 @@ def integrated(mechanism: Mechanism, linkage: Tree, start: WideArray, times: Arr
     motion cannot be followed.
     """
     if any(controller.rate is None and controller.effort_limit is not None for controller in mechanism.controllers):
-        raise NotModelled("limits of the effort of continuous controllers in a mechanism with loops")
+        raise NotModelled("limits of the effort of continuous controllers in a mechanism with loops", "controllers")
     size, end = len(start), float(times[-1]) if len(times) else 0.0
     edges = sorted({Fraction(0), *breaks(mechanism.controllers, real(end))})
     if len(edges) > MOST_INSTANTS:

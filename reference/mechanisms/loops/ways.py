@@ -51,7 +51,7 @@ def way(mechanism: Mechanism, times: Array) -> Way:
     Raises `NotModelled` if the mechanism has dry friction, and `OutOfReach` if the motion cannot be followed.
     """
     if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in a mechanism with loops")
+        raise NotModelled("dry friction in a mechanism with loops", "dry friction")
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
     how: dict[str, Any] = {
         "stages": STAGES,

@@ -37,7 +37,9 @@ def test_a_continuous_law_is_evaluated_at_the_stages() -> None:
     assert orders(errors) == pytest.approx([3], abs=0.2)
 
 
-@pytest.mark.parametrize(("spelling", "largest"), [("lagged", 0.002), ("similar", 0.002), ("sap", 0.002), ("tamsi", 0.01)])
+@pytest.mark.parametrize(
+    ("spelling", "largest"), [*((name, 0.002) for name in ("lagged", "similar", "sap", "cenic")), ("tamsi", 0.01)]
+)
 def test_a_limit_holds_a_joint(spelling: str, largest: float) -> None:
     """A step moves the body by 1.2 mm when it lands; `tamsi` has a spring as a limit."""
     most, last, speed = landing(DRAKE, spelling, 0.001, Stops(-0.1, None))
@@ -50,5 +52,5 @@ def test_what_drake_lacks_is_refused() -> None:
     rebounding, rigid = hinge(PD, stops=Stops(-1.0, 1.1, 0.5)), hinge(PD, stops=Stops(-1.0, 1.1))
     with pytest.raises(SceneUnsupported, match=r"no rebound, and pin has the restitution 0\.5"):
         offers.prepare(DRAKE, [rebounding], Method.parse("lagged", 0.001))
-    with pytest.raises(SceneUnsupported, match="limits of joints in its discrete plant only"):
+    with pytest.raises(SceneUnsupported, match="limits of joints in cenic and in its discrete plant only"):
         offers.prepare(DRAKE, [rigid], Method.parse("runge_kutta3", 0.001))

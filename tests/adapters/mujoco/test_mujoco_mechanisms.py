@@ -7,6 +7,7 @@ import pytest
 
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mujoco import engine as adapter
+from bodycheck.reference.mechanisms.control import Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array
 from tests.support.jointed import body, cart_pole, four_bar, tree
@@ -112,3 +113,23 @@ def test_an_option_without_an_effect_is_refused() -> None:
         after(cart_pole(), "Euler:solref=0.01 1", 1)
     with pytest.raises(SceneUnsupported, match=r"raise the time constant 0\.001 s of solref to 0\.004 s"):
         after(four_bar(), "Euler:solref=0.001 1", 1)
+
+
+def test_stops_cease_to_act_between_two_steps() -> None:
+    """Until then the states are those with the stop, afterwards the joint passes it, and strides make no difference."""
+    hinge = Joint(
+        "hinge", "revolute", WORLD, 0, axis=(0.0, 1.0, 0.0), start=(0.0,), start_velocity=(0.0,), stops=Stops(None, 0.3)
+    )
+    stopped = Mechanism((body("arm", 1.0, (0.02, 0.03, 0.01), (0.2, 0.0, 0.0)),), (hinge,), gravity=9.81)
+    released = replace(stopped, stops_until=0.41)
+    whole, single, long = states(stopped, [1] * 600), states(released, [1] * 600), states(released, [150, 150, 150, 150])
+    assert np.array_equal(single[:410], whole[:410])
+    heights = single[:, 0, 2]
+    assert heights[410] == pytest.approx(whole[410, 0, 2], abs=1e-4)
+    assert heights[-1] < heights[410] - 0.02
+    assert np.array_equal(long, single[149::150])
+    assert np.array_equal(states(stopped, [1] * 600), whole)  # the model of others is not changed
+
+
+def states(mechanism: Mechanism, strides: list[int]) -> Array:
+    return adapter.prepare([mechanism], Method.parse("RK4", 0.001)).advance(np.array(strides))[0]

@@ -1,16 +1,19 @@
 """The case that a robot's file is by itself."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from bodycheck import CaseFaults, load
+from bodycheck import CaseFaults, load, truth
+from bodycheck.casefile.authoring import new_of_model
 from bodycheck.casefile.case import parse_stored
 from bodycheck.casefile.robots.direct import scene_of_robot, text_of_robot
 from bodycheck.casefile.robots.named import case_name, short_name
 from bodycheck.files import reading
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from tests.support.robot_cases import URDF
 
 
@@ -25,12 +28,55 @@ def test_a_file_is_a_case_and_its_text_is_the_file_of_that_case(tmp_path: Path) 
     assert case.robot is not None
     assert case.robot.without == ("friction",)
     written = tmp_path / "arm.case.toml"
-    written.write_text(text := text_of_robot(robot, base="free", ignore=["friction"]))
+    written.write_text(text := text_of_robot(robot, base="free", ignore=["friction"], stops=False))
     assert load(written) == case
     for joint in ("shoulder", "reach", "wrist"):
         assert f"[initial.joints.{joint}]" in text
     robot.unlink()
     assert parse_stored(case.text, "stored") == case
+
+
+#: A leg that swings down to the range of its follower, of which stops are not modelled.
+FOLLOWED = """<robot name="leg">
+<link name="hip"/>
+<link name="upper"><inertial><origin xyz="0.3 0 0"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1"
+  ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0.2 0 0"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1"
+  ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="hinge" type="revolute"><parent link="hip"/><child link="upper"/><axis xyz="0 1 0"/>
+  <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+<joint name="knee" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.5 0 0"/><axis xyz="0 1 0"/>
+  <mimic joint="hinge" multiplier="0.5"/><limit lower="-1" upper="0.25" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+def test_stops_act_until_the_truth_with_them_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "leg.urdf").write_text(FOLLOWED)
+    case = load(tmp_path / "leg.urdf")
+    assert isinstance(case.scene, Mechanism)
+    until = case.scene.stops_until
+    assert until is not None
+    assert until in case.instants
+    free = truth(replace(case, scene=replace(case.scene, joints=without_stops(case.scene), stops_until=None)))
+    assert free.joints is not None
+    hinge = free.joints.position[:, 0]
+    assert hinge[case.instants == until] < 0.5 <= hinge[int(np.searchsorted(case.instants, until)) + 1]
+    known = truth(case)
+    assert known.joints is not None
+    assert known.joints.position[:, 0] == pytest.approx(hinge, abs=1e-12)  # no stop is reached before: one motion
+    assert case.robot is not None
+    start = f"From {until:.4g} s on this is the robot without its stops, since the truth with stops ends there: the stop of "
+    assert case.robot.notices[0].startswith(start)
+    assert parse_stored(case.text, "stored") == case
+    monkeypatch.chdir(tmp_path)
+    written = new_of_model(None, Path(), Path("leg.urdf"), (), ())
+    assert 'use = ["actuators"]' in written.read_text()
+    assert isinstance(scene := load(written).scene, Mechanism)
+    assert not any(joint.stops for joint in scene.joints)
+
+
+def without_stops(scene: Mechanism) -> tuple[Joint, ...]:
+    return tuple(replace(joint, stops=None) for joint in scene.joints)
 
 
 def test_a_link_that_the_user_names_is_followed(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ def test_what_is_ignored_is_left_out_and_noted(tmp_path: Path) -> None:
         (),
         False,
     )
-    assert "1 damping of a joint (line 8) is left out, as the case ignores it." in case.robot.notices
+    assert "The damping of 1 joint (line 8) is left out, as the case ignores it." in case.robot.notices
     assert "1 element <mimic> (line 10) is left out, as the case ignores it." in case.robot.notices
 
 
@@ -335,3 +335,14 @@ def _escaped(name: str) -> str:
 def test_a_name_that_is_too_long_is_a_fault(tmp_path: Path) -> None:
     with pytest.raises(CaseFaults, match="at most 100 characters"):
         load(case_file(tmp_path, GRIPPER.replace('"left"', f'"{"x" * 101}"'), "", "robot.urdf"))
+
+
+def test_the_friction_of_joints_is_left_out_and_not_the_joints(tmp_path: Path) -> None:
+    joints = "".join(f'<joint name="j{n}" axis="{n} 1 0" frictionloss="0.1"/>\n' for n in (1, 2))
+    text = f'<mujoco>\n<worldbody>\n<body gravcomp="1">\n{joints}<geom size="0.1"/></body>\n</worldbody>\n</mujoco>'
+    case = load(case_file(tmp_path, text, 'ignore = ["friction", "gravity_compensation"]'))
+    assert case.robot is not None
+    assert case.robot.notices[1:] == (
+        "The gravity compensation of 1 body (line 3) is left out, as the case ignores it.",
+        "The friction of 2 joints (lines 4 and 5) is left out, as the case ignores it.",
+    )

@@ -165,7 +165,7 @@ def test_what_a_urdf_may_not_have(tmp_path: Path, old: str, new: str, words: str
         ('armature="0"', 'armature="0.1"', "1 ball joint (robot.xml, line 14) has an armature"),
         ("</worldbody>", '</worldbody><equality><weld body1="tip"/></equality>', "(robot.xml, line 26) holds its bodies"),
         ("<worldbody>", '<option density="1.2"/><worldbody>', "1 medium (robot.xml, line 7) acts"),
-        ('<body name="tip"', '<body name="tip" gravcomp="1"', "1 body (robot.xml, line 13) has gravity compensation"),
+        ('<body name="tip"', '<body name="tip" gravcomp="1"', "The gravity compensation of 1 body (robot.xml, line 13) acts"),
         ("<worldbody>", '<include file="x"/><worldbody>', "<include file>: 'x' is not there"),
         ('stiffness="3"', 'stiff="3"', "<joint stiff>: there is no such attribute; did you mean 'stiffness'?"),
         ('<body name="weight"', '<body name="tip"', "'tip' is the name of another body"),

@@ -72,6 +72,16 @@ def test_the_stops_of_joints_that_follow_others_are_those_of_their_leader(tmp_pa
     assert stops(read(tmp_path, 'use = ["limits"]', URDF)[1]) == {"leader": Stops(-1.0, 1.0)}
 
 
+def test_stops_of_joints_that_follow_others_are_left_out_where_the_case_allows_it(tmp_path: Path) -> None:
+    """The truth does not have them, so that the notices say when the range of the leader is passed."""
+    case, scene = read(tmp_path, 'use = ["limits"]\nignore = ["limits"]', URDF)
+    assert not stops(scene)
+    assert case.robot is not None
+    assert [(each.name, each.lower, each.upper) for each in case.robot.ranges] == [("leader", -1.0, 1.0)]
+    left_out = "The range of the joint leader is left out: stops of joints that follow others or are followed are not modelled."
+    assert left_out in case.robot.notices
+
+
 def test_actuators_are_controllers(tmp_path: Path) -> None:
     case, scene = read(tmp_path, 'use = ["actuators"]\nignore = ["actuators"]\nkeyframe = 0')
     assert scene.controllers == (Controller(0, kp=20.0, kd=0.4, target=0.25),)
@@ -102,9 +112,9 @@ def test_a_robot_by_itself_has_its_actuators_as_controllers(tmp_path: Path) -> N
     case = load(robot)
     assert isinstance(case.scene, Mechanism)
     assert case.scene.controllers == (Controller(0, kp=20.0, kd=0.4, target=0.25),)
-    assert stops(case.scene) == {}
+    assert stops(case.scene) == {"j": Stops(-1.0, 2.0), "k": Stops(0.5, 0.7)}
     assert case.robot is not None
-    assert [each.name for each in case.robot.ranges] == ["j", "k", "tendon t"]
+    assert [each.name for each in case.robot.ranges] == ["tendon t"]
     written = tmp_path / "arm.case.toml"
     written.write_text(text_of_robot(robot))
     assert load(written) == case

@@ -3,10 +3,12 @@
 import json
 import math
 import os
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -243,6 +245,12 @@ print(json.dumps(taylor.euler_lagrange(scene, numpy.array([1.0])).quaternion.ast
 """
 
 
+def stored_settings(cache: Path) -> dict[str, int]:
+    """The settings that heyoka stores in a cache on disk."""
+    with closing(sqlite3.connect(cache)) as connection:
+        return dict(connection.execute("SELECT key, value FROM config"))
+
+
 def in_another_process(cache: Path) -> list[list[float]]:
     environment = os.environ | {"HEYOKA_CACHE_DIR": str(cache)}
     done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True)
@@ -254,18 +262,19 @@ def test_compiled_code_is_kept_only_where_no_one_else_can_write(tmp_path: Path) 
     rotation = euler_lagrange(spinning((0.3, 0.45, 0.6), (2.0, 3.0, -4.0)), np.array([1.0]))
     expected = rotation.quaternion.astype(float).tolist()
     own, shared, corrupt = tmp_path / "own", tmp_path / "shared", tmp_path / "corrupt"
-    for folder in (shared, corrupt):
-        folder.mkdir(mode=0o700)
+    for folder in (shared, corrupt / "bodycheck"):
+        folder.mkdir(mode=0o700, parents=True)
     shared.chmod(0o777)
-    (corrupt / "cache.db").write_text("not a data base")
+    (corrupt / "bodycheck" / "cache.db").write_text("not a data base")
 
     assert in_another_process(own) == expected
-    assert heyoka_solver.is_private(own)
-    assert (own / "cache.db").exists()
+    assert heyoka_solver.is_private(own / "bodycheck")
+    assert stored_settings(own / "bodycheck" / "cache.db")["size_limit"] == heyoka_solver.DISK_CACHE_BYTES
+    assert not (own / "cache.db").exists()  # that of other programs is left alone, however large it is
     assert in_another_process(shared) == expected
     assert not list(shared.iterdir())
     assert in_another_process(corrupt) == expected
-    assert in_another_process(own / "cache.db") == expected
+    assert in_another_process(own / "bodycheck" / "cache.db") == expected
 
 
 def test_private_means_written_by_no_one_else(tmp_path: Path) -> None:

@@ -67,6 +67,19 @@ def test_a_driven_hinge_has_the_known_values(follow: Follow, room: float) -> Non
     assert abs(rate + 5.79412483285462) < 10 * room
 
 
+def test_the_fiftieth_instant_at_500_hertz_reaches_a_tenth_of_a_second() -> None:
+    """Fifty of 500 periods are less than the double 0.1, by less than 1e-9 of a period."""
+
+    def angles(time: float) -> Array:
+        held = replace(PD, rate=500.0, target=Samples((0.0, time), (0.0, 1.0)))
+        mechanism, end = replace(ARM, controllers=(held,)), np.array([0.102])
+        ways = solution.follow(mechanism, end).joint_position, recursion.follow(mechanism, end).position
+        return np.concatenate(ways).astype(float)
+
+    np.testing.assert_array_equal(angles(0.1), angles(0.0995))
+    assert np.abs(angles(0.1) - angles(0.1001)).max(axis=1).min() > 1e-6  # the start of the effect of 20 N m in 2 ms
+
+
 def value(signal: Signal, t: float) -> float:
     """The value of a signal in double precision."""
     match signal:

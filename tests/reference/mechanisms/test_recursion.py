@@ -8,17 +8,23 @@ import pytest
 
 from bodycheck import load
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.exact.numbers import MP
+from bodycheck.reference.exact.numbers import MP, FloatType
 from bodycheck.reference.kinematics import geodesic_angle, rotate
+from bodycheck.reference.mechanisms import followed as measured_ways
 from bodycheck.reference.mechanisms import kinematics, observables
+from bodycheck.reference.mechanisms.articulation.nudges import growth_of_trees
+from bodycheck.reference.mechanisms.growth import growth
+from bodycheck.reference.mechanisms.link_states import start
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
-from bodycheck.reference.mechanisms.recursion import JointStates, follow, follow_in_parts
+from bodycheck.reference.mechanisms.recursion import JointStates, follow
+from bodycheck.reference.mechanisms.tree import forest
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth
 from tests.support.jointed import body, cart_pole, four_bar, free_chain, tree
 
 hy = pytest.importorskip("heyoka")
 
+from bodycheck.reference.integration.heyoka_solver import integrator, solve  # noqa: E402
 from bodycheck.reference.mechanisms import tree_equations  # noqa: E402
 from bodycheck.reference.mechanisms.tree_equations import MOST_OPTIMISED  # noqa: E402
 
@@ -225,12 +231,44 @@ def test_a_motion_that_needs_too_many_steps_is_refused(friction: float, monkeypa
     follow(plain, TIMES)
 
 
-def test_a_motion_in_parts_is_the_whole_motion() -> None:
-    whole = follow(tree(), TIMES, np.float64)
-    parts = list(follow_in_parts(tree(), [TIMES[:5], TIMES[5:6], TIMES[6:]]))
-    # Each part begins with the rounded end of the one before, and has steps of its own.
-    np.testing.assert_allclose(np.concatenate([part.position for part in parts]), whole.position, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(np.concatenate([part.velocity for part in parts]), whole.velocity, rtol=0, atol=1e-11)
+def test_motions_in_lanes_are_those_of_separate_integrations() -> None:
+    followed = max(forest(tree()).trees, key=lambda each: len(each.links))
+    kind, instants = FloatType(np.float64), np.linspace(0.0, 2.0, 33)
+    solver = integrator(tree_equations._equations(tree_equations.shape_of(followed)), np.float64, large=True)
+    begin, numbers = kind.array(start(followed)), kind.array(tree_equations.parameters(followed))
+    nudge = 2.0**-30 * np.random.default_rng(1).choice([-1.0, 1.0], len(begin))
+    rows, deviations, factors = tree_equations.beside(followed, instants, [(0, nudge), (8, nudge)], np.ones(len(begin)))
+    # Both integrations have errors of some hundred roundings, in double precision, and steps of their own.
+    np.testing.assert_allclose(rows, solve(solver, begin, numbers, instants), rtol=0, atol=1e-11)
+    assert not factors[1, :8].any()
+    assert not deviations[1, :8].any()
+    np.testing.assert_array_equal(deviations[:, [0, 8]][[0, 1], [0, 1]], [nudge, nudge])
+    # A nudge from a state on is a nudge of the motion that begins there.
+    for lane, first in ((0, 0), (1, 8)):
+        moved = solve(solver, rows[first] + nudge, numbers, instants[first:] - instants[first])
+        off = deviations[lane, first:] * factors[lane, first:, None]
+        # Deviations of at most 1e-5 are proportional to the nudge but for their squares.
+        np.testing.assert_allclose(off, moved - rows[first:], rtol=0, atol=1e-4 * np.abs(off).max())
+
+
+def test_growth_in_lanes_is_that_of_separate_motions() -> None:
+    mechanism, instants = rods(3), np.linspace(0.0, 20.0, 129)
+    base, together = growth_of_trees(mechanism, instants)
+    apart = growth(mechanism, measured_ways._in_doubles, base, instants)
+    assert together.of_any[-1] > 1e4
+    # Nudges in other directions deviate by other factors, and a sum of two deviations is at least the larger one.
+    ratio = together.of_any / apart.of_any
+    assert ratio.min() > 0.1
+    assert ratio.max() < 10.0
+
+
+def test_a_lane_that_fails_ends_alone() -> None:
+    (followed,) = forest(rods(2)).trees
+    instants = np.linspace(0.0, 1.0, 9)
+    rows, _, factors = tree_equations.beside(followed, instants, [(0, np.full(4, np.inf)), (2, np.full(4, 1e-9))], np.ones(4))
+    assert np.isfinite(rows).all()
+    assert not factors[0, 1:].any()
+    assert factors[1, 2:].all()
 
 
 def test_code_that_is_not_optimised_gives_the_same_motion(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from bodycheck import Case, compare, load, simulate, truth
+from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
@@ -331,3 +332,13 @@ def test_the_command(calls_here: None, tumbling: Case, tmp_path: Path) -> None:
     assert bodycheck(*command[:4], "--integrator", "Euler", "--error", 1e-4).returncode == 1, "no method gets there"
     refused = bodycheck(*command[:-1], -1)
     assert (refused.returncode, refused.stderr) == (2, "--error -1: must be positive and finite\n")
+
+
+def test_steps_of_a_sampled_case_divide_the_period_of_its_controllers() -> None:
+    """The arm is sampled at 100 Hz for a second, so that a run has 100 steps, or a multiple."""
+    case = load("driven-arm")
+    asked = study.Study(case, "attitude_error", 1e-3, ()).asked
+    assert [asked.numbered(Method("RK4", 0.0), number).timestep for number in (1, 2, 5)] == [0.01, 0.005, 0.002]
+    assert [asked.number(Method("RK4", step)) for step in (0.01, 0.002, 0.004, 0.003)] == [1, 5, None, None]
+    assert neighbours(1) == (1, 2)
+    assert study.periods_of(load("driven-hinge-continuous")) == study.periods_of(load("double-pendulum")) == 1

@@ -15,6 +15,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.results import csv_tables
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
@@ -226,3 +227,14 @@ def test_a_plan_that_cannot_be_run_is_refused() -> None:
     with pytest.raises(BadInput, match="nothing to run"):
         tradeoff.plan([case], ENGINES, ("admm",), ())
     assert len(tradeoff.plan([case, load("sliding-brick")], ENGINES, ("admm",), (0.01, 0.001))) == 2
+
+
+@pytest.mark.parametrize("name", ["driven-hinge-sampled", "driven-leg", "driven-slider-linear-targets"])
+def test_the_steps_of_sampled_cases_divide_the_periods_of_their_controllers(name: str) -> None:
+    case = load(name)
+    assert isinstance(case.scene, Mechanism)
+    steps, interval = np.array(ladder(case)), case.duration / (case.samples - 1)
+    for rate in (each.rate for each in case.scene.controllers):
+        assert rate is not None
+        np.testing.assert_allclose(np.round(1 / rate / steps) * steps, 1 / rate, rtol=1e-10)  # steps have 12 digits
+    np.testing.assert_allclose(np.round(interval / steps) * steps, interval, rtol=1e-10)

@@ -35,13 +35,18 @@ class Features:
         """Return keys of the table of a joint; if the case ignores the word, add that they are left out, and return none."""
         if word not in self.ignore:
             return keys
-        self.add((word, True, f"are without their {word}", ("joint", "joints")), element)
+        self.add((word, True, "", property_of(word, "joint")), element)
         return {}
 
     def all(self) -> tuple[Feature, ...]:
         """Return the features in the order of the file."""
         ordered = sorted(self.places.items(), key=lambda entry: min(entry[1]))
         return tuple(Feature(*kind, tuple(sorted(places))) for kind, places in ordered)
+
+
+def property_of(name: str, part: str, several: str | None = None) -> tuple[str, str]:
+    """Return the nouns of a property, such as "damping of {} joints". several: the plural of the part, if irregular."""
+    return f"{name} of {{}} {part}", f"{name} of {{}} {several or part + 's'}"
 
 
 def idle(noun: str, plural: str, text: str = "exert nothing") -> Kind:
@@ -78,7 +83,7 @@ PLUGIN: Kind = (None, True, "may move bodies", ("plugin", "plugins"))
 ATTACHED: Kind = (None, True, "are another model", ("element <attach>", "elements <attach>"))
 ACTING = {"composite": COMPOSITE, "flexcomp": FLEX, "flex": FLEX, "plugin": PLUGIN, "attach": ATTACHED}
 
-GRAVCOMP: Kind = ("gravity_compensation", True, "have gravity compensation", ("body", "bodies"))
+GRAVCOMP: Kind = ("gravity_compensation", True, "act", property_of("gravity compensation", "body", "bodies"))
 MOCAP: Kind = (None, False, "are at rest, as nothing moves them", ("mocap body", "mocap bodies"))
 MEDIUM: Kind = ("medium", True, "act on all bodies", ("medium", "media"))
 

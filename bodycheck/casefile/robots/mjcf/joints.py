@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bodycheck.casefile.robots import tables
-from bodycheck.casefile.robots.mjcf.features import Features
+from bodycheck.casefile.robots.mjcf.features import Features, property_of
 from bodycheck.casefile.robots.mjcf.parts import Part
 from bodycheck.casefile.robots.mjcf.settings import Settings, word
 from bodycheck.casefile.robots.numbers import number, numbers
@@ -18,9 +18,8 @@ from bodycheck.robots.orientations import about_axis, normed
 #: The types of joints of MJCF, and the types of a case.
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
 
-#: The noun for a joint, and the clause on one whose force is no linear function.
-JOINT = ("joint", "joints")
-NOT_LINEAR = ("have a force that is no linear function", JOINT)
+#: The clause on a force of joints that is no linear function.
+NOT_LINEAR = "are no linear function"
 
 #: The numbers of coordinates and of velocities of each type of joint.
 SIZES = {"hinge": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
@@ -172,9 +171,9 @@ def _properties(joint: Element, kind: str, rules: Settings, features: Features) 
     if "spring" not in features.off and any(stiffness := _coefficients(joint, "stiffness")):
         properties["stiffness"] = stiffness[0]
         if any(stiffness[1:]):
-            features.add((None, True, *NOT_LINEAR), joint)
+            features.add((None, True, NOT_LINEAR, property_of("spring", "joint")), joint)
         if number(joint, "springyield", 0.0):
-            features.add((None, True, "have a spring that yields", JOINT), joint)
+            features.add((None, True, "have a spring that yields", ("joint", "joints")), joint)
     if (friction := number(joint, "frictionloss", 0.0)) and "frictionloss" not in features.off:
         properties |= features.keys("friction", joint, {"friction": friction})
     return properties
@@ -186,7 +185,7 @@ def _damping(joint: Element, features: Features) -> dict[str, Any]:
     if "damper" in features.off or not any(coefficients):
         return {}
     if any(coefficients[1:]) and "damping" not in features.ignore:
-        features.add(("damping", True, *NOT_LINEAR), joint)
+        features.add(("damping", True, NOT_LINEAR, property_of("damping", "joint")), joint)
     return features.keys("damping", joint, {"damping": coefficients[0]})
 
 
@@ -204,11 +203,11 @@ def _add_what_is_not_read(joint: Element, kind: str, features: Features) -> None
     if number(joint, "armature", 0.0):
         features.add((None, True, "have an armature", noun), joint)
     if number(joint, "frictionloss", 0.0) and "frictionloss" not in features.off:
-        features.add(("friction", True, "have dry friction", noun), joint)
+        features.add(("friction", True, "act", property_of("dry friction", f"{kind} joint")), joint)
     if kind == "free" and any(_coefficients(joint, "damping")) and "damper" not in features.off:
-        features.add(("damping", True, "have damping", noun), joint)
+        features.add(("damping", True, "act", property_of("damping", f"{kind} joint")), joint)
     if kind == "ball" and any(numbers(joint, "range", (2,), (0.0, 0.0))) and "limit" not in features.off:
-        features.add(("limits", False, "have limits, which are not looked at", noun), joint)
+        features.add(("limits", False, "are not looked at", property_of("range", f"{kind} joint")), joint)
 
 
 def limits(joint: JointOfFile, rules: Settings) -> tuple[float, float] | None:

@@ -42,10 +42,10 @@ IDLE = {
 }
 
 #: The damping and friction of joints: of joints with several coordinates, a case cannot state them.
-SEVERAL = "are of joints with several coordinates"
+SEVERAL = "act on several coordinates"
 DYNAMICS: dict[str, _Kind] = {
-    "damping": _Kind("damping", ("damping of a joint", "dampings of joints"), SEVERAL),
-    "friction": _Kind("friction", ("dry friction of a joint", "dry frictions of joints"), SEVERAL),
+    "damping": _Kind("damping", ("damping of {} joint", "damping of {} joints"), SEVERAL),
+    "friction": _Kind("friction", ("dry friction of {} joint", "dry friction of {} joints"), SEVERAL),
 }
 MIMIC = _Kind("mimic", ("element <mimic>", "elements <mimic>"), "")
 ONE_BODY = "have an inertia that no body has, and are read as one body with the links that they are fixed to, which is possible"
