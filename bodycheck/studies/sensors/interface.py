@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bodycheck.adapters.method import checked_name
 from bodycheck.casefile.content import Case
+from bodycheck.console.arguments import make_folder
 from bodycheck.console.ran import Ran, Selection, ran_of
 from bodycheck.errors import BadInput
 from bodycheck.interface import arguments
@@ -85,6 +86,7 @@ def of_readings(
     BadInput
         As `recorded.rows` does.
     """
+    make_folder("--out", output.folder)
     rows, notes = recorded.rows(file, case, engine, version, timestep)
     header = campaign.header(command, {}, {})
     header["engines"], header["precisions"] = {engine: version}, {engine: "float64"}
