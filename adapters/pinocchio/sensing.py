@@ -76,6 +76,8 @@ def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
 
 def lacking_on_joints(mechanism: Mechanism, sensor: Sensor, method: Method) -> str | None:
     """Return why Pinocchio does not read a sensor of a mechanism; None if it does."""
+    if mechanism.loops and method.option("sensors") != "forward":
+        return "has no velocities and accelerations of joints along their own axes in the data after a step with loops"
     if sensor.type not in ("accelerometer", "force_torque"):
         return None
     if sensor.type == "force_torque" and mechanism.loops:

@@ -115,12 +115,10 @@ def effort(mechanism: Mechanism, built: Built, sensor: Sensor) -> Reading:
 
 def contact(force: Any) -> Reading:
     """Return the function that reads the force of a contact on the body of a scene."""
-    labels = force.getRecordLabels()
-    names = [labels.get(index) for index in range(labels.size())]
-    places = [next(index for index, name in enumerate(names) if name.endswith(f"body.force.{axis}")) for axis in "XYZ"]
 
     def read(state: Any) -> Array:
-        record = force.getRecordValues(state)
-        return np.array([record.get(place) for place in places])
+        labels, record = force.getRecordLabels(), force.getRecordValues(state)
+        named = {labels.get(index).rpartition("body.")[2]: record.get(index) for index in range(labels.size())}
+        return np.array([named[f"force.{axis}"] for axis in "XYZ"])
 
     return read
