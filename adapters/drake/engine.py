@@ -9,8 +9,20 @@ import numpy as np
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
 from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import ACCURACY, KINDS, Engine, Integrator, Kind, Method, Role, Simulation, Usage, states
-from bodycheck.adapters.drake import INSTALLATION, mechanisms
+from bodycheck.adapters.contract import (
+    ACCURACY,
+    KINDS,
+    Engine,
+    Integrator,
+    Kind,
+    Method,
+    Role,
+    SensingSimulation,
+    Simulation,
+    Usage,
+    states,
+)
+from bodycheck.adapters.drake import INSTALLATION, mechanisms, sensing
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
@@ -20,6 +32,7 @@ from bodycheck.adapters.stepping import Loop, Normalised, NormalisedControl
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 # Drake warns of features that every scene here uses: deprecated approximations, and rigid planes that deformable bodies would
@@ -109,7 +122,10 @@ engine = Engine(
     defaults=defaults(),
     roles=roles(),
     largest_step=SimulatorConfig().max_step_size,
+    reads=("step", "forward"),
 )
+
+lacking = sensing.lacking
 
 
 #: The functions of Drake that steps call from Python. The time of drag, which Drake calls in turn, counts as Drake's time.
@@ -158,13 +174,30 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 def simulated(built: Callable[[], Model], method: Method) -> Normalised:
     """Return the simulation of a model that a function builds by a method, with unit quaternions."""
     if method.accuracy is None:
-        return Normalised(loop(built(), method.timestep))
+        return stepped(built(), method)
 
     def with_state() -> tuple[Model, Callable[[], Array]]:
         model = built()
         return model, lambda: seen(model)
 
     return NormalisedControl(controlled(with_state, method, rows))
+
+
+def stepped(model: Model, method: Method) -> Normalised:
+    """Return the simulation that steps one model, also to samples with error control, with unit quaternions."""
+    if method.accuracy is None:
+        return Normalised(loop(model, method.timestep))
+    return NormalisedControl(replace(controlled(lambda: (model, lambda: seen(model)), method, rows), between=None))
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        actuated = [each.joint for each in sensors if each.type == "joint_effort" and each.joint is not None]
+        model, *others = mechanisms.built(scene, method, APPROXIMATIONS, actuated)
+        return SensingSimulation(mechanisms.stepped(scene, method, model, *others), sensing.reader(model, scene, sensors))
+    model = build(scene, method, APPROXIMATIONS)
+    return SensingSimulation(stepped(model, method), sensing.reader(model, scene, sensors))
 
 
 def loop(model: Model, timestep: float) -> Loop[int]:

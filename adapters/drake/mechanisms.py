@@ -8,7 +8,7 @@ stops are Drake's limits of coordinates. Only the discrete plant has all of thes
 integrators have none of them. Drake has no dry friction.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
@@ -96,17 +96,21 @@ def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...
     SceneUnsupported
         If Drake refuses a body, has no constraints with this method, or refuses bodies without mass with it.
     """
+    if method.accuracy is not None and not mechanism.driven:
+        return controlled(lambda: built(mechanism, method, approximations)[:2], method, lambda seen: rows(mechanism, seen))
+    return stepped(mechanism, method, *built(mechanism, method, approximations))
+
+
+def stepped(mechanism: Mechanism, method: Method, model: Model, seen: Callable[[], Array], joints: Actuated) -> Simulation:
+    """Return the simulation of a mechanism that steps one model, from all that `built` returns."""
 
     def in_bodies(numbers: Array) -> Array:
         return rows(mechanism, numbers)
 
-    if method.accuracy is not None and not mechanism.driven:
-        return controlled(lambda: built(mechanism, method, approximations)[:2], method, in_bodies)
-    model, seen, joints = built(mechanism, method, approximations)
     if method.accuracy is not None:
-        # Efforts change at the ends of steps of the one model, so that its steps end at samples too.
+        # Efforts change, and sensors are read, at the ends of steps of the one model, so that its steps end at samples too.
         simulation = replace(controlled(lambda: (model, seen), method, in_bodies), between=None)
-        return TakingControl(simulation, joints.state, joints.apply)
+        return TakingControl(simulation, joints.state, joints.apply) if mechanism.driven else simulation
     loop = Loop(0, stepper(model, method.timestep), lambda _: seen(), in_bodies)
     if not mechanism.driven:
         return loop
@@ -130,8 +134,12 @@ def check(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
     check_rebounds(mechanism, "Drake")
 
 
-def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> tuple[Model, Callable[[], Array], Actuated]:
+def built(
+    mechanism: Mechanism, method: Method, approximations: tuple[str, ...], actuated: Collection[int] = ()
+) -> tuple[Model, Callable[[], Array], Actuated]:
     """Return the model of a mechanism, the function that `seer` returns, and the driven joints.
+
+    actuated: the indices of joints that have an actuator in any case, so that its effort can be read.
 
     Raises `SceneUnsupported` as `prepare` does.
     """
@@ -147,11 +155,12 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
         plant = MultibodyPlant(config.time_step)
         ApplyMultibodyPlantConfig(config, plant)
     plant.set_name(PLANT)
-    bodies = [add_link(plant, f"body {index}", link_of(body)) for index, body in enumerate(mechanism.bodies)]
-    joints = [add_joint(plant, bodies, joint, f"joint {index}", method) for index, joint in enumerate(mechanism.joints)]
-    moved = [n for n, joint in enumerate(mechanism.joints) if joint.armature or joint.effort or n in mechanism.driven]
+    bodies = [add_link(plant, body_name(index), link_of(body)) for index, body in enumerate(mechanism.bodies)]
+    joints = [add_joint(plant, bodies, joint, joint_name(index), method) for index, joint in enumerate(mechanism.joints)]
+    forced = {*mechanism.driven, *actuated}
+    moved = [n for n, joint in enumerate(mechanism.joints) if joint.armature or joint.effort or n in forced]
     for number in moved:
-        actuator = plant.AddJointActuator(joints[number].name(), joints[number])
+        actuator = plant.AddJointActuator(joint_name(number), joints[number])
         actuator.set_default_rotor_inertia(mechanism.joints[number].armature)
     if mechanism.loops:
         add_loops(plant, bodies, mechanism)
@@ -184,6 +193,16 @@ def built(mechanism: Mechanism, method: Method, approximations: tuple[str, ...])
     integrated(simulator, method, continuous=method.integrator not in approximations)
     model = Model(simulator, plant, context)
     return model, seer(model, bodies), driven
+
+
+def body_name(index: int) -> str:
+    """Return the name in a plant of a body of a mechanism."""
+    return f"body {index}"
+
+
+def joint_name(index: int) -> str:
+    """Return the name in a plant of a joint of a mechanism, and of its actuator."""
+    return f"joint {index}"
 
 
 def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str, method: Method) -> Any:

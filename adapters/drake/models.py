@@ -114,11 +114,15 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: 
 
 
 def configured(method: Method, approximations: tuple[str, ...]) -> Any:
-    """Return the configuration of a plant for a method: continuous, or discrete with one of the approximations of contact."""
+    """Return the configuration of a plant for a method: continuous, or discrete with one of the approximations of contact.
+
+    The output ports of a discrete plant keep the values of its last step, unless sensors are read with `sensors=forward`.
+    """
     config = MultibodyPlantConfig()
     config.time_step = method.timestep if method.integrator in approximations else 0.0
     if method.integrator in approximations:
         config.discrete_contact_approximation = method.integrator
+        config.use_sampled_output_ports = method.option("sensors") != "forward"
     return config
 
 

@@ -95,7 +95,7 @@ class Solver:
         return np.asarray(self._result.retrieveConstraintImpulses())
 
 
-def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:
+def rigid_contact(scene: Scene, plane: Plane, joints: Joints, data: pin.Data, timestep: float) -> Step:
     """Return the step of a brick with a rigid point contact with Coulomb friction at each of its four lower corners.
 
     Parameters
@@ -106,6 +106,8 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
         The plane with the coefficient of friction.
     joints
         Separate joints for translation and rotation, with gravity.
+    data
+        The data of their model in which the step computes.
     timestep
         The time step (s).
 
@@ -122,7 +124,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     if not isinstance(shape, Brick):
         raise SceneUnsupported(f"admm has contacts at corners, which {describe_shape(shape)} does not have")
     model, joint = joints.model, joints.joint
-    data, no_force = model.createData(), np.zeros(6)
+    no_force = np.zeros(6)
     a, b, c = shape.semi_axes
     corners = np.array([[a, b, -c], [-a, b, -c], [-a, -b, -c], [a, -b, -c]])
     models, datas = point_contacts(model, joint, corners, [plane.friction] * len(corners))

@@ -138,7 +138,7 @@ scene = SimpleNamespace(
     gravity={gravity!r},
 )
 plane = SimpleNamespace(friction={friction!r})
-advance = rigid_contact(scene, plane, SimpleNamespace(model=model, joint=joint), TIMESTEP)
+advance = rigid_contact(scene, plane, SimpleNamespace(model=model, joint=joint), model.createData(), TIMESTEP)
 
 {loop}"""
 
@@ -171,7 +171,9 @@ def contact_script(
     """
     if model != "contact":
         raise SceneUnsupported(f"a script of the model {model!r}; there is one of the model 'contact'")
-    contact.rigid_contact(scene, plane, joints, timestep)  # raises an error if the scene cannot be modelled
+    contact.rigid_contact(
+        scene, plane, joints, joints.model.createData(), timestep
+    )  # raises an error if the scene cannot be modelled
     shape, initial = scene.body.shape, scene.initial
     assert isinstance(shape, Brick)  # `rigid_contact` accepts only bricks
     functions = (contact.point_contacts, contact.residual_of, contact.set_tolerance)

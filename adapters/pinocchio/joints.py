@@ -50,6 +50,8 @@ class Joints:
         Converts n states (n, nq) and (n, nv) to rows (n, 13) of the contract.
     heading
         For a flat body, returns the cosine and sine of its yaw, measured in the frame in which v is expressed, from q.
+    attitude
+        The rotation matrix (3, 3) from the body frame to the frame of the joint; None for the identity.
     """
 
     model: pin.Model
@@ -58,6 +60,7 @@ class Joints:
     v: Array
     rows: Callable[[Array, Array], Array]
     heading: Callable[[Array], tuple[float, float]] = lambda q: (1.0, 0.0)
+    attitude: Array | None = None
 
 
 def in_flight(coordinates: Coordinates, scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
@@ -66,7 +69,8 @@ def in_flight(coordinates: Coordinates, scene: Scene, gravity: float, links: Seq
     attitude = to_pinocchio(scene.initial.quaternion).matrix() if coordinates.turned else None
     model, joint = body_on_joints(links_of(scene, links), gravity, [kind() for kind in coordinates.kinds], attitude)
     (q,), (v,) = coordinates.start(first)
-    return Joints(model, joint, q, v, lambda q, v: np.asarray(coordinates.rows(first, q[None], v[None])[0]))
+    rows = coordinates.rows
+    return Joints(model, joint, q, v, lambda q, v: np.asarray(rows(first, q[None], v[None])[0]), attitude=attitude)
 
 
 def translation(scene: Scene, gravity: float) -> Joints:

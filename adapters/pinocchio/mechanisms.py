@@ -13,6 +13,7 @@ trembles, and creeps if another force loads it.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -62,11 +63,43 @@ TENSORS, MOST_MEMORY = 8, 2 * 2**30
 Ends = tuple[int, Array, int, Array]
 
 
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """A mechanism that is stepped in Pinocchio.
+
+    Attributes
+    ----------
+    simulation
+        The simulation, which takes efforts if joints are driven.
+    loop
+        The loop of its steps.
+    data
+        The data of the model in which the accelerations are computed.
+    acceleration
+        The accelerations.
+    """
+
+    simulation: Loop[tuple[Array, Array]] | TakingLaws
+    loop: Loop[tuple[Array, Array]]
+    data: pin.Data
+    acceleration: Acceleration
+
+
 def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]] | TakingLaws:
     """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
-    scheme, body_twist = SCHEMES[method.integrator]
     mechanism = modelled(mechanism, method)
-    built_mechanism = built(mechanism, body_twist, method.option("model") == "three-hinges")
+    return assembled(mechanism, built_for(mechanism, method), method).simulation
+
+
+def built_for(mechanism: Mechanism, method: Method) -> Built:
+    """Return the mechanism that `modelled` returns on the joints of a method. Raises `SceneUnsupported`."""
+    _, body_twist = SCHEMES[method.integrator]
+    return built(mechanism, body_twist, method.option("model") == "three-hinges")
+
+
+def assembled(mechanism: Mechanism, built_mechanism: Built, method: Method) -> Assembled:
+    """Return a mechanism that is stepped by a method. Raises `SceneUnsupported`."""
+    scheme, _ = SCHEMES[method.integrator]
     model, nq = built_mechanism.model, built_mechanism.model.nq
     check_memory(model)
     data, numbers = model.createData(), joint_numbers(mechanism, built_mechanism)
@@ -86,9 +119,10 @@ def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]] |
         lambda seen: rows(seen[:, :nq], seen[:, nq:]),
     )
     if not mechanism.driven:
-        return loop
+        return Assembled(loop, loop, data, acceleration)
     of_all = all_joints(*rules_of(built_mechanism)) if built_mechanism.followers else in_model
-    return TakingLaws(loop, lambda: joints.state(*of_all(*loop.state)), joints.apply, joints.obey)
+    simulation = TakingLaws(loop, lambda: joints.state(*of_all(*loop.state)), joints.apply, joints.obey)
+    return Assembled(simulation, loop, data, acceleration)
 
 
 def check_memory(model: pin.Model) -> None:

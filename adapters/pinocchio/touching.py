@@ -67,6 +67,8 @@ class Contacts:
     ----------
     pressed
         The normal impulses (N s) of the last step, keyed by the indices of the two bodies.
+    exerted
+        The impulses (bodies, 3), in N s along the axes of the world, that contacts have exerted on each body in the last step.
     """
 
     def __init__(self, scene: AnyScene, bodies: Sequence[TouchingBody], timestep: float) -> None:
@@ -96,6 +98,7 @@ class Contacts:
         self.models: dict[tuple[float, ...], tuple[tuple[Any, Any], Any]] = {}
         self.settings, self.result = settings(), pin.ADMMSolverResult()
         self.pressed: dict[tuple[int, int], float] = {}
+        self.exerted = np.full((len(bodies), 3), np.nan)
 
     def step(self, state: State) -> State:
         """Return the state one step later. Raises `EngineDiverged` if ADMM finds no solution."""
@@ -110,7 +113,7 @@ class Contacts:
             for body, joint in zip(self.bodies, self.joints, strict=True)
         ]
         points = list(self._points(placed, v))
-        self.pressed = {}
+        self.pressed, self.exerted = {}, np.zeros((len(self.bodies), 3))
         if points:
             v = v + self._change(points, placed, before, v)
         return pin.integrate(self.model, q, self.timestep * v), v
@@ -155,8 +158,11 @@ class Contacts:
         guess = np.concatenate([self.guess.get(key, np.zeros(3)) for key in keys])
         impulses = self._solved(jacobian.delassus(self.inverse), drift / self.unit, guess, tuple(law.friction for law in laws))
         self.guess = dict(zip(keys, impulses.reshape(-1, 3), strict=True))
-        for point, pressed in zip(points, self.mass * self.unit * impulses[2::3], strict=True):
-            self.pressed[point.bodies] = self.pressed.get(point.bodies, 0.0) + float(pressed)
+        for point, impulse in zip(points, self.mass * self.unit * impulses.reshape(-1, 3), strict=True):
+            self.pressed[point.bodies] = self.pressed.get(point.bodies, 0.0) + float(impulse[2])
+            for body, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
+                if body != WORLD:
+                    self.exerted[body] += sign * point.axes @ impulse
         return jacobian.change(self.inverse, self.unit * impulses)
 
     def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
@@ -237,7 +243,11 @@ def settings() -> "pin.ADMMSolverSettings":
 
 def prepare(scene: AnyScene, method: Method) -> Loop[State]:
     """Return the simulation of bodies that touch, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
-    contacts = built(scene, method)
+    return simulated(built(scene, method))
+
+
+def simulated(contacts: Contacts) -> Loop[State]:
+    """Return the simulation of bodies at t = 0."""
     count = len(contacts.bodies)
     return Loop(begin(contacts.bodies), contacts.step, np.concatenate, lambda seen: states_of(seen, count))
 

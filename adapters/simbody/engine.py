@@ -19,6 +19,7 @@ from bodycheck.adapters.contract import (
     Kind,
     Method,
     Role,
+    SensingSimulation,
     Simulation,
     Strides,
     Usage,
@@ -30,7 +31,7 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms
+from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms, sensing
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
 from bodycheck.adapters.simbody.models import DRAG, described, started
@@ -39,6 +40,7 @@ from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 # OpenSim logs each call to stdout and to a file in the working directory.
@@ -133,7 +135,10 @@ engine = Engine(
     ),
     defaults=defaults(),
     roles=roles(defaults()),
+    reads=("step",),
 )
+
+lacking = sensing.lacking
 
 #: The friction law of contacts.
 contact_law = corners
@@ -279,11 +284,19 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
 def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     built = mechanisms.built(mechanism, method)
+    steps, read, exert = assembled(mechanism, built, method)
+    if not mechanism.driven:
+        return steps if method.accuracy is None else steps.controlled()
+    return driven(steps, read, exert)
+
+
+def assembled(
+    mechanism: Mechanism, built: mechanisms.Built, method: Method
+) -> tuple[Simbody, Callable[[], tuple[Array, Array]], Callable[[Array], None]]:
+    """Return the steps of a mechanism, and the functions that read its driven joints and exert efforts on them."""
     state = mechanisms.started(mechanism, built, method.option("settings") != "engine")
     first, seen = opensim.State(state), mechanisms.seer(mechanism, built)
     steps = Simbody(managed(built.model, state, method), built.model, method, seen, in_body_axes)
-    if not mechanism.driven:
-        return steps if method.accuracy is None else steps.controlled()
 
     def exert(efforts: Array) -> None:
         steps.begin(driving.overridden(first, steps.manager.getState(), built.actuators, efforts))
@@ -291,15 +304,32 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     def read() -> tuple[Array, Array]:
         return driving.motion(steps.manager.getState(), built.driven)
 
-    if method.accuracy is None:
+    return steps, read, exert
+
+
+def driven(steps: Simbody, read: Callable[[], tuple[Array, Array]], exert: Callable[[Array], None]) -> Simulation:
+    """Return the simulation of a mechanism whose joints are driven, from all that `assembled` returns."""
+    if steps.method.accuracy is None:
         return Taking(steps, read, exert)
-    # Efforts change at the ends of steps of the one manager, so that its steps end at samples too.
-    return TakingControl(replace(steps.controlled(), between=None), read, exert)
+    return TakingControl(in_one(steps), read, exert)
+
+
+def in_one(steps: Simbody) -> Controlled:
+    """Return the simulation of a method with error control whose steps end at samples too.
+
+    Efforts change, and sensors are read, at the ends of steps of the one manager.
+    """
+    return replace(steps.controlled(), between=None)
 
 
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
     """Return the simulation of a scene with its body, or with links in place of it. Raises `SceneUnsupported`."""
-    model = described(scene, links)
+    steps = alone(scene, described(scene, links), method)
+    return Normalised(steps) if method.accuracy is None else NormalisedControl(steps.controlled())
+
+
+def alone(scene: Scene, model: Any, method: Method) -> Simbody:
+    """Return the steps of a model of a scene. Quaternions may have any norm."""
     quaternions = method.option("settings") != "engine"
     state = started(scene, model, quaternions)
 
@@ -307,8 +337,25 @@ def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Norm
         position, attitude = poses(seen[:, :7], quaternions)
         return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
 
-    steps = Simbody(managed(model, state, method), model, method, coordinates, rows)
-    return Normalised(steps) if method.accuracy is None else NormalisedControl(steps.controlled())
+    return Simbody(managed(model, state, method), model, method, coordinates, rows)
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        built = mechanisms.built(scene, method)
+        reading = sensing.reader(built.model, sensing.on_joints(scene, built, sensors))
+        steps, read, exert = assembled(scene, built, method)
+        undriven = steps if method.accuracy is None else in_one(steps)
+        simulation = driven(steps, read, exert) if scene.driven else undriven
+        return SensingSimulation(simulation, lambda: reading(steps.manager.getState()))
+    model = described(scene)
+    reading = sensing.reader(model, sensing.on_body(model, sensors))
+    steps = alone(scene, model, method)
+    return SensingSimulation(
+        Normalised(steps) if method.accuracy is None else NormalisedControl(in_one(steps)),
+        lambda: reading(steps.manager.getState()),
+    )
 
 
 def coordinates(state: Any) -> Array:
