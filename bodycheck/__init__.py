@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from bodycheck.studies.parity.interface import ParityResults, parity
     from bodycheck.studies.recommend.interface import RecommendResults, recommend
     from bodycheck.studies.releases.interface import ReleasesResults, releases
+    from bodycheck.studies.sensors.interface import SensorResults, sensors
     from bodycheck.studies.tradeoff.interface import TradeoffResults, tradeoff
 
     __version__: str
@@ -52,6 +53,7 @@ __all__ = [
     "ReleasesResults",
     "Run",
     "RunResults",
+    "SensorResults",
     "TradeoffResults",
     "Truth",
     "__version__",
@@ -66,6 +68,7 @@ __all__ = [
     "recommend",
     "releases",
     "run",
+    "sensors",
     "simulate",
     "tradeoff",
     "truth",
@@ -96,6 +99,8 @@ HOMES = {
     "AuditResults": "studies.audit.interface",
     "contact": "studies.contact.interface",
     "ContactResults": "studies.contact.interface",
+    "sensors": "studies.sensors.interface",
+    "SensorResults": "studies.sensors.interface",
     "ensemble": "studies.ensemble.interface",
     "EnsembleResults": "studies.ensemble.interface",
     "parity": "studies.parity.interface",

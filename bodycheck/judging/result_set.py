@@ -19,6 +19,8 @@ from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.judgement import Compared, Verdict
 from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.judging.schemes.run_classes import classes_of
+from bodycheck.judging.sensors import measurement
+from bodycheck.judging.sensors.rows import SensorRow
 from bodycheck.results import csv_tables, origin
 from bodycheck.results.origin import Origins, with_origin
 from bodycheck.results.store import Results
@@ -39,12 +41,15 @@ class ResultSet:
         The parts of the errors of runs with contact.
     label
         A text that distinguishes the set from others in the same report; empty if there is only one set.
+    sensors
+        The rows of the sensors of runs.
     """
 
     results: Results
     verdicts: Sequence[Verdict]
     parts: Sequence[Attribution] = ()
     label: str = ""
+    sensors: Sequence[SensorRow] = ()
 
     @property
     def failed(self) -> bool:
@@ -79,7 +84,8 @@ def judged(results: Results, label: str = "", compared: Compared | None = None) 
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
         verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results, compared=compared)]
         parts = attribution.attribute(results, verdicts)
-    return ResultSet(results, verdicts, parts, label)
+        sensors = measurement.measure(results, verdicts)
+    return ResultSet(results, verdicts, parts, label, sensors)
 
 
 def labels(folders: Sequence[Path]) -> list[str]:
@@ -99,7 +105,7 @@ def labels(folders: Sequence[Path]) -> list[str]:
 
 
 def write(sets: Sequence[ResultSet], folder: Path) -> None:
-    """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder.
+    """Write results.csv and results.parquet into a folder, and, if there are such runs, attribution.csv and sensors.csv.
 
     All files state the origins of their numbers: beside a CSV file is a file with its metadata. Raises `NotWritten`.
     """
@@ -109,6 +115,7 @@ def write(sets: Sequence[ResultSet], folder: Path) -> None:
     csv_tables.write(folder, RESULTS, judgement.records(verdicts), origins, table.column_names)
     writing.write(folder / "results.parquet", _parquet(table, origins))
     attribution.write({one.label: one.parts for one in sets}, folder, origins)
+    measurement.write({one.label: one.sensors for one in sets}, folder, origins)
 
 
 def _parquet(table: pa.Table, origins: Origins) -> bytes:

@@ -90,8 +90,8 @@ def read(path: Path, case: Case, engine: str, version: str) -> Recording:
     BadInput
         If the file cannot be read, lacks a column, or has a value that is not allowed. The text gives the line and the column.
     """
-    columns = _columns(path)
-    t, columns, notes = _within(path, columns, case.duration)
+    columns = columns_of(path)
+    t, columns, notes = within(path, columns, case.duration)
     used, trajectory = _trajectory(path, columns, t, case)
     if unused := sorted(columns.keys() - used - {TIME}):
         notes = (f"{path}: columns that are not used: {', '.join(unused)}", *notes)
@@ -144,7 +144,7 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
         yield replace(store.read(results_folder), complete=True, known={case.name: case})
 
 
-def _columns(path: Path) -> dict[str, Array]:
+def columns_of(path: Path) -> dict[str, Array]:
     """Return the columns of a file by their names; all numbers are finite. Raises `BadInput`."""
     try:
         text = reading.content(path, MAX_BYTES, follow=True).decode("utf-8-sig")
@@ -182,7 +182,7 @@ def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) ->
     return numbers
 
 
-def _within(path: Path, columns: Mapping[str, Array], duration: float) -> tuple[Array, dict[str, Array], tuple[str, ...]]:
+def within(path: Path, columns: Mapping[str, Array], duration: float) -> tuple[Array, dict[str, Array], tuple[str, ...]]:
     """Return the instants of a file within the duration of the case (s), the columns there, and notes. Raises `BadInput`."""
     t = columns[TIME]
     if t[0] < 0 or not (np.diff(t) > 0).all():

@@ -63,7 +63,9 @@ def sensed(
         reason = f"does not simulate the scene with sensors: {error}"
         return _unread(sensors, tuple(own or reason for own in lacking), trajectory)
     series = iter(readings)
-    each = [_nothing(sensor, len(rows)) if reason else next(series) for sensor, reason in zip(sensors, lacking, strict=True)]
+    each = [
+        _nothing(sensor, len(readings[0])) if reason else next(series) for sensor, reason in zip(sensors, lacking, strict=True)
+    ]
     first = len(window)
     return Sensed(lacking, tuple(one[rows] for one in each), window, tuple(one[:first] for one in each))
 

@@ -11,7 +11,7 @@ import inspect
 from typing import Any
 
 #: The folders of the studies, in the order in which their commands are listed.
-STUDIES = ["tradeoff", "recommend", "extremes", "ensemble", "ablation", "audit", "parity", "contact", "releases"]
+STUDIES = ["tradeoff", "recommend", "extremes", "ensemble", "ablation", "audit", "parity", "contact", "sensors", "releases"]
 
 
 def is_plain(study: str) -> bool:
