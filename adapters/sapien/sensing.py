@@ -3,8 +3,8 @@
 PhysX's incoming joint force of a link is along the axes of the joint in the child and about its origin, which is that of the
 child's frame. The adapter turns these axes, so that the joint's axis is x, and turns the readings back to the child's frame.
 The force of contacts is the sum of the impulses on a body divided by the time step; they have normal parts alone, and no
-friction. Both belong to the last step, and are zero
-after a reset. SAPIEN has neither inertial sensors nor accelerations of links on the CPU.
+friction. Both belong to the last step, and are zero after a reset. SAPIEN has neither inertial sensors nor accelerations of
+links on the CPU.
 """
 
 from collections.abc import Callable, Sequence
