@@ -7,8 +7,17 @@ import dartpy as dart
 import numpy as np
 
 from bodycheck.adapters.attitudes import quaternions, rotation_vector
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, Simulation, Usage, states
-from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
+from bodycheck.adapters.contract import (
+    Engine,
+    EngineDiverged,
+    Integrator,
+    Method,
+    SensingSimulation,
+    Simulation,
+    Usage,
+    states,
+)
+from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms, sensing
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.dart.robots import read_robot as read_robot
 from bodycheck.adapters.dart.robots import step_robot as step_robot
@@ -18,6 +27,7 @@ from bodycheck.adapters.touching import half_lengths, plane_of, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 INTEGRATOR = "semi-implicit-euler"
@@ -37,9 +47,10 @@ engine = Engine(
     },
     defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
     roles={"default": WORLDS},
+    reads=("step", "forward"),
 )
 
-contact_law = contact.law
+contact_law, lacking = contact.law, sensing.lacking
 
 #: The functions of DART that steps call from Python.
 calls = (
@@ -63,8 +74,18 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return mechanisms.prepare(scene, method)
+        simulation, _, _ = mechanisms.prepare(scene, method)
+        return simulation
     return loop(model(scene, method), scene.drag)
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        simulation, world, bodies = mechanisms.prepare(scene, method)
+        return SensingSimulation(simulation, sensing.reader(world, bodies, sensors, method))
+    built = model(scene, method)
+    return SensingSimulation(loop(built, scene.drag), sensing.reader(built.world, [built.body], sensors, method))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[None]:

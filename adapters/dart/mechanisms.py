@@ -46,8 +46,11 @@ MODELS = frozenset(
 )
 
 
-def prepare(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism. Raises `SceneUnsupported` for stops with a rebound."""
+def prepare(mechanism: Mechanism, method: Method) -> tuple[Simulation, "dart.simulation.World", list[Any]]:
+    """Return the simulation of a mechanism, its world, and its bodies in their order.
+
+    Raises `SceneUnsupported` for stops with a rebound.
+    """
     check_rebounds(mechanism, "DART")
     world = dart.simulation.World()
     world.setGravity([0.0, 0.0, -mechanism.gravity])
@@ -67,7 +70,7 @@ def prepare(mechanism: Mechanism, method: Method) -> Simulation:
             raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
 
     simulation = Stepped(None, step, lambda _: seen(bodies), in_body_axes)
-    return driven(simulation, mechanism, bodies) if mechanism.driven else simulation
+    return driven(simulation, mechanism, bodies) if mechanism.driven else simulation, world, bodies
 
 
 def driven(simulation: Simulation, mechanism: Mechanism, bodies: Sequence[Any]) -> Taking:

@@ -1,6 +1,6 @@
 """The adapter of Exudyn; the docstring of the package describes the methods."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,11 +18,20 @@ from bodycheck.adapters.contract import (
     Method,
     Role,
     SceneUnsupported,
+    SensingSimulation,
     Simulation,
     Usage,
     choice,
 )
-from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, jointed_bodies, kinematic_trees, stepping
+from bodycheck.adapters.exudyn import (
+    INSTALLATION,
+    contact,
+    formulations,
+    jointed_bodies,
+    kinematic_trees,
+    sensing,
+    stepping,
+)
 from bodycheck.adapters.exudyn.driving import Actuated, follows
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.exudyn.stepping import Stepper
@@ -32,6 +41,7 @@ from bodycheck.adapters.stepping import Controlled, Normalised, Taking, TakingCo
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 # In addition to raising errors, Exudyn prints warnings and errors, and writes errors to a file.
@@ -125,10 +135,13 @@ engine = Engine(
     variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
     defaults=defaults(),
     roles=roles(),
+    reads=("step",),
 )
 
 #: The friction law of contacts.
 contact_law = corners
+
+lacking = sensing.lacking
 
 #: The functions of Exudyn that steps call from Python. Exudyn itself calls the Python functions of forces.
 calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
@@ -146,19 +159,30 @@ class Model:
         The formulation of the body's rotation.
     contacts
         The contacts of Exudyn; None in a scene without a plane.
+    read
+        Returns the readings of the sensors.
     """
 
     stepper: Stepper | Controlled
     formulation: Formulation
     contacts: "exudyn.GeneralContact | None"
+    read: Callable[[], tuple[Array, ...]]
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return jointed(scene, method)
+        return jointed(scene, method).simulation
     return normalised(model(scene, method))
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        return jointed(scene, method, sensors)
+    built = model(scene, method, sensors=sensors)
+    return SensingSimulation(normalised(built), built.read)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
@@ -172,8 +196,8 @@ def normalised(built: Model) -> Simulation:
     return Normalised(built.stepper) if built.formulation is FORMULATIONS["EP"] else built.stepper
 
 
-def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
-    """Return the model of a scene for a method, with the scene's body, or with links in place of it.
+def model(scene: Scene, method: Method, links: Sequence[Link] = (), sensors: Sequence[Sensor] = ()) -> Model:
+    """Return the model of a scene for a method, with the scene's body, or with links in place of it, and with sensors.
 
     Raises `SceneUnsupported`.
     """
@@ -182,13 +206,14 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     system = container.AddSystem()
     body = add_body(system, formulation, links_of(scene, links), scene)
     contacts = None if scene.plane is None else contact.add(system, body, scene, scene.plane, method)
+    read = sensing.of_single_body(system, body, contacts, sensors)
 
     def seen() -> Array:
         data, count = system.systemData, formulations.coordinates(formulation)  # the first link comes first
         return np.concatenate([data.GetODE2Coordinates()[:count], data.GetODE2Coordinates_t()[:count]])
 
     stepper = stepping.initialised(container, system, method, seen, lambda seen: formulations.rows(formulation, seen))
-    return Model(stepper, formulation, contacts)
+    return Model(stepper, formulation, contacts, read)
 
 
 def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Sequence[Link], scene: Scene) -> Any:
@@ -234,8 +259,8 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     return load
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism: as a kinematic tree if `fits` allows it, else as jointed bodies.
+def jointed(mechanism: Mechanism, method: Method, sensors: Sequence[Sensor] = ()) -> SensingSimulation:
+    """Return the simulation of a mechanism with sensors: as a kinematic tree if `fits` allows it, else as jointed bodies.
 
     Raises `SceneUnsupported`.
     """
@@ -244,14 +269,17 @@ def jointed(mechanism: Mechanism, method: Method) -> Simulation:
     redundant = bool(mechanism.loops)
     if kinematic_trees.fits(mechanism):
         seen, rows, joints = kinematic_trees.add(system, mechanism, method)
-        return driven(stepping.initialised(container, system, method, seen, rows, redundant), mechanism, method, joints)
+        read = sensing.of_tree(system, joints.tree, mechanism, sensors)
+        stepper = stepping.initialised(container, system, method, seen, rows, redundant)
+        return SensingSimulation(driven(stepper, mechanism, method, joints), read)
     if mechanism.driven or any(stops_of(joint, method) for joint in mechanism.joints):
         only = "in its kinematic trees only, which begin at the world and have no balls"
         raise SceneUnsupported(f"Exudyn has stops, and efforts that change, {only}")
     formulation = formulations.of_method(method)
-    seen, rows = jointed_bodies.add(system, mechanism, formulation)
-    stepper = stepping.initialised(container, system, method, seen, rows, redundant)
-    return Normalised(stepper) if formulation is FORMULATIONS["EP"] else stepper
+    assembly = jointed_bodies.add(system, mechanism, formulation)
+    read = sensing.of_bodies(system, assembly, mechanism, sensors)
+    stepper = stepping.initialised(container, system, method, assembly.seen, assembly.rows, redundant)
+    return SensingSimulation(Normalised(stepper) if formulation is FORMULATIONS["EP"] else stepper, read)
 
 
 def driven(simulation: Stepper | Controlled, mechanism: Mechanism, method: Method, joints: Actuated) -> Simulation:

@@ -4,7 +4,8 @@ Springs, damping and efforts are connectors parallel to the joints. There are no
 friction.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import exudyn
@@ -27,15 +28,28 @@ NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 LOCKED = {"fixed": [1, 1, 1, 1, 1, 1], "planar": [0, 0, 1, 1, 1, 0]}
 
 
-def add(
-    system: "exudyn.MainSystem", mechanism: Mechanism, formulation: Formulation
-) -> tuple[Callable[[], Array], Callable[[Array], Array]]:
-    """Add a mechanism to a system.
+@dataclass(frozen=True)
+class Assembly:
+    """Bodies and joints in a system.
 
-    Returns
-    -------
-    Two functions. The first returns the numbers (k,) that describe the current state of the system, which must be assembled.
-    The second converts the numbers (n, k) of n states to the states (n, bodies, 13) of the contract.
+    Attributes
+    ----------
+    seen
+        Returns the numbers (k,) that describe the current state of the system, which must be assembled.
+    rows
+        Converts the numbers (n, k) of n states to the states (n, bodies, 13) of the contract.
+    bodies, joints
+        Exudyn's numbers of the bodies, and of the joints by the indices of their children.
+    """
+
+    seen: Callable[[], Array]
+    rows: Callable[[Array], Array]
+    bodies: Sequence[Any]
+    joints: Mapping[int, Any]
+
+
+def add(system: "exudyn.MainSystem", mechanism: Mechanism, formulation: Formulation) -> Assembly:
+    """Add a mechanism to a system.
 
     Raises
     ------
@@ -47,8 +61,9 @@ def add(
         formulations.add_body(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each
     ]
     ground = system.AddObject(itemInterface.ObjectGround())
+    joints: dict[int, Any] = {}
     for joint, (position, _) in zip(mechanism.joints, starts(mechanism), strict=True):
-        add_joint(
+        joints[joint.child] = add_joint(
             system,
             joint,
             ground if joint.parent == WORLD else numbers_of_bodies[joint.parent],
@@ -70,24 +85,21 @@ def add(
         states = formulations.rows(formulation, numbers.reshape(-1, 2 * count))
         return centred(mechanism, states.reshape(len(numbers), number, 13))
 
-    return seen, rows
+    return Assembly(seen, rows, numbers_of_bodies, joints)
 
 
-def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any, position: Array) -> None:
-    """Add a joint to a system, with the forces in it. Raises `SceneUnsupported`."""
+def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any, position: Array) -> Any:
+    """Add a joint to a system, with the forces in it, and return its number; None if it is free. Raises `SceneUnsupported`."""
     only = "in its kinematic trees only, which begin at the world and have no balls"
     if joint.armature or joint.friction:
         raise SceneUnsupported(f"Exudyn has {'armature' if joint.armature else 'dry friction'} of joints {only}")
     if joint.type == "universal":
         raise SceneUnsupported(f"Exudyn has universal joints {only}")
-    turn = NO_TURN
-    if joint.type in ("revolute", "prismatic"):
-        to_axis = from_z if joint.type == "revolute" else from_x
-        turn = to_axis(np.array(exact.nearest_axis(joint)))
+    turn, number = turn_of(joint), None
     frame = np.array(exact.nearest_turn(joint.attitude))
     ends = [marker(system, parent, joint.position, multiply(frame, turn)), marker(system, child, (0.0, 0.0, 0.0), turn)]
     if joint.type == "revolute":
-        system.AddObject(itemInterface.ObjectJointRevoluteZ(markerNumbers=ends))
+        number = system.AddObject(itemInterface.ObjectJointRevoluteZ(markerNumbers=ends))
         if joint.stiffness or joint.damping or joint.effort:
             turns = itemInterface.NodeGenericData(initialCoordinates=[position[0]], numberOfDataCoordinates=1)
             system.AddObject(
@@ -101,7 +113,7 @@ def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any
                 )
             )
     elif joint.type == "prismatic":
-        system.AddObject(itemInterface.ObjectJointPrismaticX(markerNumbers=ends))
+        number = system.AddObject(itemInterface.ObjectJointPrismaticX(markerNumbers=ends))
         if joint.stiffness or joint.damping or joint.effort:
             system.AddObject(
                 itemInterface.LinearSpringDamper(
@@ -113,12 +125,20 @@ def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any
                 )
             )
     elif joint.type == "spherical":
-        system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=ends))
+        number = system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=ends))
         if joint.damping:
             damping = np.diag([0.0, 0.0, 0.0, *[joint.damping] * 3])
             system.AddObject(itemInterface.RigidBodySpringDamper(markerNumbers=ends, damping=damping))
     elif joint.type in LOCKED:
-        system.AddObject(itemInterface.GenericJoint(markerNumbers=ends, constrainedAxes=LOCKED[joint.type]))
+        number = system.AddObject(itemInterface.GenericJoint(markerNumbers=ends, constrainedAxes=LOCKED[joint.type]))
+    return number
+
+
+def turn_of(joint: Joint) -> Array:
+    """Return the quaternion (4,) from the axes of a joint in Exudyn, whose axis is z or x, to those of the joint's frame."""
+    if joint.type not in ("revolute", "prismatic"):
+        return NO_TURN
+    return (from_z if joint.type == "revolute" else from_x)(np.array(exact.nearest_axis(joint)))
 
 
 def marker(system: "exudyn.MainSystem", body: Any, point: Sequence[float], turn: Array) -> Any:

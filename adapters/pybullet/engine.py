@@ -19,6 +19,7 @@ from bodycheck.adapters.contract import (
     Integrator,
     Method,
     SceneUnsupported,
+    SensingSimulation,
     Simulation,
     Usage,
     choice,
@@ -34,13 +35,14 @@ from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Body, Brick, Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 # When PyBullet is imported, its C code writes the time of its build to standard error.
 with no_stderr():
     import pybullet
 
-    from bodycheck.adapters.pybullet import mechanisms
+    from bodycheck.adapters.pybullet import mechanisms, sensing
     from bodycheck.adapters.pybullet.links import BASE, load, weld
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
@@ -81,10 +83,13 @@ engine = Engine(
     variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS), QUICK_START), "recommended": dict.fromkeys(sorted(KINDS), QUICK_START)},
+    reads=("step",),
 )
 
 #: The friction law of contacts.
 contact_law = corners_of_brick
+
+lacking = sensing.lacking
 
 #: The functions of PyBullet that steps call from Python.
 calls = tuple(
@@ -112,7 +117,24 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return jointed(scene, method)
+        simulation, _, _ = jointed(scene, method)
+        return simulation
+    return single(scene, method)
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        jointed_simulation, client, parts = jointed(scene, method)
+        return SensingSimulation(jointed_simulation, sensing.reader(client, parts, sensors))
+    simulation = single(scene, method)
+    world = simulation.state
+    part = mechanisms.Part(world.body, BASE, np.array(scene.body.axes))
+    return SensingSimulation(simulation, sensing.reader(world.client, [part], sensors))
+
+
+def single(scene: Scene, method: Method) -> Loop[World]:
+    """Return the simulation of a single body. Raises `SceneUnsupported`."""
     return Loop(
         built(scene, method),
         resisted_step(scene.drag) if scene.drag else step,
@@ -121,8 +143,8 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     )
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Loop[None] | Taking:
-    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
+def jointed(mechanism: Mechanism, method: Method) -> tuple[Loop[None] | Taking, int, list[mechanisms.Part]]:
+    """Return the simulation of a mechanism, the connection to its server, and its bodies. Raises `SceneUnsupported`."""
     client = connected(mechanism.gravity, method)
     parts = mechanisms.built(client, mechanism, method)
     joints = mechanisms.Pushed(client, mechanism, parts)
@@ -133,7 +155,8 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[None] | Taking:
 
     simulation = Loop(None, step, lambda _: mechanisms.seen(client, parts), in_body_axes)
     weakref.finalize(simulation, pybullet.disconnect, client)
-    return Taking(simulation, joints.state, joints.apply) if mechanism.driven else simulation
+    taking = Taking(simulation, joints.state, joints.apply) if mechanism.driven else simulation
+    return taking, client, parts
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[World]:

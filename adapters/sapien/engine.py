@@ -13,7 +13,17 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, Usage, choice, states
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    Integrator,
+    Method,
+    SensingSimulation,
+    Simulation,
+    Usage,
+    choice,
+    states,
+)
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.sapien import INSTALLATION
@@ -23,6 +33,7 @@ from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 with warnings.catch_warnings():
@@ -31,7 +42,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-    from bodycheck.adapters.sapien import mechanisms
+    from bodycheck.adapters.sapien import mechanisms, sensing
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
     from bodycheck.adapters.sapien.robots import step_robot as step_robot
@@ -65,7 +76,10 @@ engine = Engine(
     precision="float32",
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS), HELLO_WORLD)},
+    reads=("step",),
 )
+
+lacking = sensing.lacking
 
 #: The functions of SAPIEN that steps call from Python.
 calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add_force_torque"))
@@ -85,13 +99,28 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     if isinstance(scene, Mechanism):
-        return jointed(scene, method)
+        simulation, _ = jointed(scene, method)
+        return simulation
+    return single(scene, built(scene, method))
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        jointed_simulation, links = jointed(scene, method)
+        return SensingSimulation(jointed_simulation, sensing.of_joints(scene, links, sensors))
+    world = built(scene, method)
+    return SensingSimulation(single(scene, world), sensing.of_contacts(world.system, world.body, sensors))
+
+
+def single(scene: Scene, world: World) -> Normalised:
+    """Return the simulation of a single body in its world."""
     stepped = resisted_step(scene.drag) if scene.drag else step
-    return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
+    return Normalised(Loop(world, stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
-def jointed(mechanism: Mechanism, method: Method) -> Normalised | Taking:
-    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
+def jointed(mechanism: Mechanism, method: Method) -> tuple[Normalised | Taking, list[Any]]:
+    """Return the simulation of a mechanism, and the links of its bodies. Raises `SceneUnsupported`."""
     system = new_system(mechanism.gravity, method)
     whole = sapien.Scene([system])
     links = mechanisms.built(whole, mechanism, method)
@@ -102,9 +131,9 @@ def jointed(mechanism: Mechanism, method: Method) -> Normalised | Taking:
 
     simulation = Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: at_centres(mechanism, seen)))
     if not mechanism.driven:
-        return simulation
+        return simulation, links
     joints = mechanisms.Driven(mechanism, links)
-    return Taking(simulation, joints.state, joints.apply)
+    return Taking(simulation, joints.state, joints.apply), links
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:

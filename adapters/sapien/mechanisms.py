@@ -98,13 +98,16 @@ def set_inertia(builder: Any, link: Link) -> None:
 
 def add_joint(builder: Any, joint: Joint, method: Method) -> None:
     """Set the joint of a link to its parent, with its limits."""
-    frame, turn = np.array(exact.nearest_turn(joint.attitude)), np.array([1.0, 0.0, 0.0, 0.0])
-    if joint.type != "fixed":
-        turn = from_x(np.array(exact.nearest_axis(joint)))
+    frame, turn = np.array(exact.nearest_turn(joint.attitude)), turn_of(joint)
     limits = [] if joint.type == "fixed" else [[*bounds(stops_of(joint, method))]]
     builder.set_joint_properties(
         TYPES[joint.type], limits, Pose(joint.position, multiply(frame, turn)), Pose((0.0, 0.0, 0.0), turn)
     )
+
+
+def turn_of(joint: Joint) -> Array:
+    """Return the quaternion (4,) from the axes of a joint in SAPIEN, of which x is the joint's axis, to those of the child."""
+    return np.array([1.0, 0.0, 0.0, 0.0]) if joint.type == "fixed" else from_x(np.array(exact.nearest_axis(joint)))
 
 
 def set_joints(articulation: Any, links: dict[int, Any], mechanism: Mechanism, method: Method) -> None:
