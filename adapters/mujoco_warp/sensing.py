@@ -18,6 +18,7 @@ from bodycheck.reference.trajectory import Array
 
 def reading(simulation: Simulation, model: Any, data: Any, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return a simulation and the function that reads its sensors, which are the only ones of its model."""
+    data.sensordata.zero_()  # as after a reset, and not MuJoCo's own readings, which its data have at the start
     values = data.sensordata.numpy()  # a view of the array that is stepped
     forward = graphs.record(lambda: mjw.forward(model, data)) if method.option("sensors") == "forward" else None
 
