@@ -9,13 +9,14 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.sensors.errors import ReadingError, reading_errors
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
-from bodycheck.reference.sensors.truth import sensor_truth
 from bodycheck.reference.truths import Truth
 
 
 @lru_cache(maxsize=2)
 def true_readings(truth: Truth, sensors: tuple[Sensor, ...]) -> tuple[SensorTruth, ...]:
     """Return the true readings of sensors, or nothing if there are none. Those of the last truths are kept for other runs."""
+    from bodycheck.reference.sensors.truth import sensor_truth  # commands import the figures, but not the mechanics
+
     try:
         return sensor_truth(truth, sensors)
     except (NotModelled, OutOfReach):

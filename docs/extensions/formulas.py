@@ -59,4 +59,7 @@ FORMULAS = {
     "energy_gain": r"\max_{t \ge s} (E(t) - E(s)) / \max_t E^*(t)",
     "load_error": r"\max \lvert \bar N - N^* \rvert / N^*",
     "contact_losses": r"n(N = 0 \text{ after } N > 0)",
+    "sensor_error": (
+        r"\max_s \left( \max_t \lVert \mathbf s(t) - \mathbf s^*(t) \rVert / \max_t \lVert \mathbf s^*(t) \rVert \right)"
+    ),
 }

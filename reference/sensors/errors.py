@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.bodies import of_bodies
-from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
@@ -74,6 +73,8 @@ def _size(truth: Truth, sensor: Sensor, exactly: Array) -> float:
     size = float(np.linalg.norm(exactly, axis=-1).max(initial=0.0))
     if sensor.type != "accelerometer":
         return size
+    from bodycheck.reference.mechanisms import exact  # commands import this module, but not the exact arithmetic
+
     scene = truth.scene
     centre = exact.nearest_inertia(scene.bodies[sensor.body]).centre if isinstance(scene, Mechanism) else (0.0, 0.0, 0.0)
     arm = float(np.linalg.norm(np.array(sensor.position) - np.array(centre)))

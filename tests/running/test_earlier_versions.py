@@ -13,7 +13,7 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import CaseFaults, parse, parse_stored
 from bodycheck.judging import judgement
 from bodycheck.judging.baselines import baseline, difference
-from bodycheck.results import store
+from bodycheck.results import store, trajectory_files
 from bodycheck.results.header import LATER
 from bodycheck.results.outcome import NO_STEP
 from bodycheck.running.plan import Task
@@ -46,7 +46,7 @@ def results(tmp_path: Path) -> store.Results:
         for entry in record.get("cases", ()):
             entry["text"] = TEXT + EXPECT.format(OLD)
     journals.write_without_checksums(records, lines)
-    (trajectory,) = (folder / store.TRAJECTORIES).rglob("mujoco-*")
+    (trajectory,) = (folder / trajectory_files.TRAJECTORIES).rglob("mujoco-*")
     trajectory.rename(trajectory.with_name(f"mujoco-{OLD}-0.002s.parquet"))
     return store.read(folder)
 
@@ -95,7 +95,7 @@ def test_old_baselines_are_compared_under_the_new_spelling(results: store.Result
 
 def test_results_without_the_bounds_of_every_figure_are_reported_without_them(results: store.Results) -> None:
     """Earlier versions stored the bounds of attitude and position alone."""
-    (path,) = (results.folder / store.TRAJECTORIES).rglob("truth-*")
+    (path,) = (results.folder / trajectory_files.TRAJECTORIES).rglob("truth-*")
     table = pq.read_table(path)
     kept = [name for name in table.column_names if not name.startswith("truth_") or name in OLD_BOUNDS]
     assert len(kept) < len(table.column_names)

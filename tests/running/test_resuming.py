@@ -19,7 +19,7 @@ import pytest
 
 from bodycheck.adapters.method import Method
 from bodycheck.judging import frames, judgement
-from bodycheck.results import journal, store
+from bodycheck.results import journal, store, trajectory_files
 from bodycheck.running import campaign
 from bodycheck.running.plan import Task
 from tests.support import MINIATURES
@@ -136,7 +136,7 @@ def test_what_has_lost_its_trajectory_is_done_again(
     whole: tuple[Path, pd.DataFrame], interrupted: Callable[[int], Study], damage: str
 ) -> None:
     study = interrupted(UNITS)
-    lost = sorted((study.folder / store.TRAJECTORIES).rglob("*.parquet"))[::2]
+    lost = sorted((study.folder / trajectory_files.TRAJECTORIES).rglob("*.parquet"))[::2]
     for path in lost:
         content = path.read_bytes()
         path.unlink() if damage == "removed" else path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"")
@@ -146,7 +146,9 @@ def test_what_has_lost_its_trajectory_is_done_again(
 
 def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[int], Study]) -> None:
     study = interrupted(2)
-    half, untold = (study.folder / store.TRAJECTORIES / STEADY_SPIN.name / name for name in ("exact.part", "exact.parquet"))
+    half, untold = (
+        study.folder / trajectory_files.TRAJECTORIES / STEADY_SPIN.name / name for name in ("exact.part", "exact.parquet")
+    )
     half.write_bytes(b"PAR1")
     untold.write_bytes(b"PAR1")
     study.run()

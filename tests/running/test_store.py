@@ -16,7 +16,7 @@ from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement, result_set
 from bodycheck.reference.bounds import NAMES
-from bodycheck.results import store
+from bodycheck.results import store, trajectory_files
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import run_all
@@ -112,7 +112,7 @@ def test_other_folders_are_left_alone(tmp_path: Path) -> None:
 def test_earlier_results_are_replaced(flight: Path) -> None:
     results = run_all(BRICK, ["mujoco"], flight)
     assert list(results.cases) == ["free-brick"]
-    assert [path.name for path in (flight / store.TRAJECTORIES).iterdir()] == ["free-brick"]
+    assert [path.name for path in (flight / trajectory_files.TRAJECTORIES).iterdir()] == ["free-brick"]
 
 
 def test_the_header_tells_versions_and_machine(flight: Path) -> None:
