@@ -14,7 +14,16 @@ import jax
 from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Usage, single_bodies
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    Integrator,
+    Method,
+    SceneUnsupported,
+    SensingSimulation,
+    Usage,
+    single_bodies,
+)
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
@@ -23,6 +32,7 @@ from bodycheck.adapters.stepping import Taking
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.sensors.sensor import Sensor
 
 # MJX prints that the package of its other backend, Warp, is not installed, and old packages that Brax imports give warnings.
 with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
@@ -34,7 +44,7 @@ with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
     from brax.positional import pipeline as positional
     from brax.spring import pipeline as spring
 
-    from bodycheck.adapters.brax import mechanisms, robots
+    from bodycheck.adapters.brax import mechanisms, robots, sensing
 
 XML = """
 <mujoco>
@@ -88,10 +98,11 @@ engine = Engine(
     batch=2,
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), ENVIRONMENT)},
+    reads=("step",),
 )
 
 
-read_robot = robots.read_robot
+read_robot, lacking = robots.read_robot, sensing.lacking
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Compiled | Taking:
@@ -101,6 +112,14 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Compiled | Taking:
     bodies = single_bodies(scenes)
     (xml,) = {description(scene, method.timestep) for scene in bodies}
     return started(xml, bodies, method)
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    simulation = prepare([scene], method)
+    steps = simulation.simulation if isinstance(simulation, Taking) else simulation
+    assert isinstance(steps, Compiled)
+    return SensingSimulation(simulation, partial(sensing.read, scene, sensors, steps))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compiled:

@@ -64,6 +64,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         defaults=options.defaults(),
         soft=SOFT,
         roles={"default": dict.fromkeys(KINDS, replace(options.roles()["default"]["flight"], page=PAGE))},
+        reads=("step", "forward"),
     )
 
 
@@ -91,10 +92,14 @@ def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled | 
     return driven(steps, compiled, mechanism) if mechanism.driven else steps
 
 
-def driven(steps: Compiled, compiled: Any, mechanism: Mechanism) -> Taking:
-    """Return the simulation of a mechanism whose driven joints take efforts, from MuJoCo's model."""
+def driven(steps: Compiled, compiled: Any, mechanism: Mechanism, motors: Sequence[int] = ()) -> Taking:
+    """Return the simulation of a mechanism whose driven joints take efforts, from MuJoCo's model.
+
+    The efforts are applied forces, or the controls of motors, given by their numbers in the model.
+    """
     in_q, in_v = indices(compiled, mechanism)
-    constant = np.array(steps.state.qfrc_applied)
+    name, places = ("ctrl", np.array(motors)) if motors else ("qfrc_applied", in_v)
+    constant = np.array(getattr(steps.state, name))
 
     def state() -> tuple[Array, Array]:
         q, v = steps.state.qpos, steps.state.qvel
@@ -102,23 +107,31 @@ def driven(steps: Compiled, compiled: Any, mechanism: Mechanism) -> Taking:
 
     def apply(efforts: Array) -> None:
         forces = constant.copy()
-        forces[in_v] += efforts
-        steps.state = steps.state.replace(qfrc_applied=jax.device_put(forces, jax.devices()[0]))
+        forces[places] += efforts
+        steps.state = steps.state.replace(**{name: jax.device_put(forces, jax.devices()[0])})
 
     return Taking(steps, state, apply)
 
 
 def unjointed(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more single bodies. Raises as `prepare` does."""
-    scene = scenes[0]
-    described = [single.description(each, method, "six-coordinates" if each.plane is None else "contact") for each in scenes]
+    described = [single.description(each, method, model_of(each)) for each in scenes]
     (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
-    dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
-    drag, joints = scene.drag if dragged else None, [joints_of_scene for _, joints_of_scene in described]
+    drag, joints = drag_of(scenes[0], method), [joints_of_scene for _, joints_of_scene in described]
     if len(scenes) <= MOST_TOGETHER:
         return started(engine, xml, joints, drag)
     places = [range(len(scenes))[first : first + MOST_TOGETHER] for first in range(0, len(scenes), MOST_TOGETHER)]
     return InTurn([(part, started(engine, xml, [joints[index] for index in part], drag)) for part in places])
+
+
+def model_of(scene: Scene) -> str:
+    """Return the name of MuJoCo's model of a scene with a free joint."""
+    return "six-coordinates" if scene.plane is None else "contact"
+
+
+def drag_of(scene: Scene, method: Method) -> float | None:
+    """Return the coefficient (kg/m) of the force of drag; None without drag, and with MuJoCo's fluid model."""
+    return scene.drag if kind_of(scene) == "drag" and method.option("drag") != "fluid" else None
 
 
 def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -155,11 +168,16 @@ def handed_over(compiled: Any) -> tuple[Any, Any]:
 def step(system: tuple[Any, Any], data: Any) -> Any:
     """Return MJX's data after one step of a system: a model, and a coefficient of drag (kg/m) or None without drag."""
     model, drag = system
-    if drag is not None:
-        velocity = data.qvel[:3]
-        force = -drag * jnp.linalg.norm(velocity) * velocity
-        data = data.replace(xfrc_applied=data.xfrc_applied.at[1, :3].set(force))
-    return mjx.step(model, data)
+    return mjx.step(model, resisted(data, drag))
+
+
+def resisted(data: Any, drag: float | None) -> Any:
+    """Return MJX's data with the force of drag at its velocity; `drag` is its coefficient (kg/m), or None without drag."""
+    if drag is None:
+        return data
+    velocity = data.qvel[:3]
+    force = -drag * jnp.linalg.norm(velocity) * velocity
+    return data.replace(xfrc_applied=data.xfrc_applied.at[1, :3].set(force))
 
 
 def stepped(model: Any, data: Any) -> Any:

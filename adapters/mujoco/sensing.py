@@ -23,7 +23,7 @@ from bodycheck.adapters.mechanisms import massless_parts
 from bodycheck.adapters.mujoco import mechanisms, single, touching
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.driving import Actuated
-from bodycheck.adapters.mujoco.models import MODELS_WITH_CONTACT, compiled_model
+from bodycheck.adapters.mujoco.models import MODELS_WITH_CONTACT, Joints, compiled_model
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force
 from bodycheck.adapters.stepping import TakingLaws
 from bodycheck.adapters.touching import touching_bodies
@@ -32,7 +32,7 @@ from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.sensors.sensor import Sensor, SensorType
+from bodycheck.reference.sensors.sensor import Sensor, SensorType, split
 from bodycheck.reference.trajectory import Array
 
 #: MuJoCo's sensors at a site for a type of sensor.
@@ -121,14 +121,20 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
     if isinstance(scene, Mechanism):
         return _mechanism(scene, sensors, method)
     model = single.model_of(scene, method)
+    xml, joints = description_of_body(scene, sensors, method, model)
+    stepper = single.started(xml, joints)
+    stepper.force = single.external_force(scene, method, model, stepper.data)
+    return _sensing(stepper, stepper, sensors, method)
+
+
+def description_of_body(scene: Scene, sensors: Sequence[Sensor], method: Method, model: str) -> tuple[str, Joints]:
+    """Return the XML of a model of a single body with sensors, and its joints. Raises `SceneUnsupported`."""
     xml, joints = single.description(scene, method, model)
     turn = np.array(joints.turn)
     placed = [
         Placed(each, "body", rotate(turn, np.array(each.position)), multiply(turn, attitude_of(each))) for each in sensors
     ]
-    stepper = single.started(with_sensors(xml, placed, method), joints)
-    stepper.force = single.external_force(scene, method, model, stepper.data)
-    return _sensing(stepper, stepper, sensors, method)
+    return with_sensors(xml, placed, method), joints
 
 
 def _touching(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
@@ -152,16 +158,9 @@ def _touching(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> Sen
 def _mechanism(scene: Mechanism, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a mechanism, whose efforts are forces of motors."""
     driven = [scene.joints[joint].name for joint in scene.driven]
-    effective = [scene.joints[each.joint].name for each in sensors if each.type == "joint_effort" and each.joint is not None]
-    mechanism, xml = mechanisms.described(scene, method)
-    constant = {joint.name: joint.effort for joint in mechanism.joints if joint.effort}
-    placed = [_placed(scene, each) for each in sensors]
-    model = compiled_model(with_sensors(xml, placed, method, tuple(dict.fromkeys((*driven, *effective, *constant)))))
-    data = mujoco.MjData(model)
-    mechanisms.begin(model, data, mechanism)
-    data.qfrc_applied[:] = 0
-    for name, effort in constant.items():
-        data.actuator(name).ctrl[0] = effort
+    mechanism, xml, sensing = description_of_mechanism(scene, sensors, method)
+    model = compiled_model(sensing)
+    data = begun(model, mechanism)
     stepper = Stepper(model, data, mechanisms.seen_states(mechanism, xml, method.option("model") == "three-hinges"))
     if not driven:
         return _sensing(stepper, stepper, sensors, method)
@@ -172,6 +171,30 @@ def _mechanism(scene: Mechanism, sensors: Sequence[Sensor], method: Method) -> S
         stepper.force = motors.force
 
     return _sensing(TakingLaws(stepper, motors.state, motors.apply, follow), stepper, sensors, method)
+
+
+def description_of_mechanism(scene: Mechanism, sensors: Sequence[Sensor], method: Method) -> tuple[Mechanism, str, str]:
+    """Return the mechanism that the model of a method simulates, its XML, and its XML with sensors and motors.
+
+    A joint has a motor of its name if it is driven, has an effort, or has a joint_effort sensor. Raises `SceneUnsupported`.
+    """
+    driven = [scene.joints[joint].name for joint in scene.driven]
+    effective = [scene.joints[each.joint].name for each in sensors if each.type == "joint_effort" and each.joint is not None]
+    mechanism, xml = mechanisms.described(scene, method)
+    constant = [joint.name for joint in mechanism.joints if joint.effort]
+    placed = [_placed(scene, each) for each in sensors]
+    return mechanism, xml, with_sensors(xml, placed, method, tuple(dict.fromkeys((*driven, *effective, *constant))))
+
+
+def begun(model: mujoco.MjModel, mechanism: Mechanism) -> mujoco.MjData:
+    """Return the data of a mechanism at t = 0, with its constant efforts as the controls of motors."""
+    data = mujoco.MjData(model)
+    mechanisms.begin(model, data, mechanism)
+    data.qfrc_applied[:] = 0
+    for joint in mechanism.joints:
+        if joint.effort:
+            data.actuator(joint.name).ctrl[0] = joint.effort
+    return data
 
 
 def _placed(scene: Mechanism, sensor: Sensor) -> Placed:
@@ -190,14 +213,13 @@ def _sensing(simulation: Simulation, stepper: Stepper, sensors: Sequence[Sensor]
     """Return a simulation and the function that reads its sensors, which are MuJoCo's last ones."""
     stepper.pool = None  # a rollout need not leave the sensors of its last step
     model, data, forward = stepper.model, stepper.data, method.option("sensors") == "forward"
-    ends = np.cumsum([len(sensor.form.components) for sensor in sensors])
-    first = model.nsensordata - ends[-1]
+    first = model.nsensordata - sum(len(sensor.form.components) for sensor in sensors)
 
     def read() -> tuple[Array, ...]:
         if forward:
             with external_force(stepper.force):
                 mujoco.mj_forward(model, data)
-        return tuple(np.split(data.sensordata[first:].copy(), ends[:-1]))
+        return split(sensors, data.sensordata[first:].copy())
 
     return SensingSimulation(simulation, read)
 

@@ -8,7 +8,18 @@ import numpy as np
 import warp as wp
 from mujoco import MjData, MjModel, mj_forward
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Kind, Method, Role, SceneUnsupported, Usage, single_bodies
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    Integrator,
+    Kind,
+    Method,
+    Role,
+    SceneUnsupported,
+    SensingSimulation,
+    Usage,
+    single_bodies,
+)
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact, options, single
 from bodycheck.adapters.mujoco import engine as mujoco
@@ -16,12 +27,14 @@ from bodycheck.adapters.mujoco.driving import indices
 from bodycheck.adapters.mujoco.mechanism_xml import SOFT
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots
+from bodycheck.adapters.mujoco.sensing import begun, description_of_body, description_of_mechanism
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots, sensing
 from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.stepping import InTurn, Loop, Taking
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts, and `noslip`, because
@@ -75,11 +88,14 @@ engine = Engine(
     defaults=defaults(),
     roles=roles(),
     soft=SOFT,
+    reads=("step", "forward"),
 )
 
 calls = graphs.CALLS
 
 read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
+
+lacking = mujoco.lacking
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn | Taking:
@@ -183,25 +199,59 @@ def jointed(mechanism: Mechanism, method: Method) -> Loop[Any] | Taking:
     compiled = compiled_model(xml)
     start = MjData(compiled)
     begin(compiled, start, mechanism)
+    model, data = from_start(compiled, start)
+    loop = stepped(model, data, seen_states(mechanism, xml))
+    in_q, in_v = indices(compiled, mechanism)
+    return driven(loop, data, in_q, in_v, data.qfrc_applied, in_v) if mechanism.driven else loop
+
+
+def from_start(compiled: Any, start: Any) -> tuple[Any, Any]:
+    """Return MuJoCo Warp's model and data for a model of MuJoCo and its initial data. Raises `SceneUnsupported`."""
     mj_forward(compiled, start)  # so that the data of MuJoCo Warp have room for the constraints
     try:
         model = mjw.put_model(compiled)
     except NotImplementedError as error:
         raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
-    data = mjw.put_data(compiled, start)
-    qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
-    graph = graphs.record(lambda: mjw.step(model, data))
-    loop = Loop(graph, graphs.replay, lambda _: np.concatenate([qpos[0], qvel[0]]), seen_states(mechanism, xml))
-    if not mechanism.driven:
-        return loop
-    in_q, in_v = indices(compiled, mechanism)
-    forces = data.qfrc_applied.numpy()  # a view too
-    constant = forces[0, in_v]
+    return model, mjw.put_data(compiled, start)
+
+
+def driven(loop: Loop[Any], data: Any, in_q: Any, in_v: Any, forces: Any, places: Any) -> Taking:
+    """Return the simulation of a mechanism whose driven joints take efforts.
+
+    Parameters
+    ----------
+    loop, data
+        Its simulation and MuJoCo Warp's data.
+    in_q, in_v
+        The indices (j,) of the driven joints in the coordinates and the velocities.
+    forces, places
+        Warp's array of the data that has their efforts, and their indices (j,) in it.
+    """
+    qpos, qvel, acting = data.qpos.numpy(), data.qvel.numpy(), forces.numpy()  # views of the arrays that are stepped
+    constant = acting[0, places]
 
     def state() -> tuple[Array, Array]:
         return qpos[0, in_q].astype(np.float64), qvel[0, in_v].astype(np.float64)
 
     def apply(efforts: Array) -> None:
-        forces[0, in_v] = constant + efforts
+        acting[0, places] = constant + efforts
 
     return Taking(loop, state, apply)
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if not isinstance(scene, Mechanism):
+        if scene.plane is not None:
+            lying_shape(scene)
+        xml, joints = description_of_body(scene, sensors, method, single.model_of(scene, method))
+        model, data, rows = started(xml, [joints], scene)
+        return sensing.reading(stepped(model, data, rows), model, data, sensors, method)
+    mechanism, xml, with_sensors = description_of_mechanism(scene, sensors, method)
+    compiled = compiled_model(with_sensors)
+    model, data = from_start(compiled, begun(compiled, mechanism))
+    simulation: Loop[Any] | Taking = stepped(model, data, seen_states(mechanism, xml))
+    if mechanism.driven:
+        motors = [compiled.actuator(mechanism.joints[joint].name).id for joint in mechanism.driven]
+        simulation = driven(simulation, data, *indices(compiled, mechanism), data.ctrl, motors)
+    return sensing.reading(simulation, model, data, sensors, method)

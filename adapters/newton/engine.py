@@ -8,20 +8,23 @@ import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Usage, single_bodies, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SensingSimulation, Usage, single_bodies, states
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
-from bodycheck.adapters.newton.mechanisms import transform, twist
+from bodycheck.adapters.newton.mechanisms import twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.robots import step_robot as step_robot
+from bodycheck.adapters.newton.sensing import Instruments, add_sites, transform
+from bodycheck.adapters.newton.sensing import lacking as lacking
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import InTurn, Loop, Normalised, Taking
 from bodycheck.adapters.touching import corners_of_brick, lying_shape
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
@@ -43,6 +46,7 @@ engine = Engine(
     device=graphs.DEVICE,
     batch=2,
     roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), TUTORIAL)},
+    reads=("step",),
 )
 
 #: The friction law of contacts.
@@ -88,33 +92,52 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
     return started(links, [scene], method)
 
 
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        return mechanisms.prepare_sensing(scene, sensors, method)
+    (link,) = links_of(scene)
+    model = built([link], scene, method, sensors)
+    state, instruments = model.state(), Instruments(model, sensors, [0] * len(sensors))
+    step = stepper(scene, method, SOLVERS[method.integrator], model, state, instruments)
+    return SensingSimulation(stepped(link, step, state, 1), lambda: instruments.read(state))
+
+
+def stepped(link: Link, step: Callable[[], None], state: Any, scenes: int) -> Normalised:
+    """Return the simulation of a number of scenes by a function that steps a state; the link is the first of each body."""
+    graph = graphs.record(step)
+    poses, twists = state.body_q.numpy(), state.body_qd.numpy()  # views of the arrays that are stepped
+
+    def seen(graph: Any) -> Array:
+        return np.concatenate([poses[0], twists[0]]) if scenes == 1 else np.hstack([poses, twists])
+
+    return Normalised(Loop(graph, graphs.replay, seen, rows=partial(rows, link)))
+
+
 def started(links: Sequence[Link], scenes: Sequence[Scene], method: Method) -> Normalised:
     """Return the simulation of a body of links, whose first link is in the initial states of one or more scenes.
 
     If there are several scenes, the body must be a single link.
     """
     model = built(links, scenes[0], method) if len(scenes) == 1 else replicated(links[0], scenes, method)
-    state, following = model.state(), model.state()
-    step = stepper(scenes[0], method, SOLVERS[method.integrator], model, state, following)
-    graph = graphs.record(step)
-    poses, twists = state.body_q.numpy(), state.body_qd.numpy()  # views of the arrays that are stepped
-
-    def seen(graph: Any) -> Array:
-        return np.concatenate([poses[0], twists[0]]) if len(scenes) == 1 else np.hstack([poses, twists])
-
-    return Normalised(Loop(graph, graphs.replay, seen, rows=partial(rows, links[0])))
+    state = model.state()
+    step = stepper(scenes[0], method, SOLVERS[method.integrator], model, state)
+    return stepped(links[0], step, state, len(scenes))
 
 
 def stepper(
-    scene: Scene, method: Method, solver_of_method: Solver, model: Any, state: Any, following: Any
+    scene: Scene, method: Method, solver_of_method: Solver, model: Any, state: Any, instruments: Instruments | None = None
 ) -> Callable[[], None]:
-    """Return a function that takes a step of `state` in place; `following` is a second state, used as workspace."""
-    solver, control = solver_of_method.make(model, method), model.control()
+    """Return a function that takes a step of `state` in place, with the observables that sensors need if there are any."""
+    solver, control, following = solver_of_method.make(model, method), model.control(), model.state()
     if solver_of_method.own_passive_forces:
         resist(solver.mjw_model, scene.drag)
     pushed = scene.drag and not solver_of_method.own_passive_forces
     pipeline = newton.CollisionPipeline(model) if scene.plane is not None and solver_of_method.collides else None
     contacts = pipeline.contacts() if pipeline is not None else None
+    if instruments is not None:
+        contacts = instruments.attach(solver, contacts)
+    observed = {} if instruments is None else instruments.observed
 
     def step() -> None:
         state.clear_forces()
@@ -122,13 +145,13 @@ def stepper(
             wp.launch(drag_kernel, dim=model.body_count, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
         if pipeline is not None:
             pipeline.collide(state, contacts)
-        solver.step(state, following, control, contacts, method.timestep)
+        solver.step(state, following, control, contacts, method.timestep, **observed)
         state.assign(following)
 
     return step
 
 
-def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
+def built(links: Sequence[Link], scene: Scene, method: Method, sensors: Sequence[Sensor] = ()) -> Any:
     """Return Newton's model of a body of links, whose default state is the initial state of a scene.
 
     The first link has a free joint. A fixed joint, which every solver treats differently, connects it to each of the other
@@ -138,6 +161,7 @@ def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
     if scene.plane is not None:
         add_plane(builder, scene.plane)
     add_body(builder, links, scene, method)
+    add_sites(builder, sensors, [0] * len(sensors))
     return finished(builder, 1)
 
 

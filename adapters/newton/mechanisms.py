@@ -6,23 +6,26 @@ efforts are forces of the control. Bodies without mass are links without mass, w
 """
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Method, SceneUnsupported, states
+from bodycheck.adapters.contract import Method, SceneUnsupported, SensingSimulation, states
 from bodycheck.adapters.links import Link, tensor, velocity_of
 from bodycheck.adapters.mechanisms import bounds, check_rebounds, frames, from_x, link_of, starts, stops_of
 from bodycheck.adapters.mujoco_warp import graphs
+from bodycheck.adapters.newton.sensing import Instruments, add_sites, transform
 from bodycheck.adapters.newton.solvers import FAR, LIMIT_IMPEDANCE, OF_MUJOCO, SOFTEST, SOLVERS, STEEL_DAMPING, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised, Taking
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
 from bodycheck.reference.requirements import of_mechanism
-from bodycheck.reference.scene import Quaternion, State, Vector
+from bodycheck.reference.scene import State, Vector
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: The features of mechanisms that at least one of Newton's solvers models; see `Engine.models`.
@@ -53,21 +56,42 @@ NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 def prepare(mechanism: Mechanism, method: Method) -> Normalised | Taking:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
+    check(mechanism, method)
+    model = built(mechanism, method)
+    return stepped(mechanism, method, model, model.state())
+
+
+def prepare_sensing(mechanism: Mechanism, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a mechanism with sensors. Raises `SceneUnsupported`."""
+    check(mechanism, method)
+    model = built(mechanism, method, sensors)
+    number_of = numbers(mechanism)
+    state, instruments = model.state(), Instruments(model, sensors, [number_of[sensor.body] for sensor in sensors])
+    return SensingSimulation(stepped(mechanism, method, model, state, instruments), lambda: instruments.read(state))
+
+
+def check(mechanism: Mechanism, method: Method) -> None:
+    """Raise `SceneUnsupported` for a mechanism that a solver of Newton does not have as it is."""
     solver_of_method = SOLVERS[method.integrator]
     lacking = [name for name in of_mechanism(mechanism).names() if name in solver_of_method.lacks]
     if lacking:
         raise SceneUnsupported(f"Newton's solver {method.integrator} has no {', '.join(lacking)}")
     check_rebounds(mechanism, "Newton")
     check_stops(mechanism, method)
-    model = built(mechanism, method)
-    state, following, control = model.state(), model.state(), model.control()
+
+
+def stepped(
+    mechanism: Mechanism, method: Method, model: Any, state: Any, instruments: Instruments | None = None
+) -> Normalised | Taking:
+    """Return the simulation of a model by steps of a state, with the observables that sensors need if there are any."""
+    following, control = model.state(), model.control()
     forces = control.joint_f.numpy()
     for index, joint in enumerate(in_order(mechanism)):
         if joint is not None and joint.effort:
             forces[model.joint_qd_start.numpy()[index]] = joint.effort
     control.joint_f.assign(forces)
     try:
-        solver = solver_of_method.make(model, method)
+        solver = SOLVERS[method.integrator].make(model, method)
     except ValueError as error:  # such as moments of which one is the sum of the others, rounded to single precision
         reason = " ".join(str(error).split())
         for index, number in numbers(mechanism).items():
@@ -75,10 +99,12 @@ def prepare(mechanism: Mechanism, method: Method) -> Normalised | Taking:
                 words = re.split(rf"Element name 'body_{number}', id \d+", reason)
                 reason = mechanism.bodies[index].name.join(words)
         raise SceneUnsupported(f"Newton's solver {method.integrator} refuses the model: {reason}") from error
+    contacts = None if instruments is None else instruments.attach(solver, None)
+    observed = {} if instruments is None else instruments.observed
 
     def step() -> None:
         state.clear_forces()
-        solver.step(state, following, control, None, method.timestep)
+        solver.step(state, following, control, contacts, method.timestep, **observed)
         state.assign(following)
 
     graph = graphs.record(step)
@@ -159,8 +185,8 @@ def numbers(mechanism: Mechanism) -> dict[int, int]:
     return {WORLD: -1} | {index: number for number, index in enumerate(depth_first(mechanism))}
 
 
-def built(mechanism: Mechanism, method: Method) -> Any:
-    """Return Newton's model of a mechanism, whose default state is the initial state."""
+def built(mechanism: Mechanism, method: Method, sensors: Sequence[Sensor] = ()) -> Any:
+    """Return Newton's model of a mechanism with sensors, whose default state is the initial state."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -mechanism.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
     if by_mujoco(method):
@@ -196,6 +222,7 @@ def built(mechanism: Mechanism, method: Method) -> Any:
         builder.joint_q[at : at + len(positions)] = positions
         builder.joint_qd[by : by + len(velocities)] = velocities
     builder.add_articulation(tree)
+    add_sites(builder, sensors, [number_of[sensor.body] for sensor in sensors])
     builder.color()
     # The check of inertia would replace moments of which one is nearly the sum of the others.
     return builder.finalize(skip_validation_inertia=True)
@@ -273,9 +300,3 @@ def twist(link: Link, state: State) -> tuple[float, ...]:
     """Return Newton's twist of a link in a state: the velocity of its centre of mass and its angular velocity (world frame)."""
     spin = rotate(np.array(state.quaternion), np.array(state.angular_velocity))
     return (*velocity_of(link.center_of_mass, state), *spin.tolist())
-
-
-def transform(position: Vector, quaternion: Quaternion | Array) -> Any:
-    """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
-    w, x, y, z = quaternion
-    return wp.transform(position, wp.quat(x, y, z, w))

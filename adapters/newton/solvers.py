@@ -49,6 +49,8 @@ class Solver:
         step. If not, drag is an external force, which is computed at the start of a step and held through it.
     lacks
         The features of mechanisms that the solver does not model, or ignores; see `Engine.models`.
+    observables
+        The observables that the solver fills in its steps, by Newton's names.
     """
 
     make: Callable[[Any, Method], Any]
@@ -59,6 +61,7 @@ class Solver:
     collides: bool = True
     own_passive_forces: bool = False
     lacks: frozenset[str] = frozenset()
+    observables: frozenset[str] = frozenset()
 
 
 def keeps_damping(method: Method) -> bool:
@@ -73,7 +76,15 @@ def mujoco(scheme: str) -> Solver:
     def make(model: Any, method: Method) -> Any:
         return solvers.SolverMuJoCo(model, integrator=scheme)
 
-    return Solver(make, stages, stages, collides=False, own_passive_forces=True, lacks=frozenset({"rigid stops"}))
+    return Solver(
+        make,
+        stages,
+        stages,
+        collides=False,
+        own_passive_forces=True,
+        lacks=frozenset({"rigid stops"}),
+        observables=solvers.SolverMuJoCo.SUPPORTED_OBSERVABLES,
+    )
 
 
 def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
@@ -88,6 +99,7 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
         kinds=kinds,
         options={"dynamics_solver": choice("padmm", "dvi", "lox", kinds=ON_PLANE)},
         collides=not chosen.get("use_collision_detector"),
+        observables=solvers.SolverKamino.SUPPORTED_OBSERVABLES,
     )
 
 
@@ -114,7 +126,9 @@ SOLVERS: dict[str, Solver] = {
         options={"settings": choice("engine")},
     ),
     "Featherstone": Solver(
-        lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction", "rigid stops"})
+        lambda model, method: solvers.SolverFeatherstone(model),
+        lacks=frozenset({"joint friction", "rigid stops"}),
+        observables=solvers.SolverFeatherstone.SUPPORTED_OBSERVABLES,
     ),
     "XPBD": Solver(
         xpbd,
@@ -125,12 +139,18 @@ SOLVERS: dict[str, Solver] = {
             ),
         },
         lacks=frozenset({"armature", "joint damping", "joint springs", "joint friction", "massless bodies", "elastic stops"}),
+        observables=solvers.SolverXPBD.SUPPORTED_OBSERVABLES,
     ),
-    "VBD": Solver(lambda model, method: solvers.SolverVBD(model), kinds=ONE_BODY),
+    "VBD": Solver(
+        lambda model, method: solvers.SolverVBD(model),
+        kinds=ONE_BODY,
+        observables=solvers.SolverVBD.SUPPORTED_OBSERVABLES,
+    ),
     "Steel": Solver(
         steel,
         options={"settings": choice("engine")},
         lacks=frozenset({"joint springs", "joint friction", "elastic stops"}),
+        observables=solvers.SolverSteel.SUPPORTED_OBSERVABLES,
     ),
     "Kamino-euler": kamino("euler", ONE_BODY),
     "Kamino-moreau": kamino("moreau", ON_PLANE, use_collision_detector=True),

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import rapier3d
@@ -19,6 +20,7 @@ from bodycheck.adapters.contract import (
     EngineReset,
     Integrator,
     Method,
+    SensingSimulation,
     Simulation,
     Usage,
     choice,
@@ -26,9 +28,10 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
-from bodycheck.adapters.rapier import INSTALLATION, mechanisms
+from bodycheck.adapters.rapier import INSTALLATION, mechanisms, sensing
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.rapier.robots import step_robot as step_robot
+from bodycheck.adapters.rapier.sensing import lacking as lacking
 from bodycheck.adapters.stepping import Loop, Normalised, several
 from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
 from bodycheck.adapters.urdf import urdf
@@ -36,6 +39,7 @@ from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: The largest number in single precision, by which Rapier says that there is no limit.
@@ -61,6 +65,7 @@ engine = Engine(
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
     roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), PARAMETERS)},
+    reads=("step",),
 )
 
 #: The functions of Rapier that steps call from Python.
@@ -84,14 +89,48 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     (scene,) = scenes
     if isinstance(scene, Mechanism):
         return jointed(scene, method)
+    return alone(scene, built(scene, method))
+
+
+def alone(scene: Scene, world: World) -> Normalised:
+    """Return the simulation of a single body in its world."""
     stepped = resisted_step(scene.drag) if scene.drag else step
-    return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
+    return Normalised(Loop(world, stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
+
+
+def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
+    """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if isinstance(scene, Mechanism):
+        world, bodies, joints = placed(scene, method)
+        places = [np.array(sensor.position) for sensor in sensors]
+        simulation = held_together(scene, world, bodies)
+    else:
+        single = built(scene, method)
+        world, bodies, joints = single.world, [single.body], []
+        axes = conjugate(np.array(scene.body.axes))  # Rapier's body has its frame along the principal axes
+        places = [rotate(axes, np.array(sensor.position)) for sensor in sensors]
+        simulation = alone(scene, single)
+    readers = [
+        sensing.reader(scene, sensor, place, (world, bodies, joints), method.timestep)
+        for sensor, place in zip(sensors, places, strict=True)
+    ]
+    return SensingSimulation(simulation, lambda: tuple(read() for read in readers))
 
 
 def jointed(mechanism: Mechanism, method: Method) -> Normalised:
     """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
+    world, bodies, _ = placed(mechanism, method)
+    return held_together(mechanism, world, bodies)
+
+
+def placed(mechanism: Mechanism, method: Method) -> tuple["rapier3d.PhysicsWorld", list[Any], list[Any]]:
+    """Return a world with a mechanism in its initial state, and Rapier's views of its bodies and of its joints."""
     world = new_world(mechanism.gravity, method)
-    bodies = mechanisms.built(world, mechanism, lambda builder: unlimited(builder, method))
+    return world, *mechanisms.built(world, mechanism, lambda builder: unlimited(builder, method))
+
+
+def held_together(mechanism: Mechanism, world: "rapier3d.PhysicsWorld", bodies: Sequence[Any]) -> Normalised:
+    """Return the simulation of a mechanism in a world."""
 
     def step(_: None) -> None:
         world.step()

@@ -43,8 +43,8 @@ FAR = 1e6
 NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> list[Any]:
-    """Add a mechanism in its initial state to a world, and return Rapier's views of its bodies in their order.
+def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> tuple[list[Any], list[Any]]:
+    """Add a mechanism in its initial state to a world, and return Rapier's views of its bodies and of its joints.
 
     `unlimited` removes from the builder of a body the limits that a method switches off. Raises `SceneUnsupported`.
     """
@@ -61,13 +61,16 @@ def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> 
             .additional_mass_properties(properties(link_of(body)))
         )
         handles[index] = world.add_body(unlimited(builder))
-    for joint in mechanism.joints:
+    inserted = [
         world.impulse_joints.insert(handles[joint.parent], handles[joint.child], joint_of(joint), True)
+        for joint in mechanism.joints
+    ]
     for loop in mechanism.loops:
         one, other = loop.points
         ball = rapier3d.SphericalJoint.builder().local_anchor1(one).local_anchor2(other)
         world.impulse_joints.insert(handles[loop.bodies[0]], handles[loop.bodies[1]], ball, True)
-    return [world.rigid_bodies[handles[index]] for index in range(len(mechanism.bodies))]
+    bodies = [world.rigid_bodies[handles[index]] for index in range(len(mechanism.bodies))]
+    return bodies, [world.impulse_joints[handle] for handle in inserted]
 
 
 def properties(link: Link) -> Any:
@@ -90,7 +93,7 @@ def joint_of(joint: Joint) -> Any:
         "spherical": mask.LOCKED_SPHERICAL_AXES,
         "fixed": mask.LOCKED_FIXED_AXES,
     }
-    turn = from_x(np.array(exact.nearest_axis(joint))) if joint.type in ("revolute", "prismatic") else NO_TURN
+    turn = turn_of(joint)
     attitude = multiply(np.array(exact.nearest_turn(joint.attitude)), turn)
     builder = (
         rapier3d.GenericJoint.builder(locked[joint.type])
@@ -104,6 +107,11 @@ def joint_of(joint: Joint) -> Any:
         builder = builder.motor_model(axis, rapier3d.MotorModel.FORCE_BASED)
         builder = builder.motor_position(axis, joint.rest, joint.stiffness, joint.damping)
     return builder
+
+
+def turn_of(joint: Joint) -> Array:
+    """Return the rotation (4,) from Rapier's frame of a joint, whose x axis is the axis of the joint, to the joint's frame."""
+    return from_x(np.array(exact.nearest_axis(joint))) if joint.type in ("revolute", "prismatic") else NO_TURN
 
 
 def check(bodies: Sequence[Any]) -> None:

@@ -14,10 +14,14 @@ its place in the world, the gravitational acceleration g as a vector, and the ve
 - A contact_force sensor reads the resultant of the forces of contacts on the body, along the axes of the world.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from bodycheck.reference.scene import Attitude, Vector
+from bodycheck.reference.trajectory import Array
 
 #: The names of the types.
 SensorType = Literal["accelerometer", "gyroscope", "velocimeter", "force_torque", "joint_effort", "contact_force"]
@@ -108,3 +112,8 @@ class Sensor:
     def columns(self) -> tuple[str, ...]:
         """The names of the columns of its components, such as "imu.x"."""
         return tuple(f"{self.name}{suffix}" for suffix in self.form.components)
+
+
+def split(sensors: Sequence[Sensor], values: Array) -> tuple[Array, ...]:
+    """Return the reading (k,) of each of some sensors from the values of all their components, one sensor after another."""
+    return tuple(np.split(values, np.cumsum([len(sensor.form.components) for sensor in sensors])[:-1]))
