@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
@@ -56,12 +55,13 @@ def _touched(
     mechanism: Mechanism, motion: WideMotion, rows: NDArray[np.bool_], t: Array, indices: frozenset[int]
 ) -> frozenset[int]:
     """The indices of joints that may reach their stops at the instants t (n,), s, in a mask (n,) `rows`, or between them."""
-    columns, third = places(mechanism), np.diff(t[rows]) / 3
-    new = set[int]()
-    for index in indices:
-        (held, moving), stops = columns[index], mechanism.joints[index].stops
-        assert stops is not None
-        q, v = motion.joint_position[rows, held.start], motion.joint_velocity[rows, moving.start]
+    third, new, held, moving = np.diff(t[rows]) / 3, set[int](), 0, 0
+    for index, joint in enumerate(mechanism.joints):
+        first, held = held, held + len(joint.form.coordinates)
+        column, moving = moving, moving + len(joint.form.velocities)
+        if index not in indices or (stops := joint.stops) is None:
+            continue
+        q, v = motion.joint_position[rows, first], motion.joint_velocity[rows, column]
         # A cubic is within the range of its coefficients in Bernstein's polynomials.
         reach = np.concatenate([q, q[:-1] + v[:-1] * third, q[1:] - v[1:] * third])
         if (stops.upper is not None and reach.max() >= stops.upper) or (stops.lower is not None and reach.min() <= stops.lower):
