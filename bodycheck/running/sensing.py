@@ -61,11 +61,9 @@ def sensed(
         readings, window, rows = _read(adapter, scene, readable, method, trajectory.t)
     except (SceneUnsupported, EngineDiverged) as error:
         reason = f"does not simulate the scene with sensors: {error}"
-        return _unread(sensors, tuple(own or reason for own in lacking), trajectory)
-    series = iter(readings)
-    each = [
-        _nothing(sensor, len(readings[0])) if reason else next(series) for sensor, reason in zip(sensors, lacking, strict=True)
-    ]
+        return _unread(sensors, tuple(each or reason for each in lacking), trajectory)
+    series, count = iter(readings), len(readings[0])
+    each = [_nothing(sensor, count) if reason else next(series) for sensor, reason in zip(sensors, lacking, strict=True)]
     first = len(window)
     return Sensed(lacking, tuple(one[rows] for one in each), window, tuple(one[:first] for one in each))
 

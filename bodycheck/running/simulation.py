@@ -53,6 +53,9 @@ SETTLED = 1.0
 #: Largest distance of a quaternion's norm from 1. The rounding of single precision is a tenth of it.
 UNIT_TOLERANCE = 1e-6
 
+#: The outcome of a method that reads sensors otherwise, in a case that has none.
+WITHOUT_SENSORS = Unsupported("the option sensors=forward has no use in a case without sensors")
+
 #: The outcome of a run that changes the rounding mode, which also changes the instants of its states.
 OTHER_ROUNDING = Crashed("it changed how its process rounds floating-point numbers")
 
@@ -97,7 +100,8 @@ def run(case: Case, engine: str, method: Method) -> Run:
         if slides(case.scene) and isinstance(adapter, ContactLaw):
             law = adapter.contact_law(case.scene, method)
         times = sampling_times(case.instants, method.sampling)
-        outcome = outcome_in(adapter, engine, case.scene, method, times)
+        idle = method.option("sensors") is not None and not case.sensors
+        outcome = WITHOUT_SENSORS if idle else outcome_in(adapter, engine, case.scene, method, times)
         if case.sensors and isinstance(outcome, Completed):
             given = given_to_engines(case.scene, times)
             outcome = replace(outcome, readings=sensed(adapter, given, case.sensors, method, outcome.trajectory))

@@ -15,7 +15,7 @@ from bodycheck.adapters.contract import Method, SceneUnsupported, SensingSimulat
 from bodycheck.casefile.case import load, parse
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadFolder
-from bodycheck.judging.discrepancy import compare
+from bodycheck.judging.comparison import compare
 from bodycheck.judging.judgement import judge
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.sensors.sensor import Sensor
@@ -82,6 +82,11 @@ def test_readings_are_at_the_instants_of_the_run_and_after_its_first_steps() -> 
     # The body does not turn, so that every point has the velocity of the centre of mass; a few roundings of 10 m/s.
     for velocity, reading in ((states.trajectory.velocity, speed), (window.velocity, states.sensed.stepwise[2])):
         np.testing.assert_allclose(np.linalg.norm(reading, axis=1), np.linalg.norm(velocity, axis=1), atol=1e-13)
+
+
+def test_the_forward_pass_has_no_use_without_sensors() -> None:
+    outcome = run(replace(fall(), sensors=()), "mujoco", FORWARD).outcome
+    assert outcome.reason == "the option sensors=forward has no use in a case without sensors"
 
 
 def test_a_run_shorter_than_the_window_is_read_to_its_end() -> None:

@@ -132,8 +132,8 @@ def draw(
     if truths and (sensed := next((verdict.run.sensors for verdict in verdicts.values()), ())):
         readings = _readings(sensed, verdicts, known, truths[min(truths)], instants)
         datasets |= {"sensors": readings} if readings else {}
-        told = sensor_curves.described(readings, sensed)
-        sensors = {number: (title, Drawn(alt, notes)) for number, (title, alt, notes) in told.items()}
+        charts = sensor_curves.described(readings, sensed)
+        sensors = {number: (title, Drawn(alt, notes)) for number, (title, alt, notes) in charts.items()}
     return Curves(datasets, drawn, blank, momentum, joints, sensors)
 
 

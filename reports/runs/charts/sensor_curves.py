@@ -88,14 +88,14 @@ def rows(sensors: tuple[Sensor, ...], truth: Truth, runs: Mapping[str, tuple[Run
 
 def described(data: list[dict[str, Any]], sensors: Sequence[Sensor]) -> dict[int, tuple[str, str, tuple[str, ...]]]:
     """Return the title, a description and notes of each chart that has a curve, by its number."""
-    told: dict[int, tuple[str, str, tuple[str, ...]]] = {}
+    descriptions: dict[int, tuple[str, str, tuple[str, ...]]] = {}
     for number, chart in enumerate(charts(sensors)):
-        own = [row for row in data if row["sensor"] == number]
-        if own:
-            methods = [method for method in dict.fromkeys(row["method"] for row in own) if method != TRUTH]
+        curves = [row for row in data if row["sensor"] == number]
+        if curves:
+            methods = [method for method in dict.fromkeys(row["method"] for row in curves) if method != TRUTH]
             notes = (f"Dashed: {listing(methods)}, where the difference is seen.",) if methods else ()
-            told[number] = chart.title, " ".join((f"Readings over time: {chart.title}.", *notes)), notes
-    return told
+            descriptions[number] = chart.title, " ".join((f"Readings over time: {chart.title}.", *notes)), notes
+    return descriptions
 
 
 def _rows(number: int, chart: Chart, method: str, t: Array, values: Array, most: int) -> list[dict[str, Any]]:
