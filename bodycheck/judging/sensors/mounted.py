@@ -79,11 +79,11 @@ def mounting(past: Past, sensor: Sensor) -> Mounting:
 
 def accelerometer(past: Past, sensor: Sensor, values: Array) -> Laws:
     """Return the conventions of an accelerometer, which should read `values` (lags, n, 3)."""
-    place, h, gravity = mounting(past, sensor), past.timestep, past.scene.gravity
-    weight = place.along(np.broadcast_to(np.array([0.0, 0.0, gravity]), values.shape))
-    spin, transport = place.of_body(place.spin), place.of_body(np.cross(place.angular, place.arm))
+    motion, h, gravity = mounting(past, sensor), past.timestep, past.scene.gravity
+    weight = motion.along(np.broadcast_to(np.array([0.0, 0.0, gravity]), values.shape))
+    spin, transport = motion.of_body(motion.spin), motion.of_body(np.cross(motion.angular, motion.arm))
     departures = {
-        "without ω × v": -np.cross(place.of_body(place.rate), place.along(place.velocity)),
+        "without ω × v": -np.cross(motion.of_body(motion.rate), motion.along(motion.velocity)),
         "without ω × (ω × r)": -spin,
         "without dω/dt × r": -transport,
         "at the centre of mass": -spin - transport,
@@ -94,38 +94,38 @@ def accelerometer(past: Past, sensor: Sensor, values: Array) -> Laws:
     differenced: dict[Source, float] = {}
     delayed: dict[Source, Array] = {}
     if h:
-        now = values[:1] + place.along(place.acceleration - place.acceleration[:1], present=True)
+        now = values[:1] + motion.along(motion.acceleration - motion.acceleration[:1], present=True)
         delayed = {"velocities": now, "positions": now}
-        by_velocities = differences(place.velocity)[:2] / h
-        by_positions = differences(differences(place.position))[:2] / h**2
-        sources["velocities"] = values[:2] + place.along(by_velocities - place.acceleration[:2])
-        sources["positions"] = values[:2] + place.along(by_positions - place.acceleration[:2])
-        differenced = {"velocities": largest(place.velocity) / h, "positions": largest(place.position) / h**2}
-    size = max(gravity, largest(place.spin))
+        by_velocities = differences(motion.velocity)[:2] / h
+        by_positions = differences(differences(motion.position))[:2] / h**2
+        sources["velocities"] = values[:2] + motion.along(by_velocities - motion.acceleration[:2])
+        sources["positions"] = values[:2] + motion.along(by_positions - motion.acceleration[:2])
+        differenced = {"velocities": largest(motion.velocity) / h, "positions": largest(motion.position) / h**2}
+    size = max(gravity, largest(motion.spin))
     units = {"in units of g": 1 / gravity} if gravity else {}
-    return laws(past, sources, _frames(past, sensor, place), departures, units, size, differenced, delayed)
+    return laws(past, sources, _frames(past, sensor, motion), departures, units, size, differenced, delayed)
 
 
 def gyroscope(past: Past, sensor: Sensor, values: Array) -> Laws:
     """Return the conventions of a gyroscope, which should read `values` (lags, n, 3)."""
-    place, h = mounting(past, sensor), past.timestep
+    motion, h = mounting(past, sensor), past.timestep
     sources: dict[Source, Array] = {"solver": values}
     if h:
-        sources["positions"] = place.of_body(_turned(place.turn)[:2] / h)
-    return laws(past, sources, _frames(past, sensor, place), differenced={"positions": 1 / h} if h else None)
+        sources["positions"] = motion.of_body(_turned(motion.turn)[:2] / h)
+    return laws(past, sources, _frames(past, sensor, motion), differenced={"positions": 1 / h} if h else None)
 
 
 def velocimeter(past: Past, sensor: Sensor, values: Array) -> Laws:
     """Return the conventions of a velocimeter, which should read `values` (lags, n, 3)."""
-    place, h = mounting(past, sensor), past.timestep
+    motion, h = mounting(past, sensor), past.timestep
     sources: dict[Source, Array] = {"solver": values}
     delayed: dict[Source, Array] = {}
     if h:
-        sources["positions"] = place.along(differences(place.position)[:2] / h)
-        delayed["positions"] = place.along(place.velocity, present=True)
-    departures = {"at the centre of mass": -place.of_body(np.cross(place.rate, place.arm))}
-    differenced: dict[Source, float] = {"positions": largest(place.position) / h} if h else {}
-    return laws(past, sources, _frames(past, sensor, place), departures, differenced=differenced, delayed=delayed)
+        sources["positions"] = motion.along(differences(motion.position)[:2] / h)
+        delayed["positions"] = motion.along(motion.velocity, present=True)
+    departures = {"at the centre of mass": -motion.of_body(np.cross(motion.rate, motion.arm))}
+    differenced: dict[Source, float] = {"positions": largest(motion.position) / h} if h else {}
+    return laws(past, sources, _frames(past, sensor, motion), departures, differenced=differenced, delayed=delayed)
 
 
 def _turned(turn: Array) -> Array:
@@ -137,9 +137,9 @@ def _turned(turn: Array) -> Array:
     return np.asarray(step[..., 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0))
 
 
-def _frames(past: Past, sensor: Sensor, place: Mounting) -> dict[Frame, Array]:
+def _frames(past: Past, sensor: Sensor, motion: Mounting) -> dict[Frame, Array]:
     """Return the frames along whose axes a mounted sensor may read, beginning with its own."""
     frames = frames_of_body(past, sensor.body)
     if not np.abs(np.array(exact.nearest_turn(sensor.attitude))[1:]).any():  # its axes are those of the body
         del frames["body"]
-    return {"sensor": place.axes, **frames}
+    return {"sensor": motion.axes, **frames}
