@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.adapters import offers
-from bodycheck.adapters.contract import Method, Sensing
+from bodycheck.adapters.contract import Adapter, Method, Sensing
 from bodycheck.casefile.case import load
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.sensors.expected import expected
@@ -32,8 +32,9 @@ class Readings:
     quaternion: Array
 
 
-def readings(adapter: Sensing, case: str, spelling: str, timestep: float, steps: int) -> Readings:
+def readings(adapter: Adapter, case: str, spelling: str, timestep: float, steps: int) -> Readings:
     """Return the readings of a shipped case whose joints are not driven."""
+    assert isinstance(adapter, Sensing)
     shipped, method = load(case), Method.parse(spelling, timestep)
     scene = shipped.scene
     sensors = [sensor for sensor in shipped.sensors if adapter.lacking(scene, sensor, method) is None]
@@ -51,3 +52,10 @@ def readings(adapter: Sensing, case: str, spelling: str, timestep: float, steps:
         dict(zip(names, exactly, strict=True)),
         quaternion,
     )
+
+
+def reasons(adapter: Adapter, case: str, spelling: str) -> dict[str, str]:
+    """Return why an engine does not read the sensors of a shipped case, by their names; empty for those that it reads."""
+    assert isinstance(adapter, Sensing)
+    shipped, method = load(case), Method.parse(spelling, 0.002)
+    return {each.name: adapter.lacking(shipped.scene, each, method) or "" for each in shipped.sensors}
