@@ -235,7 +235,8 @@ def with_sensors(xml: str, sensors: Sequence[Placed], method: Method, motors: Se
             case "joint_effort":
                 ElementTree.SubElement(element, "jointactuatorfrc", {"joint": placed.part, **timing})
             case "contact_force":
-                whole = {"body1": placed.part, "data": "force", "reduce": "netforce"}
+                # The force is that of the first body on the second one.
+                whole = {"body2": placed.part, "data": "force", "reduce": "netforce"}
                 ElementTree.SubElement(element, "contact", {**whole, **timing})
             case kind:
                 site = f"sensor {number}"

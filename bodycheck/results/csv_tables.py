@@ -16,6 +16,9 @@ from bodycheck.files import reading, writing
 from bodycheck.results.origin import BESIDE, Origins, beside
 from bodycheck.results.tables import Row, Table
 
+#: The signs, which are no formulas by themselves.
+SIGNS = ("+", "-")
+
 #: The beginnings of texts that spreadsheets read as formulas.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
@@ -104,7 +107,8 @@ def entry(value: Any) -> Any:
 
 def _is_formula(text: str) -> bool:
     """Return whether an apostrophe belongs before a text, which may already begin with apostrophes."""
-    return text.lstrip("'").startswith(FORMULA)
+    shown = text.lstrip("'")
+    return shown.startswith(FORMULA) and shown not in SIGNS
 
 
 def _truth_value(text: str) -> bool:

@@ -77,7 +77,7 @@ def test_the_contact_sensor_sums_normal_and_friction_forces() -> None:
     case = load("sensor-rolling-ball")
     touch = readings(case, "Euler:sensors=forward").readings[2]
     settled = touch[len(touch) // 2 :]
-    # Of a body named first, MuJoCo reads the force on the other: minus the weight less what accelerates the ball down the ramp.
+    # The plane bears the weight less what accelerates the ball down the ramp.
     pull = 9.81 * np.sin(0.2) * 5 / 7
-    expected = -np.array([pull * np.cos(0.2), 0.0, 9.81 - pull * np.sin(0.2)])
+    expected = np.array([pull * np.cos(0.2), 0.0, 9.81 - pull * np.sin(0.2)])
     np.testing.assert_allclose(settled, np.tile(expected, (len(settled), 1)), atol=0.02)  # the contact is soft
