@@ -1,7 +1,5 @@
 """Sensors in PyBullet: force and torque sensors of joints, and forces of contacts."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from bodycheck.adapters.pybullet.engine import jointed
 from bodycheck.casefile.case import load
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.sensors.sensor import Sensor
 from tests.support.sensor_readings import readings, reasons
 
@@ -40,10 +38,8 @@ def test_the_wrench_is_along_the_principal_axes_of_the_child() -> None:
 
 @pytest.mark.parametrize("integrator", ["maximal", "multibody"])
 def test_the_friction_in_the_list_of_contacts_has_the_sign_of_the_force_on_the_plane(integrator: str) -> None:
-    scene = load("free-brick").scene
-    assert isinstance(scene, Scene)
-    start = replace(scene.initial, velocity=(1.0, 0.5, 0.0), angular_velocity=(0.0, 0.0, 0.0), quaternion=(1.0, 0.0, 0.0, 0.0))
-    scene = replace(scene, gravity=9.81, plane=Plane(0.3), initial=start, definition=None)
+    body = Body(2.0, (0.05 / 6, 0.05 / 6, 0.08 / 6), shape=Brick((0.1, 0.1, 0.05)))
+    scene = Scene(body, State((0.0, 0.0, 0.05), velocity=(1.0, 0.5, 0.0)), 9.81, Plane(0.3))
     method, sensor = Method.parse(integrator, 0.001), Sensor("contact", "contact_force")
     assert isinstance(PYBULLET, Sensing)
     sensing = PYBULLET.prepare_sensing(scene, (sensor,), method)
