@@ -1,6 +1,6 @@
 """The report of sensors: for each engine, what its sensors read, joined over all scenes, and the rows of each scene."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from bodycheck.judging.sensors.rows import SensorRow
 from bodycheck.reports.finding import Finding
@@ -45,20 +45,25 @@ def present(header: Header, rows: Sequence[SensorRow]) -> StudyReport:
 
 
 def _findings(rows: Sequence[SensorRow]) -> list[Finding]:
-    """Return a finding for each engine and type of sensor with readings that are late, differenced, or differ by a term."""
-    findings = []
+    """Return a finding for each engine, method and departure, with the types of sensors whose readings depart in this way."""
+    types: dict[tuple[str, str], list[str]] = {}
     for line in lines(rows):
-        texts = [
-            *([f"{line.age_steps} steps old"] if line.age_steps not in ("", "0") else []),
-            *([f"from differences of {line.source}"] if line.source not in ("", "solver") else []),
-            *([f"of the sign {line.sign}"] if line.sign not in ("", "+") else []),
-            *([line.note] if line.note else []),
-        ]
-        if texts:
-            after = "a step" if line.read == "step" else "the forward pass"
-            subject = f"{line.engine} {line.integrator}, {line.type} after {after}"
-            findings.append(Finding(subject, f"{', '.join(texts)}."))
-    return findings
+        after = "a step" if line.read == "step" else "the forward pass"
+        for text in _departures(line):
+            types.setdefault((f"{line.engine} {line.integrator}, after {after}", text), []).append(line.type)
+    return [Finding(subject, f"{', '.join(names)}: {text}.") for (subject, text), names in types.items()]
+
+
+def _departures(line: Line) -> Iterator[str]:
+    """Yield what distinguishes the readings of a type of sensor from its definition, each as a clause."""
+    if line.age_steps not in ("", "0"):
+        yield "the readings are one step old" if line.age_steps == "1" else f"the readings are {line.age_steps} steps old"
+    if line.source not in ("", "solver"):
+        yield f"the readings are differences of {line.source}"
+    if line.sign not in ("", "+"):
+        yield f"the readings have the sign {line.sign}"
+    if line.note:
+        yield line.note
 
 
 def _part(engine: str, rows: Sequence[SensorRow]) -> Part:
