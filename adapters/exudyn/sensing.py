@@ -7,6 +7,9 @@ joint between bodies has the force and the torque of its constraints along the a
 the parent's; forces of springs, dampers and efforts are those of other objects. Trees have no forces in joints. The force of
 contacts is that of `GeneralContact` on the coordinates of the position of a body.
 
+The force is that of the child on the parent. The torque of `ObjectJointRevoluteZ` consists of the multipliers of its two
+constraints: with a moment about y alone, its x component differs from zero, and not its y component.
+
 Explicit solvers have no acceleration before the first step, and Exudyn returns zero for it.
 """
 

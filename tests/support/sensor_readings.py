@@ -7,7 +7,7 @@ import numpy as np
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, Method, Sensing
 from bodycheck.casefile.case import load
-from bodycheck.reference.bodies import bodies
+from bodycheck.reference.bodies import bodies, of_bodies
 from bodycheck.reference.sensors.expected import expected
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.states import of_scene, states_of, trajectory_of
@@ -24,7 +24,7 @@ class Readings:
     expected
         What each sensor should read (n, k) at the states of the engine.
     quaternion
-        The attitude (n, 4) of the first body.
+        The attitudes (b, n, 4) of the bodies.
     """
 
     given: dict[str, Array]
@@ -46,12 +46,9 @@ def readings(adapter: Adapter, case: str, spelling: str, timestep: float, steps:
     trajectory = trajectory_of(np.arange(steps + 1) * timestep, of_scene(np.concatenate(states, axis=1), scene))
     exactly = expected(scene, sensors, trajectory)
     names = [sensor.name for sensor in sensors]
-    quaternion = trajectory.quaternion if trajectory.quaternion.ndim == 2 else trajectory.quaternion[0]
-    return Readings(
-        dict(zip(names, map(np.array, zip(*given, strict=True)), strict=True)),
-        dict(zip(names, exactly, strict=True)),
-        quaternion,
-    )
+    series = map(np.array, zip(*given, strict=True))
+    quaternion = of_bodies(trajectory).quaternion
+    return Readings(dict(zip(names, series, strict=True)), dict(zip(names, exactly, strict=True)), quaternion)
 
 
 def reasons(adapter: Adapter, case: str, spelling: str) -> dict[str, str]:

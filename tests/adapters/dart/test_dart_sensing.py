@@ -28,7 +28,7 @@ def test_before_the_first_step_no_force_is_known() -> None:
 
 def test_the_acceleration_of_a_brick_after_forward_dynamics_lacks_gravity_alone() -> None:
     seen = readings(DART, "sensor-brick", FORWARD, 0.002, 5)
-    weight = rotate(conjugate(seen.quaternion), np.broadcast_to(UP, (6, 3)))
+    weight = rotate(conjugate(seen.quaternion[0]), np.broadcast_to(UP, (6, 3)))
     assert seen.given["imu"] + weight == pytest.approx(seen.expected["imu"], abs=1e-12)
     known = [-2.5159379845, 0.7909406456, 0.0323383085]
     assert seen.given["imu"][0] + UP == pytest.approx(known, abs=1e-9)  # the digits of the known values

@@ -5,7 +5,7 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.casefile.case import load
-from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms.exact import nearest_turn
 from tests.support.sensor_readings import readings, reasons
 
@@ -17,7 +17,7 @@ UP = np.array([0.0, 0.0, 9.81])
 def test_the_acceleration_of_a_brick_lacks_gravity_alone(spelling: str) -> None:
     """The tolerance is that of Exudyn's own Newton iterations: accelerations of 10 m/s^2 to some 1e-6."""
     seen = readings(EXUDYN, "sensor-brick", spelling, 0.002, 5)
-    weight = rotate(conjugate(seen.quaternion), np.broadcast_to(UP, (6, 3)))
+    weight = rotate(conjugate(seen.quaternion[0]), np.broadcast_to(UP, (6, 3)))
     assert (seen.given["imu"] + weight)[1:] == pytest.approx(seen.expected["imu"][1:], abs=1e-4)
     for name in ("gyro", "speed"):
         assert seen.given[name] == pytest.approx(seen.expected[name], abs=1e-12)
@@ -40,11 +40,13 @@ def test_sensors_of_links_are_along_the_axes_of_the_body() -> None:
     assert rotate(own, seen.given["imu"] + weight)[1:] == pytest.approx(seen.expected["imu"][1:], abs=1e-12)
 
 
-def test_the_wrench_of_a_joint_is_that_of_the_parent_along_its_own_axes_reversed_or_not() -> None:
-    """Before the first step there is none; then the size of the force is right to Newton's tolerance."""
-    seen = readings(EXUDYN, "sensor-floating-arm", "GeneralizedAlpha", 0.001, 20)
-    given, exactly = (np.linalg.norm(each["wrench"][10:, :3], axis=1) for each in (seen.given, seen.expected))
-    assert given == pytest.approx(exactly, rel=1e-2)
+def test_the_force_of_a_joint_is_that_on_the_parent_along_the_axes_of_the_parent() -> None:
+    """Without numerical damping the multipliers of `GeneralizedAlpha` alternate from step to step, so that it is on here."""
+    seen = readings(EXUDYN, "sensor-floating-arm", "GeneralizedAlpha:settings=engine", 0.001, 20)
+    base, arm = seen.quaternion
+    on_child = rotate(multiply(conjugate(base), arm), seen.expected["wrench"][:, :3])
+    # The multipliers are those of the scheme, which differ by its error of second order.
+    assert seen.given["wrench"][:, :3] == pytest.approx(-on_child, abs=0.01)
 
 
 def test_trees_have_no_wrenches_and_no_joint_has_a_sensor_of_efforts() -> None:
