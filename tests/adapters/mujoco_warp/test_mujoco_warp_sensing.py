@@ -20,15 +20,15 @@ def test_the_known_brick_and_the_age_of_its_readings() -> None:
     for name in ("imu", "gyro", "speed"):
         assert present.given[name] == pytest.approx(present.expected[name], abs=CLOSE)
         assert after_step.given[name][1:] == pytest.approx(after_step.expected[name][:-1], abs=CLOSE)
-        assert np.abs(after_step.given[name][1:] - after_step.expected[name][1:]).max() > 100 * CLOSE
+        assert np.abs(after_step.given[name][1:] - after_step.expected[name][1:]).max() > 50 * CLOSE
 
 
 def test_at_rest() -> None:
     """The wrench bears the weight, the effort holds the arm, and the specific force points upwards."""
     seen = readings(WARP, "sensor-rest", "Euler", 0.002, 2)
     assert np.linalg.norm(seen.given["imu"][1:], axis=1) == pytest.approx(np.full(2, 9.81), abs=CLOSE)
-    assert seen.given["wrench"][1:] == pytest.approx(np.tile([0.0, 0.0, 19.62, 0.0, -5.886, 0.0], (2, 1)), abs=CLOSE)
-    assert seen.given["effort"][1:] == pytest.approx(np.full((2, 1), -5.886), abs=CLOSE)
+    for name in ("wrench", "effort"):
+        assert seen.given[name][1:] == pytest.approx(seen.expected[name][1:], abs=CLOSE)
 
 
 def test_the_wrench_of_a_pendulum() -> None:

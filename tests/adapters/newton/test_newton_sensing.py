@@ -19,7 +19,7 @@ CLOSE = 2e-4
 
 
 def test_at_rest() -> None:
-    """The arm's centre of mass is 0.3 m beside the shoulder, about which the effort holds the weight."""
+    """The effort holds the weight about the shoulder, and about the centre of mass there is no moment."""
     seen = readings(NEWTON, "sensor-rest", "MuJoCo-euler", 0.002, 3)
     assert np.linalg.norm(seen.given["imu"][1:], axis=1) == pytest.approx(np.full(3, 9.81), abs=CLOSE)
     assert seen.given["wrench"][1:] == pytest.approx(np.tile([0.0, 0.0, 19.62, 0.0, 0.0, 0.0], (3, 1)), abs=CLOSE)

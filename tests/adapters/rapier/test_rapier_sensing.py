@@ -9,6 +9,7 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import load
 from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms.exact import nearest_turn
 from bodycheck.reference.scene import Plane
 from tests.support.sensor_readings import readings
 
@@ -21,7 +22,7 @@ CLOSE = 1e-4
 @pytest.mark.parametrize("case", ["sensor-brick", "sensor-constant-velocity"])
 def test_velocities_are_along_the_axes_of_the_world(case: str) -> None:
     seen = readings(RAPIER, case, "symplectic-euler", 0.002, 3)
-    turns = {sensor.name: np.array(sensor.attitude, dtype=float) for sensor in load(case).sensors}
+    turns = {sensor.name: np.array(nearest_turn(sensor.attitude)) for sensor in load(case).sensors}
     for name in ("gyro", "speed"):
         along_body = rotate(turns[name], seen.expected[name])
         assert seen.given[name] == pytest.approx(rotate(seen.quaternion, along_body), abs=CLOSE)
@@ -37,7 +38,6 @@ def test_a_joint_reports_the_force_of_the_child_in_the_last_substep(method: str,
 
 def test_a_contact_bears_the_weight_and_does_not_report_friction() -> None:
     ramp = load("sensor-block-on-ramp")
-    assert not isinstance(ramp.scene.plane, type(None))
     moving = replace(ramp.scene.initial, position=(0.0, 0.0, 0.05), quaternion=(1.0, 0.0, 0.0, 0.0), velocity=(1.0, 0.0, 0.0))
     scene = replace(ramp.scene, plane=Plane(friction=0.3), initial=moving)
     (contact,) = (sensor for sensor in ramp.sensors if sensor.type == "contact_force")
