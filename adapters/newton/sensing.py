@@ -90,6 +90,8 @@ class Instruments:
     def __init__(self, model: Any, sensors: Sequence[Sensor], bodies: Sequence[int]) -> None:
         self.model, self.sensors, self.bodies = model, sensors, bodies
         self.observed: dict[str, Any] = {}
+        self.imu: Any = None
+        self.touch: Any = None
 
     def attach(self, solver: Any, contacts: Any) -> Any:
         """Ask a solver for its observables, and return the contacts that its steps fill, which may be given."""
@@ -101,7 +103,6 @@ class Instruments:
             count = solver.get_max_contact_count()
             contacts = newton.CollisionPipeline(self.model, rigid_contact_max=count, soft_contact_max=0).contacts()
         self.observed = {"observables": solver.observables(kinds=kinds, contacts=contacts)}
-        self.imu = self.touch = None
         if KIND.BODY_QDD in kinds:
             sites = [self.model.shape_label.index(site(number)) for number in range(len(self.sensors))]
             self.imu = newton.sensors.SensorIMU(self.model, sites=sites, request_state_attributes=False)
