@@ -39,6 +39,8 @@ springs at the start of a step; the module `mechanisms` describes how they are b
 because Brax moves the body along a rotating axis but computes inertia and forces with a fixed one. The other pipelines enforce
 joints by iterations.
 
+The module `sensing` reads what a state has for sensors.
+
 Several scenes are stepped together (`jax.vmap`); their states differ from the states of each scene alone by rounding.
 
 XLA compiles the steps for each pipeline and kind of scene when the first simulation of this kind is built in a process, which

@@ -62,5 +62,5 @@ def degree_of_freedom(mechanism: Mechanism, links: Sequence[str], sensor: Sensor
     """Return the number of the degree of freedom of a sensor's joint in Brax's velocities."""
     numbers = {"revolute": 1, "prismatic": 1, "universal": 2, "planar": 3}
     children = {mechanism.bodies[joint.child].name: numbers[joint.type] for joint in mechanism.joints}
-    own = links.index(mechanism.bodies[sensor.body].name)
-    return sum(children[name] for name in links[:own])
+    position = links.index(mechanism.bodies[sensor.body].name)
+    return sum(children[name] for name in links[:position])

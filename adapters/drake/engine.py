@@ -194,8 +194,10 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
     if isinstance(scene, Mechanism):
         actuated = [each.joint for each in sensors if each.type == "joint_effort" and each.joint is not None]
-        model, *others = mechanisms.built(scene, method, APPROXIMATIONS, actuated)
-        return SensingSimulation(mechanisms.stepped(scene, method, model, *others), sensing.reader(model, scene, sensors))
+        model, seen_states, joints = mechanisms.built(scene, method, APPROXIMATIONS, actuated)
+        return SensingSimulation(
+            mechanisms.stepped(scene, method, model, seen_states, joints), sensing.reader(model, scene, sensors)
+        )
     model = build(scene, method, APPROXIMATIONS)
     return SensingSimulation(stepped(model, method), sensing.reader(model, scene, sensors))
 

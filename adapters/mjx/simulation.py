@@ -30,7 +30,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package of its other backend, Warp, is not installed
-    from mujoco import mjx
+    from mujoco import mjx as mjx
 
 #: The largest number of scenes that are stepped together; more scenes are stepped in groups. With 10,000 scenes, the threads of
 #: XLA waited for each other for ever (JAX on two processors). With 1,000 scenes, the time per scene of a step is as short as

@@ -1,7 +1,7 @@
 """The adapter of MuJoCo Warp, which computes MuJoCo's steps in single precision by the compiled kernels of NVIDIA's Warp.
 
 The module `engine` is the adapter, and `graphs` records the kernels that a step starts as a graph, which Warp replays in C++.
-All runs on the CPU device of Warp.
+The module `sensing` reads its sensors. All runs on the CPU device of Warp.
 
 The methods are the integrators of MuJoCo Warp, which have MuJoCo's names. A scene is the same MJCF as in the adapter of MuJoCo,
 compiled by the MuJoCo that is installed with it. Nothing has to be switched off: the MJCF has no damping, and by default MuJoCo

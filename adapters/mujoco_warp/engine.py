@@ -250,8 +250,9 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
     mechanism, xml, with_sensors = description_of_mechanism(scene, sensors, method)
     compiled = compiled_model(with_sensors)
     model, data = from_start(compiled, begun(compiled, mechanism))
-    simulation: Loop[Any] | Taking = stepped(model, data, seen_states(mechanism, xml))
+    simulation = stepped(model, data, seen_states(mechanism, xml))
     if mechanism.driven:
         motors = [compiled.actuator(mechanism.joints[joint].name).id for joint in mechanism.driven]
-        simulation = driven(simulation, data, *indices(compiled, mechanism), data.ctrl, motors)
+        actuated = driven(simulation, data, *indices(compiled, mechanism), data.ctrl, motors)
+        return sensing.reading(actuated, model, data, sensors, method)
     return sensing.reading(simulation, model, data, sensors, method)

@@ -1,7 +1,7 @@
 """The adapter of Newton, whose solvers run on the CPU device of NVIDIA's Warp, in single precision.
 
-The module `engine` is the adapter, and `solvers` lists Newton's solvers of rigid bodies. A step is recorded once as a graph of
-kernels, which Warp replays in C++ (`bodycheck.adapters.mujoco_warp.graphs`).
+The module `engine` is the adapter, `solvers` lists Newton's solvers of rigid bodies, and `sensing` reads sensors. A step is
+recorded once as a graph of kernels, which Warp replays in C++ (`bodycheck.adapters.mujoco_warp.graphs`).
 
 The methods have the names of the solvers without the word `Solver`:
 

@@ -60,6 +60,22 @@ def site(number: int) -> str:
     return f"sensor {number}"
 
 
+def velocity_of_point(
+    body: int,
+    point: wp.vec3,
+    centres: wp.array[wp.vec3],
+    poses: wp.array[wp.transform],
+    twists: wp.array[wp.spatial_vector],
+    velocity: wp.array[wp.vec3],
+) -> None:
+    """Set the velocity (world) of a place in the frame of a body by Newton's function. Warp compiles this as a kernel."""
+    arm = wp.quat_rotate(wp.transform_get_rotation(poses[body]), point - centres[body])
+    velocity[0] = newton.math.velocity_at_point(twists[body], arm)
+
+
+velocity_kernel = wp.kernel(velocity_of_point)
+
+
 class Instruments:
     """The sensors of a model, and the observables of its solver that they need.
 
@@ -74,6 +90,8 @@ class Instruments:
     def __init__(self, model: Any, sensors: Sequence[Sensor], bodies: Sequence[int]) -> None:
         self.model, self.sensors, self.bodies = model, sensors, bodies
         self.observed: dict[str, Any] = {}
+        self.imu: Any = None
+        self.touch: Any = None
 
     def attach(self, solver: Any, contacts: Any) -> Any:
         """Ask a solver for its observables, and return the contacts that its steps fill, which may be given."""
@@ -85,7 +103,6 @@ class Instruments:
             count = solver.get_max_contact_count()
             contacts = newton.CollisionPipeline(self.model, rigid_contact_max=count, soft_contact_max=0).contacts()
         self.observed = {"observables": solver.observables(kinds=kinds, contacts=contacts)}
-        self.imu = self.touch = None
         if KIND.BODY_QDD in kinds:
             sites = [self.model.shape_label.index(site(number)) for number in range(len(self.sensors))]
             self.imu = newton.sensors.SensorIMU(self.model, sites=sites, request_state_attributes=False)
@@ -116,9 +133,10 @@ class Instruments:
             case "gyroscope":
                 return self.imu.gyroscope.numpy()[number] if self.imu is not None else state.body_qd.numpy()[body, 3:]
             case "velocimeter":
-                arm = wp.vec3(*sensor.position) - wp.vec3(*self.model.body_com.numpy()[body])
-                turned = wp.quat_rotate(wp.quat(*state.body_q.numpy()[body, 3:]), arm)
-                return newton.math.velocity_at_point(wp.spatial_vector(*state.body_qd.numpy()[body]), turned)
+                velocity = wp.zeros(1, dtype=wp.vec3)
+                moving = (self.model.body_com, state.body_q, state.body_qd)
+                wp.launch(velocity_kernel, dim=1, inputs=[body, wp.vec3(*sensor.position), *moving], outputs=[velocity])
+                return velocity.numpy()[0]
             case "force_torque":
                 return self.observed["observables"].body_parent_f.numpy()[body]
             case _:

@@ -33,6 +33,8 @@ one. Joints and loops of bodies of similar size come apart by some hundredths of
 of a fast top on light rings, as in the case `lagrange-top-hinges`, come apart by metres. Damping and springs are motors, which
 act at the end of a step. Rapier has no armature, no constant force and no dry friction in a joint.
 
+The module `sensing` reads what Rapier reports for sensors.
+
 Rapier quarantines a body whose state is no longer finite, which the adapter reports as a reset. Rapier's bodies in reduced
 coordinates need a joint between two bodies, which a free body does not have.
 """

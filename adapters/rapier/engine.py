@@ -111,8 +111,8 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
         places = [rotate(axes, np.array(sensor.position)) for sensor in sensors]
         simulation = alone(scene, single)
     readers = [
-        sensing.reader(scene, sensor, place, (world, bodies, joints), method.timestep)
-        for sensor, place in zip(sensors, places, strict=True)
+        sensing.reader(scene, sensor, point, (world, bodies, joints), method.timestep)
+        for sensor, point in zip(sensors, places, strict=True)
     ]
     return SensingSimulation(simulation, lambda: tuple(read() for read in readers))
 

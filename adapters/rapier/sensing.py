@@ -29,7 +29,7 @@ def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
 
 
 def reader(
-    scene: AnyScene, sensor: Sensor, place: Array, views: tuple[Any, Sequence[Any], Sequence[Any]], timestep: float
+    scene: AnyScene, sensor: Sensor, point: Array, views: tuple[Any, Sequence[Any], Sequence[Any]], timestep: float
 ) -> Callable[[], Array]:
     """Return the function that reads a sensor.
 
@@ -37,7 +37,7 @@ def reader(
     ----------
     scene, sensor
         The scene and the sensor.
-    place
+    point
         The place (3,) of the sensor in Rapier's frame of its body.
     views
         Rapier's world, and its views of the bodies and of the joints.
@@ -48,7 +48,7 @@ def reader(
     body = bodies[sensor.body]
 
     def velocity() -> Array:
-        return np.array(body.velocity_at_point(body.position.transform_point(tuple(place.tolist()))).to_tuple())
+        return np.array(body.velocity_at_point(body.position.transform_point(tuple(point.tolist()))).to_tuple())
 
     def wrench() -> Array:
         assert isinstance(scene, Mechanism)  # sensors of joints are only in mechanisms

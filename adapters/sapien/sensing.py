@@ -67,4 +67,4 @@ def contact_force(system: Any, body: Any) -> Array:
         sign = 1 if contact.bodies[0] == body else -1
         for point in contact.points:
             impulse += sign * point.impulse
-    return impulse / system.timestep
+    return np.asarray(impulse / float(system.timestep))
