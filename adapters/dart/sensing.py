@@ -77,13 +77,9 @@ def reading(world: "dart.simulation.World", body: Any, sensor: Sensor, number: i
 
 
 def contact_force(world: "dart.simulation.World", body: Any) -> Array:
-    """Return the sum (3,) of the forces of the contacts of a body. The force of a contact acts on its first object."""
-    force = np.zeros(3)
+    """Return the sum (3,) of the forces of the contacts of a body. Each acts on the first object of its contact."""
+    force, name = np.zeros(3), body.getSkeleton().getName()
     for contact in world.getLastCollisionResult().getContacts():
-        first, second = (
-            each.getShapeFrame().asShapeNode().getBodyNodePtr().getName()
-            for each in (contact.collisionObject1, contact.collisionObject2)
-        )
-        if first != second:
-            force += contact.force * ((first == body.getName()) - (second == body.getName()))
+        first = contact.collisionObject1.getShapeFrame().asShapeNode().getSkeleton().getName()
+        force += contact.force if first == name else -contact.force
     return force

@@ -47,8 +47,8 @@ def of_joints(mechanism: Mechanism, links: Sequence[Any], sensors: Sequence[Sens
 
 def wrench(link: Any, turn: Array) -> Array:
     """Return the force and moment (6,) in the joint of a link, along the child's axes. turn: see `turn_of`."""
-    forces = np.array(link.articulation.link_incoming_joint_forces[link.index], dtype=np.float64)
-    return rotate(turn, forces.reshape(2, 3)).ravel()
+    force, moment = np.array(link.articulation.link_incoming_joint_forces[link.index], dtype=np.float64).reshape(2, 3)
+    return np.concatenate([rotate(turn, force), rotate(turn, moment)])
 
 
 def of_contacts(system: Any, body: Any, sensors: Sequence[Sensor]) -> Callable[[], tuple[Array, ...]]:
@@ -62,9 +62,9 @@ def of_contacts(system: Any, body: Any, sensors: Sequence[Sensor]) -> Callable[[
 
 def contact_force(system: Any, body: Any) -> Array:
     """Return the sum (3,) of the forces of the contacts of a body. The impulses of a contact act on its first body."""
-    impulse = np.zeros(3)
+    impulse: Array = np.zeros(3)
     for contact in system.get_contacts():
         sign = 1 if contact.bodies[0] == body else -1
         for point in contact.points:
             impulse += sign * point.impulse
-    return np.asarray(impulse / float(system.timestep))
+    return impulse / float(system.timestep)

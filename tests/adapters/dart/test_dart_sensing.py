@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method, Sensing
 from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
+from bodycheck.reference.sensors.sensor import Sensor
 from tests.support.sensor_readings import readings, reasons
 
 DART = registry.load("dart")
@@ -58,3 +61,13 @@ def test_a_wrench_after_forward_dynamics_is_that_of_the_present_state() -> None:
 def test_forward_dynamics_lacks_the_forces_of_contacts() -> None:
     assert all("constraints" in reason for reason in reasons(DART, "sensor-block-on-ramp", FORWARD).values())
     assert not any(reasons(DART, "sensor-block-on-ramp", STEP).values())
+
+
+def test_a_block_that_slides_is_borne_and_braked() -> None:
+    """The contacts are soft, and their friction is in a box along x and y: along x it is Coulomb's."""
+    body = Body(2.0, (0.05 / 6, 0.05 / 6, 0.08 / 6), shape=Brick((0.1, 0.1, 0.05)))
+    scene = Scene(body, State((0.0, 0.0, 0.05), velocity=(1.0, 0.0, 0.0)), 9.81, Plane(0.3))
+    assert isinstance(DART, Sensing)
+    sensing = DART.prepare_sensing(scene, (Sensor("contact", "contact_force"),), Method.parse(STEP, 0.001))
+    sensing.simulation.advance(np.array([20]))
+    assert sensing.read()[0] == pytest.approx(19.62 * np.array([-0.3, 0.0, 1.0]), abs=0.2)
