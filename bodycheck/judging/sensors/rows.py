@@ -53,7 +53,6 @@ class SensorRow:
         float | None,
         Meaning("Age", "delay of the readings in steps, by a fit; empty if it cannot be told", "steps", signed=True),
     ]
-    age_uncertainty: Annotated[float | None, Meaning("Uncertainty of the age", "uncertainty of the age", "steps")]
     source: Annotated[
         str,
         Meaning(
@@ -69,6 +68,7 @@ class SensorRow:
             "Note", "terms that the readings have in excess or lack, what the scene does not tell, and why fields are empty"
         ),
     ]
+    age_uncertainty: Annotated[float | None, Meaning("Uncertainty of the age", "uncertainty of the age", "steps")]
     reset_error: Annotated[
         float | None,
         Meaning(

@@ -13,13 +13,13 @@ from bodycheck.studies.sensors.study import plan
 
 ROW = SensorRow(
     *("rest", "mujoco", "4.0.0", "Euler", 0.002, "imu", "accelerometer", 1.0, 0.1),
-    *("+", "sensor", 1.0, 1e-12, "solver", "", 9.81),
+    *("+", "sensor", 1.0, "solver", "", 1e-12, 9.81),
 )
 
 
 def test_the_columns_are_those_of_the_rows() -> None:
-    named = "case engine version integrator timestep sensor type error relative_error sign frame age_steps age_uncertainty"
-    assert [column.name for column in SENSORS.columns] == [*named.split(), "source", "note", "reset_error"]
+    named = "case engine version integrator timestep sensor type error relative_error sign frame age_steps source note"
+    assert [column.name for column in SENSORS.columns] == [*named.split(), "age_uncertainty", "reset_error"]
 
 
 def test_each_method_is_run_after_a_step_and_after_the_forward_pass() -> None:
