@@ -42,7 +42,7 @@ OPTIMISATION = 1
 
 #: Size limit of the cache of compiled code on disk (bytes). heyoka reads the whole cache in each process that uses it, in 0.3 s
 #: for each gigabyte, and would let it grow to 20 GiB. The code of a free body has 1 MB, and that of a large robot up to 25 MB.
-DISK_CACHE_BYTES = 128 << 20
+DISK_CACHE_BYTES = 512 << 20
 
 #: First-order equations in heyoka's form: pairs of a variable and the expression for its derivative.
 Equations = list[tuple[Any, Any]]

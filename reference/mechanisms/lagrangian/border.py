@@ -233,7 +233,7 @@ def _jointed(mechanism: Mechanism, number: int, parent: _Place, elements: list[E
     rule = None if mimic is None else (mimic.joint, MP.mpf(mimic.multiplier), MP.mpf(mimic.offset))
     controller = next((each for each in mechanism.controllers if each.joint == number), None)
     further = *_along_axis(joint), rule, joint.stops, controller
-    for kind, axis, start, velocity in _steps(mechanism, joint):
+    for kind, axis, start, velocity in steps(mechanism, joint):
         aligned = _along_z(axis) if axis is not None else UNIT
         turned = _cleaned(_product(_transposed(aligned), to_joint))
         fallen = NONE, NONE
@@ -257,7 +257,7 @@ def _begins(mechanism: Mechanism, joint: Joint) -> tuple[list[Number], list[Numb
     return [joint.mimic.multiplier * q[0] + joint.mimic.offset], [joint.mimic.multiplier * u[0]]
 
 
-def _steps(mechanism: Mechanism, joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[Number]]]:
+def steps(mechanism: Mechanism, joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[Number]]]:
     """The elements of a joint: kind, axis in the joint's frame, initial coordinates and velocities."""
     q, u = _begins(mechanism, joint)
     x, y, z = UNIT

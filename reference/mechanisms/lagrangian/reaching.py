@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.mechanisms.lagrangian.border import SIZES, steps
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
@@ -57,8 +58,9 @@ def _touched(
     """The indices of joints that may reach their stops at the instants t (n,), s, in a mask (n,) `rows`, or between them."""
     third, new, held, moving = np.diff(t[rows]) / 3, set[int](), 0, 0
     for index, joint in enumerate(mechanism.joints):
-        first, held = held, held + len(joint.form.coordinates)
-        column, moving = moving, moving + len(joint.form.velocities)
+        first, column = held, moving
+        for kind, *_ in steps(mechanism, joint):
+            held, moving = held + SIZES[kind][0], moving + SIZES[kind][1]
         if index not in indices or (stops := joint.stops) is None:
             continue
         q, v = motion.joint_position[rows, first], motion.joint_velocity[rows, column]

@@ -10,10 +10,12 @@ import pytest
 from bodycheck import CaseFaults, load, truth
 from bodycheck.casefile.authoring import new_of_model
 from bodycheck.casefile.case import parse_stored
+from bodycheck.casefile.robots import direct
 from bodycheck.casefile.robots.direct import scene_of_robot, text_of_robot
 from bodycheck.casefile.robots.named import case_name, short_name
 from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
+from bodycheck.reference.mechanisms.truth import end_of_stops
 from tests.support.robot_cases import URDF
 
 
@@ -37,6 +39,12 @@ def test_a_file_is_a_case_and_its_text_is_the_file_of_that_case(tmp_path: Path) 
 
 
 #: A leg that swings down to the range of its follower, of which stops are not modelled.
+#: A weight that falls along a rail, which ends at 0.1 m.
+RAIL = """<robot name="rail"><link name="rail"/>
+<link name="weight"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="weight"/><axis xyz="0 0 -1"/>
+  <limit lower="-1" upper="0.1" effort="1" velocity="1"/></joint></robot>"""
+
 FOLLOWED = """<robot name="leg">
 <link name="hip"/>
 <link name="upper"><inertial><origin xyz="0.3 0 0"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1"
@@ -50,26 +58,49 @@ FOLLOWED = """<robot name="leg">
 </robot>"""
 
 
-def test_stops_act_until_the_truth_with_them_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_truth_with_stops_ends_at_a_stop_that_is_not_modelled(tmp_path: Path) -> None:
+    """The knee bends with the hinge, and reaches its stop where the hinge is at 0.5 rad."""
     (tmp_path / "leg.urdf").write_text(FOLLOWED)
-    case = load(tmp_path / "leg.urdf")
+    (tmp_path / "leg.case.toml").write_text(
+        'format = 2\nname = "leg"\ntitle = "Leg"\n[model]\nfile = "leg.urdf"\nuse = ["limits"]\n'
+        "[scene]\ngravity = 9.81\n[run]\nduration = 1.0\nsamples = 101\n"
+    )
+    case = load(tmp_path / "leg.case.toml")
     assert isinstance(case.scene, Mechanism)
-    until = case.scene.stops_until
-    assert until is not None
+    ended = end_of_stops(case.scene, case.instants)
+    assert ended is not None
+    until, reason = ended
     assert until in case.instants
-    free = truth(replace(case, scene=replace(case.scene, joints=without_stops(case.scene), stops_until=None)))
+    assert reason.startswith("the stop of hinge, a joint that follows another or is followed, is not modelled, from t = ")
+    free = truth(replace(case, scene=replace(case.scene, joints=without_stops(case.scene))))
     assert free.joints is not None
     hinge = free.joints.position[:, 0]
     assert hinge[case.instants == until] < 0.5 <= hinge[int(np.searchsorted(case.instants, until)) + 1]
-    known = truth(case)
+    known = truth(replace(case, scene=replace(case.scene, stops_until=until)))
     assert known.joints is not None
     assert known.joints.position[:, 0] == pytest.approx(hinge, abs=1e-12)  # no stop is reached before: one motion
+
+
+def test_stops_act_until_the_truth_with_them_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever ends the truth with stops, they act until then, and the notice says why."""
+    (tmp_path / "rail.urdf").write_text(RAIL)
+    monkeypatch.setattr(direct, "_ended", lambda _: (0.2, "two stops meet"))
+    case = load(tmp_path / "rail.urdf")
+    assert isinstance(case.scene, Mechanism)
+    assert case.scene.stops_until == 0.2
     assert case.robot is not None
-    start = f"From {until:.4g} s on this is the robot without its stops, since the truth with stops ends there: the stop of "
-    assert case.robot.notices[0].startswith(start)
+    said = (
+        "From 0.2 s on this is the robot without its stops, since the truth with stops ends there: two stops take up an impact."
+    )
+    assert case.robot.notices[0] == said
     assert parse_stored(case.text, "stored") == case
+    known = truth(case)
+    assert known.joints is not None
+    position = known.joints.position[:, 0]
+    assert position[15] == position[20] == 0.1  # it rests at the stop, and falls on from there
+    assert position[40] == pytest.approx(0.1 + 9.81 * 0.2**2 / 2, abs=1e-14)
     monkeypatch.chdir(tmp_path)
-    written = new_of_model(None, Path(), Path("leg.urdf"), (), ())
+    written = new_of_model(None, Path(), Path("rail.urdf"), (), ())
     assert 'use = ["actuators"]' in written.read_text()
     assert isinstance(scene := load(written).scene, Mechanism)
     assert not any(joint.stops for joint in scene.joints)
