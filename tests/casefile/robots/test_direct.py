@@ -89,9 +89,7 @@ def test_stops_act_until_the_truth_with_them_ends(tmp_path: Path, monkeypatch: p
     assert isinstance(case.scene, Mechanism)
     assert case.scene.stops_until == 0.2
     assert case.robot is not None
-    said = (
-        "From 0.2 s on this is the robot without its stops, since the truth with stops ends there: two stops take up an impact."
-    )
+    said = "From 0.2 s on this is the robot without its stops, since the truth with stops ends there: two stops meet."
     assert case.robot.notices[0] == said
     assert parse_stored(case.text, "stored") == case
     known = truth(case)
