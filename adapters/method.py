@@ -105,15 +105,20 @@ class Method:
 
     def with_accuracy(self, accuracy: float) -> "Method":
         """Return the method with the same integrator, other options and time step, and another relative tolerance."""
-        return self._with_accuracy(_shortest(repr(accuracy)))
+        return self.with_option("accuracy", _shortest(repr(accuracy)))
 
     @property
     def over_accuracies(self) -> "Method":
         """The spelling that stands for all accuracies of a method with error control; the method itself if steps are fixed."""
-        return self if self.accuracy is None else self._with_accuracy(ANY)
+        return self if self.accuracy is None else self.with_option("accuracy", ANY)
 
-    def _with_accuracy(self, value: str) -> "Method":
-        return replace(self, options=tuple(sorted((dict(self.options) | {"accuracy": value}).items())))
+    def with_option(self, key: str, value: str) -> "Method":
+        """Return the method with a value of an option, in the place of another value that it may have."""
+        return replace(self, options=tuple(sorted((dict(self.options) | {key: value}).items())))
+
+    def without(self, key: str) -> "Method":
+        """Return the method without an option."""
+        return replace(self, options=tuple(option for option in self.options if option[0] != key))
 
     def is_at(self, timestep: float) -> bool:
         """Return whether the method's time step equals `timestep` (s) to within the rounding of a product or quotient."""

@@ -116,10 +116,7 @@ def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
         return larger_mechanisms.models(scene, integrator)
     if scene.plane is not None and method.options:
         return {}
-    methods = {
-        name: replace(method, options=tuple(sorted((*method.options, ("model", name)))))
-        for name in scene_models.available_models(scene)
-    }
+    methods = {name: method.with_option("model", name) for name in scene_models.available_models(scene)}
     return {name: Model(methods[name].name, adds) for name, adds in scene_models.available_models(scene).items()}
 
 

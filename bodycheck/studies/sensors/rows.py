@@ -111,8 +111,7 @@ def _notes(rows: Sequence[SensorRow]) -> str:
 def _read(row: SensorRow) -> tuple[str, str]:
     """Return the method of a row without the option that says when sensors are read, and the value of this option."""
     method = Method.parse(row.integrator, row.timestep)
-    options = tuple((key, value) for key, value in method.options if key != READS)
-    return Method(method.integrator, method.timestep, options).name, method.option(READS) or "step"
+    return method.without(READS).name, method.option(READS) or "step"
 
 
 def _type(row: SensorRow) -> str:

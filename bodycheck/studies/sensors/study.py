@@ -1,7 +1,6 @@
 """Plan runs of cases with sensors: the default method of each engine, after a step and after the engine's forward pass."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from bodycheck.adapters.contract import Engine, Method
@@ -83,7 +82,7 @@ def _read(engine: Engine, method: Method) -> Iterator[Method]:
     """Yield a method once for each time at which the engine reads sensors."""
     yield method
     if FORWARD in engine.reads and method.option(READS) is None:
-        yield replace(method, options=tuple(sorted((*method.options, (READS, FORWARD)))))
+        yield method.with_option(READS, FORWARD)
 
 
 def measurements(verdicts: Sequence[Verdict]) -> list[dict[str, Any]]:
