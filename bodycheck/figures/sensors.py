@@ -2,38 +2,35 @@
 
 from functools import lru_cache
 
-import numpy as np
-
 from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.sensors.errors import ReadingError, reading_errors
+from bodycheck.reference.sensors.errors import ReadingError, after_reset, reading_errors
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
-from bodycheck.reference.truths import Truth
+from bodycheck.reference.truths import NoTruth, Truth
 
 
 @lru_cache(maxsize=2)
-def true_readings(truth: Truth, sensors: tuple[Sensor, ...]) -> tuple[SensorTruth, ...]:
-    """Return the true readings of sensors, or nothing if there are none. Those of the last truths are kept for other runs."""
+def true_readings(truth: Truth, sensors: tuple[Sensor, ...]) -> tuple[SensorTruth, ...] | NoTruth:
+    """Return the true readings of sensors, or why there are none. Those of the last truths are kept for other runs."""
     from bodycheck.reference.sensors.truth import sensor_truth  # commands import the figures, but not the mechanics
 
     try:
         return sensor_truth(truth, sensors)
-    except (NotModelled, OutOfReach):
-        return ()
+    except (NotModelled, OutOfReach) as error:
+        return NoTruth(str(error))
 
 
 def errors_of(compared: Comparison) -> tuple[ReadingError, ...]:
     """Return the errors of the readings of a run, without those at its start, which follow a reset and no step."""
     if compared.sensed is None or not isinstance(compared.truth, Truth):
         return ()
-    if not (known := true_readings(compared.truth, compared.sensors)):
+    if isinstance(known := true_readings(compared.truth, compared.sensors), NoTruth):
         return ()
     errors: list[ReadingError] = []
     for sensor, exactly, readings in zip(compared.sensors, known, compared.sensed.readings, strict=True):
         if not exactly.reason:
-            later = np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]])
-            errors += reading_errors(compared.truth, sensor, exactly, later)
+            errors += reading_errors(compared.truth, sensor, exactly, after_reset(readings))
     return tuple(errors)
 
 

@@ -45,6 +45,11 @@ def parts(sensor: Sensor) -> tuple[tuple[str, slice], ...]:
     return ((sensor.name, slice(0, len(sensor.form.components))),)
 
 
+def after_reset(readings: Array) -> Array:
+    """Return readings (n, k) of a run without the first one, which follows a reset and no step, and becomes NaN."""
+    return np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]])
+
+
 def reading_errors(truth: Truth, sensor: Sensor, exactly: SensorTruth, readings: Array) -> tuple[ReadingError, ...]:
     """Return the errors of readings (n, k) of a sensor, of which those that are not numbers are left out.
 

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from bodycheck.casefile.content import Case
+from bodycheck.figures.sensors import true_readings
 from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.judging.sensors.identification import Convention, identify
 from bodycheck.judging.sensors.past import of_truth, of_window
 from bodycheck.judging.sensors.rows import SENSORS, SensorRow
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.sensors.errors import ReadingError, parts, reading_errors
+from bodycheck.reference.sensors.errors import ReadingError, after_reset, parts, reading_errors
 from bodycheck.reference.sensors.readings import Sensed, SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
-from bodycheck.reference.sensors.truth import sensor_truth
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import csv_tables
@@ -55,10 +55,8 @@ def with_readings(truth: Truth | NoTruth, sensors: Sequence[Sensor]) -> Known:
     """Return a truth with the true readings of sensors, or why there are none."""
     if isinstance(truth, NoTruth):
         return truth
-    try:
-        return truth, sensor_truth(truth, sensors)
-    except (NotModelled, OutOfReach) as error:
-        return NoTruth(str(error))
+    readings = true_readings(truth, tuple(sensors))
+    return readings if isinstance(readings, NoTruth) else (truth, readings)
 
 
 def rows_of(case: Case, run: Run, sensed: Sensed, known: Known) -> list[SensorRow]:
@@ -108,8 +106,7 @@ def sensor_rows(
         pairs = zip(parts(sensor), noted, strict=True)
         return [_row(head, name, sensor, None, each, None) for (name, _), each in pairs]
     truth, exactly = known[0], known[1][index]
-    later = np.concatenate([np.full_like(readings[:1], np.nan), readings[1:]]) if reset else readings
-    errors = reading_errors(truth, sensor, exactly, later)
+    errors = reading_errors(truth, sensor, exactly, after_reset(readings) if reset else readings)
     return [
         _row(head, name, sensor, error, convention, _distance(readings[0, part], exactly.values[0, part]) if reset else None)
         for ((name, part), convention), error in zip(pairs, errors, strict=True)

@@ -14,7 +14,7 @@ from bodycheck.figures.sensors import true_readings
 from bodycheck.reference.sensors.errors import parts
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truths import Truth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import listing
 from bodycheck.reports.runs.charts.joint_curves import DIGITS, MOST_RUNS, SEEN, TRUTH
 from bodycheck.reports.series import corners, rounded
@@ -68,8 +68,9 @@ def rows(sensors: tuple[Sensor, ...], truth: Truth, runs: Mapping[str, tuple[Run
     """
     drawn_rows: list[dict[str, Any]] = []
     exact, drawn = true_readings(truth, sensors), charts(sensors)
-    for number, chart in enumerate(drawn if exact else ()):
-        drawn_rows += _rows(number, chart, TRUTH, truth.trajectory.t, exact[chart.sensor].values, most)
+    if not isinstance(exact, NoTruth):
+        for number, chart in enumerate(drawn):
+            drawn_rows += _rows(number, chart, TRUTH, truth.trajectory.t, exact[chart.sensor].values, most)
     shown = dict.fromkeys(range(len(drawn)), 0)
     for label, (run, at_its_instants) in runs.items():
         sensed = run.outcome.sensed if isinstance(run.outcome, Completed) else None
@@ -78,7 +79,8 @@ def rows(sensors: tuple[Sensor, ...], truth: Truth, runs: Mapping[str, tuple[Run
         beside = true_readings(at_its_instants, sensors)
         for number, chart in enumerate(drawn):
             values = sensed.readings[chart.sensor][1:]
-            if beside and not _differs(values[:, chart.part], beside[chart.sensor].values[1:, chart.part]):
+            known = None if isinstance(beside, NoTruth) else beside[chart.sensor].values[1:, chart.part]
+            if known is not None and not _differs(values[:, chart.part], known):
                 continue
             if shown[number] < MOST_RUNS:
                 shown[number] += 1
