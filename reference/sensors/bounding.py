@@ -23,13 +23,14 @@ NEAR = 4.0
 ROUNDINGS, WIDE_ROUNDINGS = 2.0, 2.0**10
 
 
-def with_bounds(truth: Truth, values: WideArray, changes: WideArray, known: NDArray[np.bool_]) -> SensorTruth:
+def with_bounds(truth: Truth, values: WideArray, changes: WideArray, sizes: WideArray, known: NDArray[np.bool_]) -> SensorTruth:
     """Return the truth of a sensor from its readings and the sums of their changes (n, k) at the instants of a truth.
 
-    known: (n,) whether an instant is not that of an impact.
+    sizes: (n, k) or (n, 1) of the terms whose sums are the readings, which may be much smaller. known: (n,) whether an instant
+    is not that of an impact.
     """
     rounding = ROUNDINGS * EPS * np.abs(values)
-    rounding = rounding + WIDE_ROUNDINGS * np.finfo(Wide).eps * np.abs(values).max(axis=1, keepdims=True)
+    rounding = rounding + WIDE_ROUNDINGS * np.finfo(Wide).eps * np.maximum(np.abs(values).max(axis=1, keepdims=True), sizes)
     large = truth.bounds.error > LARGEST
     bounds = np.where(large[:, None], np.inf, CAUTION * changes + rounding)
     printed, limits = (np.where(known[:, None], each, np.nan).astype(float) for each in (values, bounds))

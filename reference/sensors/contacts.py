@@ -69,7 +69,7 @@ def _with_bounds(truth: Truth, sensors: Sequence[Sensor], ways: Sequence[Acceler
         for total, value, one, other in zip(changes, values, *moved, strict=True):
             total += np.maximum(np.abs(one - value), np.abs(other - value))
     known = ~_impacts(truth)
-    return [with_bounds(truth, value, change, known) for value, change in zip(values, changes, strict=True)]
+    return [with_bounds(truth, value, change, np.abs(value), known) for value, change in zip(values, changes, strict=True)]
 
 
 def _readings(truth: Truth, sensors: Sequence[Sensor], states: Trajectory, way: Accelerations) -> list[WideArray]:

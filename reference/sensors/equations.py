@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.bodies import BODY
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.exact.numbers import Wide, real, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import cross, dot
-from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms import kinematics, mimicry
 from bodycheck.reference.mechanisms.coordinates import JointMotion, places
 from bodycheck.reference.mechanisms.loops import joint_space
 from bodycheck.reference.mechanisms.loops.joint_space import Motion, Tree
@@ -124,14 +124,10 @@ def _shares(mechanism: Mechanism, single: dict[int, tuple[int, int]], count: int
     shares = np.eye(count, dtype=Wide)
     following = []
     for index, joint in enumerate(mechanism.joints):
-        leader, factor, row = joint, Wide(1), single.get(index, (0, 0))[1]
-        leading = index
-        while leader.mimic is not None:
-            factor, leading = factor * Wide(leader.mimic.multiplier), leader.mimic.joint
-            leader = mechanism.joints[leading]
-        if leading != index:
+        if joint.mimic is not None:
+            rule, row = mimicry.rule(mechanism.joints, index), single[index][1]
             shares[row] = 0
-            shares[row, single[leading][1]] = factor
+            shares[row, single[rule.leader][1]] = wide(real(rule.multiplier))
             following.append(row)
     independent = np.delete(np.arange(count), following)
     return independent, shares[:, independent]
@@ -153,6 +149,21 @@ def states_of(written: Equations, trajectory: Trajectory, joints: JointMotion | 
         held += [trajectory.position[body] - apply(axes, centre), turn]
         moving += [trajectory.velocity[body] - apply(axes, cross(rate, np.broadcast_to(centre, rate.shape))), rate]
     return np.hstack([*held, *moving])
+
+
+def with_rules(written: Equations, states: WideArray) -> WideArray:
+    """Return states (n, c + u) in which joints that follow others have exactly the coordinates and velocities of their rules.
+
+    The doubles of a truth that are nearest to these have roundings of their own.
+    """
+    ruled, velocities = states.copy(), states[:, written.linkage.coordinates :]
+    ruled[:, written.linkage.coordinates :] = velocities[:, written.independent] @ written.shares.T
+    for index, joint in enumerate(written.mechanism.joints):
+        if joint.mimic is not None:
+            rule = mimicry.rule(written.mechanism.joints, index)
+            leading = states[:, written.single[rule.leader][0]]
+            ruled[:, written.single[index][0]] = wide(real(rule.multiplier)) * leading + wide(real(rule.offset))
+    return ruled
 
 
 def solution(written: Equations, states: WideArray, efforts: Array | WideArray | None = None) -> Solution:

@@ -11,9 +11,9 @@ from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.loops.vectors import apply
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.sensors.equations import Equations, Solution, equations, solution, states_of
-from bodycheck.reference.sensors.kinetics import Kinetics, kinetics, on_body, with_accelerations
+from bodycheck.reference.sensors.kinetics import Kinetics, kinetics, on_body, terms_on_body, with_accelerations
 from bodycheck.reference.sensors.sensor import Sensor
-from bodycheck.reference.sensors.wrenches import require_unique, wrench
+from bodycheck.reference.sensors.wrenches import require_unique, terms_of_wrench, wrench
 from bodycheck.reference.trajectory import Array, Trajectory
 
 
@@ -103,5 +103,21 @@ def reading(
         return (
             constant if efforts is None or sensor.joint not in driven else constant + efforts[:, [driven.index(sensor.joint)]]
         )
-    centre = linkage.centre[sensor.body] if written.framed else np.zeros(3, dtype=Wide)
-    return on_body(sensor, np.array(sensor.position, dtype=Wide) - centre, float(linkage.gravity), moving)
+    return on_body(sensor, arm_of(written, sensor), float(linkage.gravity), moving)
+
+
+def terms(
+    written: Equations, solved: Solution, moving: Kinetics, efforts: Array | WideArray | None, sensor: Sensor
+) -> WideArray:
+    """The sizes (s, k) or (s, 1) of the terms that `reading` adds up; the arguments are the same."""
+    if sensor.type == "force_torque":
+        return terms_of_wrench(written, moving, sensor.body)
+    if not sensor.form.mounted:
+        return np.abs(reading(written, solved, moving, efforts, sensor))
+    return terms_on_body(sensor, arm_of(written, sensor), float(written.linkage.gravity), moving)
+
+
+def arm_of(written: Equations, sensor: Sensor) -> WideArray:
+    """The place (3,) of a sensor relative to the centre of mass, in the frame of the body (m)."""
+    centre = written.linkage.centre[sensor.body] if written.framed else np.zeros(3, dtype=Wide)
+    return np.asarray(np.array(sensor.position, dtype=Wide) - centre)

@@ -81,3 +81,23 @@ def on_body(sensor: Sensor, arm: WideArray, gravity: float, moving: Kinetics) ->
             vector = spin
     mounted = rounded([list(row) for row in matrix(exact.turn(sensor.attitude))])
     return apply(np.swapaxes(axes @ mounted, 1, 2), vector)
+
+
+def terms_on_body(sensor: Sensor, arm: WideArray, gravity: float, moving: Kinetics) -> WideArray:
+    """The sizes (s, 1) of the terms that `on_body` adds up; the arguments are the same."""
+    length = norm(arm[None])
+    spin, turning, velocity, acceleration = (
+        norm(each[sensor.body]) for each in (moving.spin, moving.turning, moving.velocity, moving.acceleration)
+    )
+    match sensor.type:
+        case "accelerometer":
+            return np.asarray(acceleration + (turning + spin**2) * length + gravity)
+        case "velocimeter":
+            return np.asarray(velocity + spin * length)
+        case _:
+            return np.asarray(spin)
+
+
+def norm(vectors: WideArray) -> WideArray:
+    """The lengths (s, 1) of vectors (s, 3)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1, keepdims=True)))

@@ -6,7 +6,7 @@ by the bound of its error, plus the rounding to doubles. Twice covers what is no
 attitude is so large that this cannot be said, the bound of the readings is infinite.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,8 +21,8 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.sensors.bounding import with_bounds, without
 from bodycheck.reference.sensors.contacts import touching_truth
 from bodycheck.reference.sensors.efforts import Acting, acting_at, efforts, nudged
-from bodycheck.reference.sensors.equations import Equations, closed_sides, equations, solution, states_of
-from bodycheck.reference.sensors.expected import reading, require_modelled
+from bodycheck.reference.sensors.equations import Equations, closed_sides, equations, solution, states_of, with_rules
+from bodycheck.reference.sensors.expected import reading, require_modelled, terms
 from bodycheck.reference.sensors.kinetics import kinetics
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
@@ -42,7 +42,7 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
     if truth.scene.plane is not None:
         return touching_truth(truth, sensors)
     model = _Model(equations(truth.scene), tuple(sensors))
-    states = states_of(model.written, of_bodies(truth.trajectory), truth.joints)
+    states = with_rules(model.written, states_of(model.written, of_bodies(truth.trajectory), truth.joints))
     acting = None
     if truth.scene.controllers if isinstance(truth.scene, Mechanism) else ():
         try:
@@ -58,7 +58,7 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
         for total, *each in zip(changes, values, *moved, strict=True):
             total += np.max([np.abs(one - each[0]) for one in each[1:]], axis=0)
     known = ~_impacts(model, states, truth)
-    rows = iter(zip(values, changes, strict=True))
+    rows = iter(zip(values, changes, _evaluated(model, states, acting, terms), strict=True))
     return tuple(
         without(sensor, reason) if reason else with_bounds(truth, *next(rows), known)
         for sensor, reason in zip(sensors, reasons, strict=True)
@@ -87,6 +87,11 @@ def _reasons(model: _Model, states: WideArray) -> list[str]:
 
 def _readings(model: _Model, states: WideArray, acting: Acting | None) -> list[WideArray]:
     """The readings (n, k) of the sensors at states (n, c + u)."""
+    return _evaluated(model, states, acting, reading)
+
+
+def _evaluated(model: _Model, states: WideArray, acting: Acting | None, of_sensor: Callable[..., WideArray]) -> list[WideArray]:
+    """The values (n, k) of a function with the arguments of `reading` for the sensors at states (n, c + u)."""
     written = model.written
     exerted = None if acting is None else efforts(written, states, acting)
     size = max(1, MOST_ENTRIES // max(1, len(written.linkage.inertia) ** 2))
@@ -96,7 +101,7 @@ def _readings(model: _Model, states: WideArray, acting: Acting | None) -> list[W
         here = None if exerted is None else exerted[rows]
         solved = solution(written, states[rows], here)
         moving = kinetics(written, solved)
-        parts.append([reading(written, solved, moving, here, sensor) for sensor in model.sensors])
+        parts.append([of_sensor(written, solved, moving, here, sensor) for sensor in model.sensors])
     return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 

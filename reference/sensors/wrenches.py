@@ -20,7 +20,7 @@ from bodycheck.reference.mechanisms.loops import joint_space
 from bodycheck.reference.mechanisms.loops.vectors import apply
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.sensors.equations import Equations, Solution
-from bodycheck.reference.sensors.kinetics import Kinetics
+from bodycheck.reference.sensors.kinetics import Kinetics, norm
 
 #: The ratio of a singular value of the loops' rows to the largest one below which a multiplier is not unique, and the component
 #: of a direction of such multipliers above which a loop takes part in it.
@@ -51,6 +51,18 @@ def wrench(written: Equations, solved: Solution, moving: Kinetics, child: int) -
         moment -= cross(position - origin, pull)
     back = np.swapaxes(axes, 1, 2)
     return np.hstack([apply(back, force), apply(back, moment)])
+
+
+def terms_of_wrench(written: Equations, moving: Kinetics, child: int) -> WideArray:
+    """The sizes (s, 6) of the terms that `wrench` adds up, without those of loops."""
+    origin = moving.position[child] - apply(moving.axes[child], written.linkage.centre[child])
+    force, moment = np.zeros((len(origin), 1), dtype=Wide), np.zeros((len(origin), 1), dtype=Wide)
+    _, twists = _loads(written, moving)
+    for body in subtree(written.mechanism, child):
+        weight = written.linkage.mass[body] * (norm(moving.acceleration[body]) + Wide(written.linkage.gravity))
+        force += weight
+        moment += norm(moving.position[body] - origin) * weight + norm(twists[body])
+    return np.hstack([np.tile(force, 3), np.tile(moment, 3)])
 
 
 @functools.lru_cache(maxsize=1)
