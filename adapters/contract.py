@@ -284,6 +284,19 @@ class InterfaceLoads(Protocol):
 
 
 @runtime_checkable
+class ContactTerms(Protocol):
+    """An adapter whose engine has other contact laws than scenes state, or other coefficients than those of their pairs."""
+
+    def contact_terms(self, scene: AnyScene, method: Method) -> str:
+        """Return what the engine is handed in the place of a scene's friction and restitution; empty if it has exactly these.
+
+        The text is a noun phrase with numbers, such as "friction of a box of two directions; restitution 0.5 as a spring of
+        2.5e4 N/m and a damper of 11 N s/m".
+        """
+        ...
+
+
+@runtime_checkable
 class Sensing(Protocol):
     """An adapter whose engine reads sensors, or quantities that it calls so. `Engine.reads` says when it can read them.
 

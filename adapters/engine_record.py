@@ -105,6 +105,9 @@ class Engine:
         vanish with the time step; the values name the options that change them.
     largest_step
         The engine's own limit (s) on the steps of methods with error control; None if it has none.
+    combines
+        How the engine makes the coefficients of a pair from those of its two bodies, keyed by "friction" and "restitution",
+        such as "product" or "larger of the two"; empty if pairs have coefficients of their own, or it has no contacts here.
     reads
         When the adapter can read sensors of the engine: after a step, and also after the engine's own function that computes
         all quantities of the present state; empty if it cannot.
@@ -124,4 +127,5 @@ class Engine:
     roles: Mapping[Role, Mapping[Kind, Usage]] = field(default_factory=dict)
     soft: Mapping[str, str] = field(default_factory=dict)
     largest_step: float | None = None
+    combines: Mapping[str, str] = field(default_factory=dict)
     reads: tuple[Literal["step", "forward"], ...] = ()

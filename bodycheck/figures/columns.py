@@ -152,8 +152,8 @@ DEPARTURE_COLUMNS = (
     ),
 )
 
-#: Columns at the end of a table in which any run drives joints.
-DRIVEN_COLUMNS = (
+#: Columns at the end of a table in which any run has them: on driven joints, and on what engines are handed of contact laws.
+ENGINE_COLUMNS = (
     Column(
         "efforts",
         "string",
@@ -169,6 +169,12 @@ DRIVEN_COLUMNS = (
         "which law the motion of a single joint equals to the rounding of the engine's precision: continuous, sampled, delayed "
         "by N periods, implicit, or semi-implicit; empty if none, or if the scene does not distinguish them",
     ),
+    Column(
+        "contact_terms",
+        "string",
+        "Contact law given",
+        "what the engine was handed in the place of the friction and restitution of the case; empty if it has exactly these",
+    ),
 )
 
 #: All columns by name, in the order of tables.
@@ -183,7 +189,7 @@ COLUMNS: dict[str, Column] = {
         *LIMIT_COLUMNS,
         *METHOD_COLUMNS,
         *DEPARTURE_COLUMNS,
-        *DRIVEN_COLUMNS,
+        *ENGINE_COLUMNS,
     )
 }
 

@@ -14,7 +14,7 @@ from bodycheck.figures.columns import (
     ALWAYS_TABLED,
     CASE_COLUMNS,
     DEPARTURE_COLUMNS,
-    DRIVEN_COLUMNS,
+    ENGINE_COLUMNS,
     FURTHER,
     LIMIT_COLUMNS,
     METHOD_COLUMNS,
@@ -164,6 +164,7 @@ class Verdict:
             row |= self.discrepancy.maxima() | dict(self.discrepancy.before) | {"steps": steps}
             row |= {"steps_taken": steps, "steps_rejected": done.rejected, "evaluations": done.evaluations}
             row |= {"efforts": done.efforts, "control_law": self.control_law} if done.efforts else {}
+            row |= {"contact_terms": done.contact_terms} if done.contact_terms else {}
             if steps and wall_time:
                 row |= {"wall_time": wall_time, "time_per_step": wall_time / steps}
                 simulated = steps * method.timestep if method.accuracy is None else self.duration
@@ -305,7 +306,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in CASE_COLUMNS]
     more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
     more += [column.name for column in METHOD_COLUMNS]
-    more += [column.name for column in (*DEPARTURE_COLUMNS, *DRIVEN_COLUMNS) if any(column.name in row for row in rows)]
+    more += [column.name for column in (*DEPARTURE_COLUMNS, *ENGINE_COLUMNS) if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 

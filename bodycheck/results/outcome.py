@@ -58,6 +58,8 @@ class Completed:
         not count them, and for steps of fixed size.
     efforts
         When the efforts of driven joints were computed, which the wall time includes; empty if no joint is driven.
+    contact_terms
+        What the engine was handed in the place of the scene's friction and restitution; empty if it was handed exactly these.
     readings
         The readings of sensors, or the place from which stored readings can be read; None if the case has no sensors, or the
         adapter reads none.
@@ -72,6 +74,7 @@ class Completed:
     rejected: int | None = None
     evaluations: int | None = None
     efforts: Efforts = ""
+    contact_terms: str = ""
     readings: Sensed | StoredReadings | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False

@@ -215,6 +215,7 @@ class CompletedRecord(RunRecord):
     rejected: Count | None = None
     evaluations: Count | None = None
     efforts: Efforts = ""
+    contact_terms: str = ""
     #: Why the engine does not read each sensor; empty if it does.
     sensors: list[str] | None = None
 

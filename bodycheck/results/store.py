@@ -130,9 +130,8 @@ class Writer:
                 record |= _write(self.folder, _path_of(record), run, done)
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
-                record |= {"quaternion_norm_error": done.quaternion_norm_error}
-                record |= {"rejected": done.rejected, "evaluations": done.evaluations}
-                record |= {"efforts": done.efforts} if done.efforts else {}
+                record |= {name: getattr(done, name) for name in ("quaternion_norm_error", "rejected", "evaluations")}
+                record |= {name: text for name in ("efforts", "contact_terms") if (text := getattr(done, name))}
                 if done.interfaces is not None:
                     record |= {"interfaces": [asdict(one) for one in done.interfaces]}
             case TimedOut(limit):
@@ -306,7 +305,8 @@ class Results:
                 loads = truth_records.loads(record)
                 done = Completed(states, record["steps"], record["wall_time"], load, norm_error, loads)
                 # Results of earlier versions have none of these.
-                work = {name: record[name] for name in ("rejected", "evaluations", "efforts") if name in record}
+                later = ("rejected", "evaluations", "efforts", "contact_terms")
+                work = {name: record[name] for name in later if name in record}
                 return replace(run, outcome=replace(done, readings=self._readings_of(record), **work))
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))

@@ -33,7 +33,7 @@ from bodycheck.running.engines import home
 from bodycheck.running.robot_readings import MJCF_ENGINE
 
 if TYPE_CHECKING:
-    from bodycheck.reference.mechanisms.ranges import Passing
+    from bodycheck.reference.mechanisms.hybrid.ranges import Passing
 
 #: Time limit (s) of the truth of one robot, and of the search for its contacts.
 TIME_LIMIT_S = 300.0
@@ -169,7 +169,7 @@ def _listed(words: Sequence[str]) -> str:
 def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     """Return the motion of a case and its truths for runs with some samplings, or why there is no truth of it."""
     from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
-    from bodycheck.reference.mechanisms.ranges import passed
+    from bodycheck.reference.mechanisms.hybrid.ranges import passed
     from bodycheck.running import truths
 
     case, samplings = asked
@@ -179,10 +179,11 @@ def _moved(asked: tuple[Case, tuple[float, ...]]) -> Moved | str:
     looked_at = robot.touching and robot.path is not None
     single = {joint.name for joint in scene.joints if joint.type in ("revolute", "prismatic")}
     try:
-        ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
-        passings = passed(with_acting_stops(scene, case.duration), ranges, case.duration) if ranges else ()
+        # The truth comes first, since it compiles the equations of its two ways side by side, and the limits need one of these.
         batches = truths.batches(case, [*((AT_INSTANTS,) if looked_at else ()), *samplings])
         known = truths.of_runs(case, batches[0]) if batches else {}
+        ranges = [each for each in robot.ranges if all(joint in single for joint, _ in each.terms)]
+        passings = passed(with_acting_stops(scene, case.duration), ranges, case.duration) if ranges else ()
     except (NotModelled, OutOfReach) as error:
         return str(error)
     if not looked_at:

@@ -13,6 +13,7 @@ from bodycheck.adapters.contract import (
     Adapter,
     ContactLaw,
     ContactLoad,
+    ContactTerms,
     EngineDiverged,
     EngineReset,
     ErrorControlled,
@@ -154,6 +155,8 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
         return explained(outcome, scene, method, None if integrator is None else integrator.order)
     if not isinstance(outcome, Completed):
         return outcome
+    if isinstance(adapter, ContactTerms) and (terms := adapter.contact_terms(given, method)):
+        outcome = replace(outcome, contact_terms=terms)
     if touches(scene) and isinstance(adapter, InterfaceLoads):
         return replace(outcome, interfaces=_interfaces(adapter, scene, given, method, outcome))
     if slides(scene) and isinstance(adapter, ContactLoad):

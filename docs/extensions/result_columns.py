@@ -7,7 +7,7 @@ from bodycheck.figures.columns import (
     CASE_COLUMNS,
     COST_COLUMNS,
     DEPARTURE_COLUMNS,
-    DRIVEN_COLUMNS,
+    ENGINE_COLUMNS,
     FIGURES,
     LIMIT,
     LIMIT_COLUMNS,
@@ -60,7 +60,7 @@ def page() -> str:
             "### Robots whose limits or contacts act from an instant on",
             _plain(DEPARTURE_COLUMNS),
             "### Driven joints",
-            _plain(DRIVEN_COLUMNS),
+            _plain(ENGINE_COLUMNS),
             "## The tables of studies",
             *_studies(),
         ]

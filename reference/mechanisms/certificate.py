@@ -22,14 +22,10 @@ from bodycheck.reference.mechanisms.followed import (
     RECURSION,
     Followed,
     arithmetic,
-    errors_of_witness,
     followed,
     growth_instants,
     growth_with_loops,
-    lagrangian,
-    roundings_of_lagrangian,
     with_doubts,
-    witness_of,
 )
 from bodycheck.reference.mechanisms.growth import FEWEST_ROUNDINGS, Growth, rounding_errors
 from bodycheck.reference.mechanisms.lagrangian import solution
@@ -38,6 +34,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import require_modelled
 from bodycheck.reference.mechanisms.truth import joined, printed
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
+from bodycheck.reference.mechanisms.witnesses import errors_of_witness, lagrangian, roundings_of_lagrangian, witness_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness
 

@@ -1,4 +1,4 @@
-"""Ways to the motion of a mechanism, with bounds of their errors: closed forms, the recursion, and their witnesses.
+"""The motion of a mechanism with bounds of its errors: by a closed form, by multipliers, or by the recursion.
 
 A closed form has bounds of its errors. The recursion is integrated in the widest type of NumPy (heyoka), or in double precision
 (SciPy). With heyoka the error is measured: the recursion is integrated in double precision too, and its distance from the wide
@@ -9,8 +9,7 @@ type makes the same number of roundings, and they grow by the same factor.
 import contextlib
 import functools
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,6 @@ from bodycheck.reference.mechanisms.friction.effects import add_doubts, errors_o
 from bodycheck.reference.mechanisms.friction.sticking import Doubt, cancellations, doubts
 from bodycheck.reference.mechanisms.growth import (
     CAUTION,
-    FEWEST_ROUNDINGS,
     STORED_ROUNDINGS,
     Growth,
     growth,
@@ -36,7 +34,6 @@ from bodycheck.reference.mechanisms.growth import (
     so_far,
 )
 from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
-from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.loops import ways as loops
@@ -44,7 +41,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import require_drivable, require_independent, require_modelled, sudden
 from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.recursion import JointStates
-from bodycheck.reference.mechanisms.ways import Motion, Way, reach, sizes
+from bodycheck.reference.mechanisms.ways import Motion, Way, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
 from bodycheck.reference.witness import DOUBLE_DIGITS
@@ -52,9 +49,6 @@ from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDE
 
 #: Instants, evenly spaced, at which the growth of an error is measured.
 GROWTH_INSTANTS = 129
-
-#: The largest gap of a loop, as a fraction of the length of the mechanism, in a motion by the Lagrangian.
-OPEN = 1e-9
 
 #: The name of the recursion in results.
 RECURSION = "articulated-body recursion"
@@ -108,71 +102,6 @@ def followed(mechanism: Mechanism, times: Array) -> Followed:
     return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
-def followed_with_witness(mechanism: Mechanism, times: Array) -> tuple[Followed, Way | None]:
-    """The motion of `followed` and its witness, which threads compute side by side where heyoka follows a tree.
-
-    The witness may end earlier than the motion: where errors may be as large as the motion, it has nothing to say.
-    """
-    if arithmetic()[0] is np.float64 or mechanism.loops or sudden(mechanism) or form_of(mechanism) is not None:
-        course = followed(mechanism, times)
-        return course, witness_of(mechanism, times, course)
-    require_independent(mechanism)
-    require_drivable(mechanism)
-    require_modelled(mechanism)
-    with _stops_explained(mechanism):
-        measured = _measured(mechanism, times)
-    of_any = measured.growth.until(times).of_any
-    known = times[: max(1, int(np.searchsorted(of_any, 1 / float(np.finfo(arithmetic()[0]).eps))))]
-    with ThreadPoolExecutor(1) as threads:
-        witness = _lagrangian_beside(mechanism, known, threads)
-        return by_recursion(mechanism, times, measured), witness()
-
-
-def witness_of(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
-    """The witness of a motion: the recursion for a closed form, else the Lagrangian; None if it cannot follow the motion.
-
-    The witness of a mechanism with loops is another one: see `_loops_witness`. The Lagrangian has no bounds of its errors: see
-    `errors_of_witness`.
-    """
-    if mechanism.loops:
-        return _loops_witness(mechanism, times, course)
-    if not course.form:
-        return lagrangian(mechanism, times)
-    try:
-        return by_recursion(mechanism, times, course.measured).way
-    except (NotModelled, OutOfReach):
-        return None
-
-
-def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | None:
-    """The motion by the Lagrangian at times (n,), s; None if the Lagrangian cannot follow the motion.
-
-    dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
-    """
-    widest = arithmetic()[0]
-    if widest is np.float64:
-        return _unless_out_of_reach(lambda: solution.follow_in_doubles(mechanism, times), times)
-    return _unless_out_of_reach(lambda: solution.follow(mechanism, times, dtype or widest), times)
-
-
-def _lagrangian_beside(mechanism: Mechanism, times: Array, threads: Executor) -> Callable[[], Way | None]:
-    """A function that returns the motion of `lagrangian`, which a thread computes meanwhile."""
-    try:
-        begun = solution.begun(mechanism, times, threads, arithmetic()[0])
-    except (NotModelled, OutOfReach):
-        return lambda: None
-    return lambda: _unless_out_of_reach(begun, times)
-
-
-def _unless_out_of_reach(follow: Callable[[], WideMotion], times: Array) -> Way | None:
-    """The way of a motion by the Lagrangian at times (n,), s; None if the Lagrangian cannot follow it."""
-    _, name, digits = arithmetic()
-    try:
-        return Way(f"{solution.NAME}, {name}", _motion_of(follow(), times), {}, digits)
-    except (NotModelled, OutOfReach):
-        return None
-
-
 def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None = None) -> Followed:
     """The motion of a mechanism at ascending times (n,), s, by the recursion, with bounds of its errors.
 
@@ -180,8 +109,8 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
     """
     require_modelled(mechanism)
     dtype, name, digits = arithmetic()
-    with _stops_explained(mechanism):
-        measured = measured or _measured(mechanism, times)
+    with stops_explained(mechanism):
+        measured = measured or measurement(mechanism, times)
         grown = measured.growth
         instants = np.union1d(times, grown.t)
         states = recursion.follow(mechanism, instants, dtype)
@@ -197,7 +126,7 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
 
 
 @contextlib.contextmanager
-def _stops_explained(mechanism: Mechanism) -> Iterator[None]:
+def stops_explained(mechanism: Mechanism) -> Iterator[None]:
     """Say of an integration that stops whether the mass matrix becomes singular there."""
     try:
         yield
@@ -242,60 +171,13 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
 
     def follow(nudged: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
         closed = loops.closed_start(nudged)
-        return _in_parts(lambda times: _motion_of(solution.follow(closed, times, np.float64), times), parts)
+        return _in_parts(lambda times: motion_of(solution.follow(closed, times, np.float64), times), parts)
 
     try:
         (base,) = follow(mechanism, [measured])
         return growth(mechanism, follow, base, measured).until(times)
     except (NotModelled, OutOfReach):
         return None
-
-
-def _loops_witness(mechanism: Mechanism, times: Array, course: Followed) -> Way | None:
-    """The witness of a mechanism with loops: for a closed form the multipliers, else the Lagrangian or the equations of bodies.
-
-    The Lagrangian cannot pass positions in which a mechanism can change to another mode of motion, and does not model loops
-    with free bodies. Returns None if no witness can follow the motion.
-    """
-    if not course.form and (way := _closed_lagrangian(mechanism, times)) is not None:
-        return way
-    try:
-        return loops.way(mechanism, times) if course.form else loops.witness(mechanism, times)
-    except (NotModelled, OutOfReach):
-        return None
-
-
-def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
-    """The motion by the Lagrangian with multipliers; None without heyoka, if it cannot follow the motion, or if loops open."""
-    way = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
-    if way is None or float(np.max(gaps(mechanism, way.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
-        return None
-    return replace(way, name=way.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
-
-
-def errors_of_witness(mechanism: Mechanism, times: Array, course: Followed, witness: Way) -> dict[str, Array]:
-    """Bounds (n,) of the errors of a witness at times (n,), s; empty if they are not known.
-
-    Those of the Lagrangian are rounding errors, whose number is measured and whose growth is that of the recursion.
-    """
-    if witness.errors or course.growth is None or course.measured is None:
-        return witness.errors
-    count = roundings_of_lagrangian(mechanism, times, course.measured.growth)
-    return rounding_errors(mechanism, witness.motion, course.growth, count, float(np.finfo(arithmetic()[0]).eps))
-
-
-def roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
-    """Return the number of roundings of the Lagrangian, measured as for the recursion.
-
-    grown: the growth of an error at the `growth_instants` of the times (n,), s.
-    """
-    dtype, _, _ = arithmetic()
-    if dtype is np.float64:
-        return DOP853_ROUNDINGS
-    measured = growth_instants(times)
-    ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
-    motions = [way.motion for way in ways if way is not None]
-    return roundings(mechanism, motions[1], motions[0], grown) if len(motions) == 2 else FEWEST_ROUNDINGS
 
 
 def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
@@ -328,12 +210,12 @@ def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
     measured: Measured | None = None
     with contextlib.suppress(NotModelled, OutOfReach):
         require_modelled(mechanism)
-        measured = _measured(mechanism, times)
+        measured = measurement(mechanism, times)
     grown = None if measured is None else measured.growth.until(times)
     return Followed(way, f"closed form: {form.name}", form.reason, CLOSED_FORM_BACKEND, grown, form=True, measured=measured)
 
 
-def _measured(mechanism: Mechanism, times: Array) -> Measured:
+def measurement(mechanism: Mechanism, times: Array) -> Measured:
     """The motion by the recursion in double precision, and the growth of an error, at the `growth_instants` of times (n,)."""
     return _measured_until(mechanism, float(times[-1]) if len(times) else 0.0)
 
@@ -381,7 +263,7 @@ def _motion_in_joints(states: JointStates) -> Motion:
 def _in_doubles(mechanism: Mechanism, parts: Sequence[Array]) -> Iterator[Motion]:
     """The motion in double precision: by the recursion, or by the Lagrangian, whose equations DOP853 evaluates much faster."""
     if arithmetic()[0] is np.float64:
-        return _in_parts(lambda times: _motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
+        return _in_parts(lambda times: motion_of(solution.follow_in_doubles(mechanism, times), times), parts)
     return _in_parts(lambda times: _motion_in_joints(recursion.follow(mechanism, times, np.float64)), parts)
 
 
@@ -391,6 +273,6 @@ def _in_parts(follow: Callable[[Array], Motion], parts: Sequence[Array]) -> Iter
         yield follow(np.concatenate(parts[:count])).part(slice(-len(part), None))
 
 
-def _motion_of(motion: WideMotion, times: Array) -> Motion:
+def motion_of(motion: WideMotion, times: Array) -> Motion:
     bodies = Trajectory(times, motion.position, motion.quaternion, motion.velocity, motion.angular_velocity)
     return Motion(motion.joint_position, motion.joint_velocity, bodies)

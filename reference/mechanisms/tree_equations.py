@@ -223,9 +223,14 @@ def _patient(tree: Tree, kind: FloatType, solved: Callable[[Any, int], Solution]
     shape = shape_of(tree)
     if shape.quick:
         with contextlib.suppress(Stopped):
-            return solved(integrator(_equations(shape), kind.dtype, kind.bits, large=True), QUICK_STEPS)
+            return solved(first_integrator(shape, kind), QUICK_STEPS)
     solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
     return solved(solver, most_steps(solver))
+
+
+def first_integrator(shape: Shape, kind: FloatType) -> Any:
+    """The integrator with which a tree is first followed, by code that is not optimised if the tree is small, or very large."""
+    return integrator(_equations(shape), kind.dtype, kind.bits, large=shape.quick or shape.large)
 
 
 @functools.cache

@@ -23,12 +23,13 @@ from bodycheck.reference.bounds import EPS, STATES, Bounds
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped, within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.followed import Followed, errors_of_witness, followed, followed_with_witness, witness_of
+from bodycheck.reference.mechanisms.followed import Followed, followed
 from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.hybrid.acting import with_acting_stops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.modelled import sudden
 from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
+from bodycheck.reference.mechanisms.witnesses import errors_of_witness, followed_with_witness, witness_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Computed, Truth
 

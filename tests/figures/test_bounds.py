@@ -49,7 +49,7 @@ def test_the_new_columns_follow_those_that_were_there() -> None:
         "role",
         DEPARTURE,
         *BEFORE_DEPARTURE.values(),
-        *("efforts", "control_law"),
+        *("efforts", "control_law", "contact_terms"),
     )
     assert all(name.endswith(("_limit", "_margin")) or name in later for name in names[first + len(BOUNDS) :])
     assert list(COLUMNS).index("truth_error") < list(COLUMNS).index("steps")

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import Stopped
+from bodycheck.reference.mechanisms.hybrid.ranges import JointLimits, passed, reached
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.modelled import coupled
-from bodycheck.reference.mechanisms.ranges import JointLimits, passed, reached
 
 #: The number of rigid stops up to which all are followed, and the part of all stops from which on all are followed at once.
 FEW, MANY = 4, 0.5

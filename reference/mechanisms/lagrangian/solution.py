@@ -66,19 +66,27 @@ def _by_taylor(mechanism: Mechanism, times: Array, dtype: Any) -> WideMotion:
         return _in_phases(ready, mechanism, times.astype(dtype), taylor.stepper(ready.structure, dtype))
 
 
-def begun(mechanism: Mechanism, times: Array, threads: Executor, dtype: Any = Wide) -> Callable[[], WideMotion]:
-    """A function that returns the motion of `follow`, whose equations without switches are solved meanwhile in a thread.
+def begun(mechanism: Mechanism, threads: Executor, dtype: Any = Wide) -> Callable[[Array], Callable[[], WideMotion]]:
+    """Compile the equations of a mechanism without switches in a thread, and return what begins to solve them there.
 
-    Everything else is computed in the thread of the caller, since the arithmetic of many digits is not made for threads.
+    The returned function takes ascending times (n,) >= 0, s, and returns another one, which waits for the motion of `follow` at
+    these times. Everything else is computed in the thread of the caller, since the arithmetic of many digits is not made for
+    threads.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
     if _switches(mechanism):
-        return lambda: follow(mechanism, times, dtype)
+        return lambda times: lambda: follow(mechanism, times, dtype)
     ready = prepared(mechanism)
     groups = _rounded_groups(ready, dtype)
-    solving = threads.submit(_solved, ready, groups, times, dtype, taylor.solve)
-    return lambda: _motion(ready, mechanism, times, solving.result())
+    for group in groups:
+        threads.submit(taylor.first_integrator, group.structure, dtype, len(group.start))
+
+    def begin(times: Array) -> Callable[[], WideMotion]:
+        solving = threads.submit(_solved, ready, groups, times, dtype, taylor.solve)
+        return lambda: _motion(ready, mechanism, times, solving.result())
+
+    return begin
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:

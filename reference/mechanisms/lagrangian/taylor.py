@@ -150,6 +150,11 @@ def integrator(structure: Structure, dtype: Any, optimised: bool) -> tuple[Any, 
     return compiled(variables, rates, dtype, len(derived(structure).used), optimised=optimised)
 
 
+def first_integrator(structure: Structure, dtype: Any, states: int) -> tuple[Any, int]:
+    """The integrator with which `solve` begins where there are so many states."""
+    return integrator(structure, dtype, optimised=states > MOST_BRIEF)
+
+
 def solve(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray) -> WideArray:
     """The states (n, k) at times (n,) >= 0 in any order, in the unit of time of the equations and in the type of the start.
 

@@ -8,7 +8,7 @@ import pytest
 
 from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.certificate import certify
-from bodycheck.reference.mechanisms import followed, observables, recursion
+from bodycheck.reference.mechanisms import followed, observables, recursion, witnesses
 from bodycheck.reference.mechanisms import truth as truths
 from bodycheck.reference.mechanisms.certificate import rounded_to_wide
 from bodycheck.reference.mechanisms.coordinates import JointMotion
@@ -158,7 +158,8 @@ def test_without_a_witness_the_bound_is_that_of_the_growth_of_rounding() -> None
 def test_in_double_precision_the_ways_agree_and_the_truth_names_dop853(monkeypatch: pytest.MonkeyPatch) -> None:
     times = np.linspace(0.0, 0.5, 6)
     wide = mechanism_truth(cart_pole(), times)
-    monkeypatch.setattr(followed, "arithmetic", lambda: (np.float64, DOP853_NAME, 16))
+    for module in (followed, witnesses):
+        monkeypatch.setattr(module, "arithmetic", lambda: (np.float64, DOP853_NAME, 16))
     monkeypatch.setattr(recursion, "solver", lambda: recursion.followed_by_dop853)
     found = mechanism_truth(cart_pole(), times)
     assert found.backend == DOP853_NAME

@@ -25,7 +25,7 @@ ALWAYS = {column.name for column in (*columns.CASE_COLUMNS, *columns.METHOD_COLU
 OPTIONAL = {
     "set",
     *columns.FURTHER,
-    *(column.name for column in (*columns.LIMIT_COLUMNS, *columns.DEPARTURE_COLUMNS, *columns.DRIVEN_COLUMNS)),
+    *(column.name for column in (*columns.LIMIT_COLUMNS, *columns.DEPARTURE_COLUMNS, *columns.ENGINE_COLUMNS)),
 }
 
 

@@ -10,11 +10,12 @@ import pytest
 from bodycheck.reference.errors import NotModelled, OutOfReach, Stopped
 from bodycheck.reference.mechanisms.certificate import certify_mechanism
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
-from bodycheck.reference.mechanisms.followed import by_recursion, followed, witness_of
+from bodycheck.reference.mechanisms.followed import by_recursion, followed
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
 from bodycheck.reference.mechanisms.observables import observe
 from bodycheck.reference.mechanisms.recursion import follow
 from bodycheck.reference.mechanisms.ways import apart
+from bodycheck.reference.mechanisms.witnesses import witness_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from tests.reference.mechanisms.hybrid import by_hand
 from tests.reference.mechanisms.hybrid.by_hand import ARM, PENDULUM

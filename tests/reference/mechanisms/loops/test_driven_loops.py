@@ -8,9 +8,10 @@ import pytest
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.certificate import certify_mechanism
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine, Stops
-from bodycheck.reference.mechanisms.followed import followed, lagrangian
+from bodycheck.reference.mechanisms.followed import followed
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.mechanisms.ways import apart
+from bodycheck.reference.mechanisms.witnesses import lagrangian
 from tests.support.linkages import four_bar, slider_crank
 
 TIMES = np.linspace(0.0, 0.12, 5)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms import ranges, recursion
+from bodycheck.reference.mechanisms import recursion
+from bodycheck.reference.mechanisms.hybrid import ranges
+from bodycheck.reference.mechanisms.hybrid.ranges import Passing, passed
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.ranges import Passing, passed
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.scene import Plane
 from tests.support.jointed import cart_pole, four_bar, free_chain, on_one_joint

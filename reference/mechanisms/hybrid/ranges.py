@@ -255,7 +255,7 @@ def _begun(mechanism: Mechanism, limits: Sequence[_Limit], duration: float) -> t
     coarse = growth_instants(np.array([duration]))
     way = followed(mechanism, coarse).way
     joints = tuple(dict.fromkeys(joint for limit in limits for joint, _ in limit.terms))
-    sample = _sampler(mechanism, joints, coarse, way.errors)
+    sample = _sampler(mechanism, joints, coarse, way.errors, duration)
     return sample, sample(_evenly(mechanism, way.motion, duration))
 
 
@@ -338,16 +338,17 @@ def _evenly(mechanism: Mechanism, motion: Motion, duration: float) -> Array:
 
 
 def _sampler(
-    mechanism: Mechanism, joints: tuple[int, ...], coarse: Array, errors: dict[str, Array]
+    mechanism: Mechanism, joints: tuple[int, ...], coarse: Array, errors: dict[str, Array], end: float
 ) -> Callable[[Array], _Samples]:
     """A function from ascending instants (n,), s, to the coordinates of joints.
 
     errors: (m,) bounds of the errors of the motion at ascending instants `coarse` (m,), s, by the names of `bounds.STATES`.
+    end: the time (s) at which the motion ends.
     """
     names = ["error" if mechanism.joints[index].type == "revolute" else "position_error" for index in joints]
     bounds = np.stack([errors[name] for name in names], axis=1)
     columns = {index: column for column, index in enumerate(joints)}
-    follow = _follower(mechanism, joints)
+    follow = _follower(mechanism, joints, end)
 
     def sample(times: Array) -> _Samples:
         rows = np.minimum(np.searchsorted(coarse, times), len(coarse) - 1)
@@ -356,10 +357,10 @@ def _sampler(
     return sample
 
 
-def _follower(mechanism: Mechanism, joints: Sequence[int]) -> _Follow:
+def _follower(mechanism: Mechanism, joints: Sequence[int], end: float) -> _Follow:
     form = form_of(mechanism)
     if form is None and not mechanism.loops:
-        return _by_recursion(mechanism, joints)
+        return _by_recursion(mechanism, joints, end)
     held, moving = ([slices[part].start for slices in map(places(mechanism).__getitem__, joints)] for part in (0, 1))
 
     def follow(times: Array) -> tuple[WideArray, WideArray]:
@@ -369,15 +370,16 @@ def _follower(mechanism: Mechanism, joints: Sequence[int]) -> _Follow:
     return follow
 
 
-def _by_recursion(mechanism: Mechanism, joints: Sequence[int]) -> _Follow:
+def _by_recursion(mechanism: Mechanism, joints: Sequence[int], end: float) -> _Follow:
     kind, solve = FloatType(arithmetic()[0]), recursion.solver()
     trees = [tree for tree in forest(mechanism).trees if any(link.joint in joints for link in tree.links)]
 
     def follow(times: Array) -> tuple[WideArray, WideArray]:
         pairs: dict[int, tuple[WideArray, WideArray]] = {}
+        to_end = np.append(times, end)  # a motion is kept from its start to its end
         for tree in trees:
-            for link, state in zip(tree.links, solve(tree, times, kind).links, strict=True):
-                pairs[link.joint] = state.coordinates[:, 0], state.rates[:, 0]
+            for link, state in zip(tree.links, solve(tree, to_end, kind).links, strict=True):
+                pairs[link.joint] = state.coordinates[:-1, 0], state.rates[:-1, 0]
         position, velocity = (np.stack([pairs[index][part] for index in joints], axis=1) for part in (0, 1))
         return position, velocity
 
