@@ -59,7 +59,7 @@ def page() -> str:
             _plain(WORK_COLUMNS),
             "### Robots whose limits or contacts act from an instant on",
             _plain(DEPARTURE_COLUMNS),
-            "### Driven joints",
+            "### Driven joints, and contact laws given",
             _plain(ENGINE_COLUMNS),
             "## The tables of studies",
             *_studies(),
