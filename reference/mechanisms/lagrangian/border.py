@@ -262,6 +262,8 @@ def steps(mechanism: Mechanism, joint: Joint) -> list[tuple[Kind, Triple | None,
     q, u = _begins(mechanism, joint)
     x, y, z = UNIT
     match joint.type:
+        case "fixed":
+            return []
         case "revolute" | "prismatic":
             axis = [MP.mpf(value) for value in joint.axis]
             length = MP.sqrt(sum(value * value for value in axis))

@@ -50,6 +50,23 @@ def test_only_the_stops_that_are_reached_act_and_the_motion_is_that_with_all() -
     assert truth.bounds.error[-1] < 1e-11
 
 
+def test_the_witness_finds_the_stops_of_joints_behind_fixed_ones() -> None:
+    """A fixed joint has no coordinates. Its place among the joints must not shift those of the joints behind it."""
+    far = Stops(-50.0, 50.0)
+    plain = chain(Stops(-1.0, 0.5), far, far, far, far)
+    base = Joint("base", "fixed", WORLD, 0)
+    moved = tuple(
+        replace(joint, parent=0 if joint.parent == WORLD else joint.parent + 1, child=joint.child + 1) for joint in plain.joints
+    )
+    mechanism = replace(plain, bodies=(JointedBody("trunk", BODY), *plain.bodies), joints=(base, *moved))
+    truth, same = mechanism_truth(mechanism, T), mechanism_truth(plain, T)
+    assert truth.joints is not None
+    assert same.joints is not None
+    assert truth.joints.position[:, -5:] == pytest.approx(same.joints.position, abs=1e-13)
+    assert len(truth.witnesses) == 1
+    assert truth.bounds.error[-1] < 1e-11
+
+
 def test_a_motion_that_reaches_no_stop_is_the_motion_without_stops() -> None:
     far = Stops(-50.0, 50.0)
     assert acting_stops(chain(far, far, far, far, far), 0.6) == set()
