@@ -14,7 +14,6 @@ import numpy as np
 from bodycheck.reference import truth
 from bodycheck.reference.certified import (
     BITS,
-    NO_OTHER_WAY,
     SPARE_BITS,
     TRUTH_WAY,
     Certificate,
@@ -56,12 +55,12 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
         bound = np.fmax.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
     else:
         bound = computed.own_bounds.error
-        faults.append(NO_OTHER_WAY)
     return Certificate(
         truth=computed.truth,
         differences={pair: np.maximum.accumulate(each["error"]) for pair, each in apart.items() if "error" in each},
         bound=np.asarray(bound),
         digits=best.digits if others else 0,
+        others=bool(others),
         faults=tuple(faults),
         growth=_growth(scene, times),
     )

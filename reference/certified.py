@@ -1,10 +1,12 @@
-"""A cross-check of a truth, and the contradiction between two computations that makes it fail."""
+"""The certificate of a truth: a proof or a cross-check, and the contradictions that make it fail."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from bodycheck.reference.proof.enclosure import Enclosure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.reference.witness import Witness, event_distances
@@ -12,8 +14,8 @@ from bodycheck.reference.witness import Witness, event_distances
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
 
-#: Why a truth without another way is not cross-checked.
-NO_OTHER_WAY = "no other way follows this motion"
+#: How well a truth is known: it is proved, compared with other ways, or neither.
+Word = Literal["enclosed", "cross-checked", "estimated"]
 
 #: Bits of the mantissa that stay correct after rounding errors have grown along the motion: the error of the way is then below
 #: 1e-20.
@@ -46,24 +48,46 @@ class Certificate:
         other way, plus that way's own error. It is not the bound that the truth prints.
     digits
         Decimal digits of the arithmetic of the most accurate other way; 0 if there is none.
+    others
+        Whether another way follows the motion.
     faults
-        Why the truth is not cross-checked, one sentence each: pairs of ways that are farther apart than their own bounds allow.
+        What contradicts the truth, one sentence each: pairs of ways that are farther apart than their own bounds allow, and
+        printed bounds that are smaller than a proved distance.
     growth
         (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where it is not known. See
         `integration.sensitivity`.
+    enclosure
+        The proof; None if there is none.
+    not_enclosed
+        Why there is no proof, as a noun phrase; empty if there is one, and before one was sought.
     """
 
     truth: Truth
     differences: dict[tuple[str, str], Array]
     bound: Array
     digits: int
+    others: bool
     faults: tuple[str, ...]
     growth: Array | None
+    enclosure: Enclosure | None = None
+    not_enclosed: str = ""
 
     @property
     def certified(self) -> bool:
-        """True if no two ways contradict each other."""
+        """True if nothing contradicts the truth."""
         return not self.faults
+
+    @property
+    def word(self) -> Word:
+        """How well the truth is known."""
+        if self.enclosure is not None:
+            return "enclosed"
+        return "cross-checked" if self.others else "estimated"
+
+    @property
+    def distance(self) -> float:
+        """The largest distance (rad) of the printed attitudes from the exact ones, proved, or measured by the other ways."""
+        return float(self.bound[-1]) if self.enclosure is None else self.enclosure.distance
 
 
 def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:
@@ -97,3 +121,18 @@ def contradiction_of_events(one: Witness, other: Witness, last: float) -> str | 
                 known = "does not have it" if math.isinf(apart) else f"has it {apart:.2g} s before or after"
                 return f"{name} has the event {event.kind} at t = {event.time:.12g} s, {another} {known}"
     return None
+
+
+def proved(certificate: Certificate, enclosure: Enclosure) -> Certificate:
+    """Return a certificate with a proof, whose faults say where a printed bound is smaller than a proved distance."""
+    truth, faults = certificate.truth, list(certificate.faults)
+    for name, unit, what in COMPARED:
+        printed = np.broadcast_to(getattr(truth.bounds, name), truth.trajectory.t.shape)
+        excess = enclosure.nearest[name] - printed
+        worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
+        if excess[worst] > 0:
+            faults.append(
+                f"the printed bound of the error{what}, {printed[worst]:.2g} {unit} at t = {truth.trajectory.t[worst]:.6g} s, "
+                f"is smaller than the proved distance, {enclosure.nearest[name][worst]:.2g} {unit}"
+            )
+    return replace(certificate, enclosure=enclosure, faults=tuple(faults))

@@ -41,9 +41,11 @@ def truth(
     at
         Instants in s, in any order. By default, the sampling times of the case.
     certify
-        Cross-check the truth: also compute the trajectory by all other methods, and print how far they are apart and how
-        large the error of the truth is at most according to the most accurate of them. This is a measurement, not a proof.
-        The exit code is 1 if two methods are farther apart than their own error bounds allow.
+        Prove how far the printed states are from the exact motion, where there is a proof (with the extra `proof`), and
+        cross-check the truth: compute the trajectory by all other methods, and print how far they are apart and how large the
+        error of the truth is at most according to the most accurate of them. The cross-check is a measurement, not a proof.
+        The exit code is 1 if a printed bound is smaller than the proved distance, or if two methods are farther apart than
+        their own error bounds allow.
     limit
         The time limit in s.
     """
@@ -79,8 +81,9 @@ def truth(
         printing.print_sensors(loaded, readings)
         if certificate:
             printing.print_certificate(certificate)
+            printing.print_proof(certificate)
     for fault in certificate.faults if certificate else ():
-        print(f"not cross-checked: {fault}", file=sys.stderr if json else sys.stdout)
+        print(f"contradicted: {fault}", file=sys.stderr if json else sys.stdout)
     return OK if certificate is None or certificate.certified else FAILED
 
 

@@ -131,6 +131,20 @@ def _print_events(truth: Truth) -> None:
         tell(f"mechanics gives no motion, but inequalities alone, from t = {at:g} s to {end:g} s: nan")
 
 
+def print_proof(certificate: Certificate) -> None:
+    """Print the proof of a truth, or why there is none, with the word that says how well the truth is known otherwise."""
+    proof = certificate.enclosure
+    if proof is not None:
+        tell(
+            f"enclosed: yes, within {proof.distance:.2g} rad of the printed doubles; proof: {proof.way}, {proof.bits} bits, "
+            f"{proof.seconds:.1f} s"
+        )
+    elif certificate.others:
+        tell(f"enclosed: no ({certificate.not_enclosed}); cross-checked within {certificate.distance:.1g} rad")
+    else:
+        tell(f"enclosed: no ({certificate.not_enclosed}); estimated, since no other way follows this motion")
+
+
 def print_certificate(certificate: Certificate) -> None:
     """Print how much the methods of computing a truth differ up to some instants, and how well the truth conserves energy."""
     truth = certificate.truth
@@ -151,7 +165,7 @@ def print_certificate(certificate: Certificate) -> None:
     heads = [f"until {t[i]:g} s" for i in chosen]
     columns = [Column(head, head, itemgetter(index), goes=len(heads) - index) for index, head in enumerate(heads, start=1)]
     show([Column("ways", "ways", itemgetter(0), wraps=True), *columns], rows)
-    if certificate.certified:
+    if certificate.certified and certificate.others:
         tell(
             f"cross-checked: all ways agree within their bounds, and the truth is at most {certificate.bound[-1]:.1e} rad off "
             f"by the most accurate other way, in arithmetic of {certificate.digits} digits"

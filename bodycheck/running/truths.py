@@ -11,11 +11,12 @@ from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
-from bodycheck.reference.certified import Certificate
+from bodycheck.reference.certified import Certificate, proved
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
+from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sensors.readings import SensorTruth
@@ -72,8 +73,19 @@ def of_runs(case: Case, samplings: Iterable[float]) -> dict[float, Truth]:
 
 
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
-    """Compare all methods of computing the truth of a case, with the times and exceptions of `truth`."""
-    return certificate.certify(case.scene, _instants(case, times))
+    """Prove how far the truth of a case is off, and compare all methods of computing it.
+
+    The times and exceptions are those of `truth`. Without python-flint there is no proof.
+    """
+    checked = certificate.certify(case.scene, _instants(case, times))
+    try:
+        from bodycheck.reference.proof.proving import enclosed
+    except ImportError:
+        return replace(checked, not_enclosed="python-flint is not installed: pip install 'bodycheck[proof]'")
+    try:
+        return proved(checked, enclosed(case.scene, checked.truth.trajectory))
+    except NotEnclosed as reason:
+        return replace(checked, not_enclosed=str(reason))
 
 
 def stop_under(case: Case, law: Plane) -> Stop | None:
@@ -175,13 +187,22 @@ def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
 def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
     """Return the additional JSON entries of `bodycheck truth --certify --json`.
 
-    The entries are the attitude differences (rad) of all pairs of methods, the bound according to the most accurate other
-    method, and the growth of an error.
+    The entries are the word that says how well the truth is known, with the time (s) until which it is proved, null for the
+    whole motion, the distance from the exact motion (rad), the method of the proof and its time (s); the attitude differences
+    (rad) of all pairs of methods, the bound according to the most accurate other method, and the growth of an error.
     """
+    enclosure = certificate.enclosure
     return {
         "differences": [
             {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in certificate.differences.items()
         ],
+        "certificate": {
+            "word": certificate.word,
+            "until": None,
+            "distance": certificate.distance,
+            "way": None if enclosure is None else enclosure.way,
+            "seconds": None if enclosure is None else enclosure.seconds,
+        },
         "certified": certificate.certified,
         "certified_error": certificate.bound.tolist(),
         "digits": certificate.digits,

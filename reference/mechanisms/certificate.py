@@ -60,7 +60,6 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
     faults = [fault for one, other in stated_ways if (fault := contradiction(one, other, differences[one.name, other.name]))]
     best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
     if best is None:
-        faults.append("no other way follows this motion")
         bound = rounded.bounds.error
     else:
         bound = np.maximum.accumulate(differences[TRUTH_WAY, best.name]["error"] + best.errors["error"])
@@ -69,6 +68,7 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
         differences={pair: np.maximum.accumulate(each["error"]) for pair, each in differences.items()},
         bound=bound,
         digits=0 if best is None else best.digits,
+        others=best is not None,
         faults=tuple(faults),
         growth=truth.growth,
     )

@@ -49,8 +49,8 @@ def test_a_clock_that_is_a_billionth_wrong_is_not_certified(
     assert found.truth.bounds.error[-1] > 1e-8
     assert all(fault.startswith("truth and ") for fault in found.faults)
     assert app(["truth", flip.name, "--certify"], result_action="return_value") == 1
-    (line, *_) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("not cross-checked: ")]
-    assert re.fullmatch(r"not cross-checked: truth and .* are [-\d.e]+ rad apart, their bounds allow [-\d.e]+", line)
+    (line, *_) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("contradicted: ")]
+    assert re.fullmatch(r"contradicted: truth and .* are [-\d.e]+ rad apart, their bounds allow [-\d.e]+", line)
     assert app(["truth", flip.name, "--certify", "--json"], result_action="return_value") == 1
     printed = json.loads(capsys.readouterr().out)
     assert printed["certified"] is False

@@ -1,0 +1,43 @@
+"""What a proof says of a printed motion, and why there may be none. This module needs no ball arithmetic."""
+
+from dataclasses import dataclass
+
+from bodycheck.reference.trajectory import Array
+
+#: The quantities of a body in which a proof states distances, by the names of the bounds of truths.
+QUANTITIES = ("error", "position_error", "velocity_error", "angular_velocity_error")
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosure:
+    """A proof of how far the printed states of a motion are from the exact states.
+
+    Attributes
+    ----------
+    way
+        The method of the proof.
+    bits
+        The precision of its arithmetic.
+    radius
+        The largest radius of a ball (rad, m, rad/s or m/s).
+    farthest, nearest
+        Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES`.
+    seconds
+        The time that the proof took (s).
+    """
+
+    way: str
+    bits: int
+    radius: float
+    farthest: dict[str, Array]
+    nearest: dict[str, Array]
+    seconds: float
+
+    @property
+    def distance(self) -> float:
+        """The largest distance (rad) of a printed attitude from the exact one."""
+        return float(self.farthest["error"].max(initial=0.0))
+
+
+class NotEnclosed(Exception):
+    """There is no enclosure of a motion; the text says why, as a noun phrase."""
