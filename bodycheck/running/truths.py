@@ -83,7 +83,7 @@ def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     except ImportError:
         return replace(checked, not_enclosed="python-flint is not installed: pip install 'bodycheck[proof]'")
     try:
-        return proved(checked, enclosed(case.scene, checked.truth.trajectory))
+        return proved(checked, enclosed(case.scene, checked.truth.trajectory, checked.truth.joints))
     except NotEnclosed as reason:
         return replace(checked, not_enclosed=str(reason))
 

@@ -1,6 +1,6 @@
 """The body of a scene and the start of its motion, as rational numbers where they are rational, otherwise as balls."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeGuard
@@ -232,3 +232,8 @@ def momentum(body: Rotor) -> Triple:
 def length(vector: Sequence[Any]) -> Any:
     """Return the length of a vector of balls."""
     return sum((value * value for value in vector), arb(0)).sqrt()
+
+
+def sums(values: Iterable[Fraction]) -> Fraction:
+    """Return the sum of rational numbers."""
+    return sum(values, Fraction(0))

@@ -7,6 +7,9 @@ from bodycheck.reference.trajectory import Array
 #: The quantities of a body in which a proof states distances, by the names of the bounds of truths.
 QUANTITIES = ("error", "position_error", "velocity_error", "angular_velocity_error")
 
+#: The quantities of the coordinate of a joint: the coordinate (rad or m) and its velocity.
+COORDINATES = ("joint_position_error", "joint_velocity_error")
+
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
@@ -21,7 +24,8 @@ class Enclosure:
     radius
         The largest radius of a ball (rad, m, rad/s or m/s).
     farthest, nearest
-        Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES`.
+        Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES`,
+        and of `COORDINATES` for a joint.
     seconds
         The time that the proof took (s).
     """
