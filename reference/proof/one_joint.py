@@ -14,7 +14,9 @@ from typing import Any
 
 from flint import acb, arb, arb_mat
 
+from bodycheck.reference.mechanisms.control import Controller
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.proof import driven
 from bodycheck.reference.proof.balls import Ball, Matrix, Triple, applied, ball, cross, dot, product, triple, turned_about
 from bodycheck.reference.proof.bodies import as_ball, attitude, inertia, length, sums
 from bodycheck.reference.proof.enclosure import NotEnclosed
@@ -65,7 +67,8 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
     size = length(triple(joint.axis))
     x, y, z = (part / size for part in triple(joint.axis))
     axis: Triple = (x, y, z)
-    coordinate = _coordinate(_equation(mechanism, joint, body, centre, turn, axis))
+    one = _equation(mechanism, joint, body, centre, turn, axis)
+    coordinate = _driven(one, mechanism.controllers[0]) if mechanism.controllers else _coordinate(one)
     origin, in_world = triple(joint.position), applied(turn, axis)
 
     def at(t: Fraction) -> tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]:
@@ -89,7 +92,6 @@ def _only(mechanism: Mechanism) -> tuple[Joint, JointedBody]:
         ("a loop", mechanism.loops),
         ("a plane", mechanism.plane is not None),
         ("pushes", mechanism.pushes),
-        ("a controller", mechanism.controllers),
         ("stops", joint.stops is not None),
     ):
         if there:
@@ -152,6 +154,14 @@ def _coordinate(one: OneJoint) -> Coordinate:
     if one.damping or one.stiffness or one.friction or one.force:
         raise NotEnclosed("a pendulum with other forces than gravity")
     return _pendulum(one)
+
+
+def _driven(one: OneJoint, controller: Controller) -> Coordinate:
+    """The coordinate of a joint that a controller drives."""
+    if one.friction or not (one.rise.is_zero() and one.fall.is_zero()):
+        raise NotEnclosed("a controller beside dry friction or the torque of gravity")
+    parts = (one.inertia, one.force, one.damping, one.stiffness, one.rest, one.start, one.velocity)
+    return driven.coordinate(driven.Plant(*parts), controller)
 
 
 def _linear(one: OneJoint, force: Ball) -> Coordinate:
