@@ -196,9 +196,7 @@ def print_exact(scene: Scene) -> None:
     print("| after 30 s | roll rate, deg/s | pitch rate, deg/s | yaw rate, deg/s | error at most, deg/s |")
     print("| --- | --- | --- | --- | --- |")
     print(f"| exact | {' | '.join(f'{rate:.12f}' for rate in rates_of(found.truth.trajectory)[0])} | {bound:.1e} |")
-    checked = (
-        f"cross-checked to {found.bound[0]:.1e} rad" if found.certified else f"contradicted: {'; '.join(found.faults)}"
-    )
+    checked = f"cross-checked to {found.bound[0]:.1e} rad" if found.certified else f"contradicted: {'; '.join(found.faults)}"
     print(f"\nThe attitude is {checked}.\n")
 
 

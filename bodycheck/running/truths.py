@@ -11,6 +11,7 @@ from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
+from bodycheck.reference.candidate import candidate_of
 from bodycheck.reference.certified import Certificate, proved
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.coordinates import by_name
@@ -83,7 +84,8 @@ def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     except ImportError:
         return replace(checked, not_enclosed="python-flint is not installed: pip install 'bodycheck[proof]'")
     try:
-        return proved(checked, enclosed(case.scene, checked.truth.trajectory, checked.truth.joints))
+        found = enclosed(case.scene, checked.truth.trajectory, checked.truth.joints, candidate_of(case.scene))
+        return proved(checked, found)
     except NotEnclosed as reason:
         return replace(checked, not_enclosed=str(reason))
 
@@ -198,7 +200,7 @@ def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
         ],
         "certificate": {
             "word": certificate.word,
-            "until": None,
+            "until": None if enclosure is None else enclosure.until,
             "distance": certificate.distance,
             "way": None if enclosure is None else enclosure.way,
             "seconds": None if enclosure is None else enclosure.seconds,

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from bodycheck.reference.trajectory import Array
 
 #: The quantities of a body in which a proof states distances, by the names of the bounds of truths.
@@ -26,6 +28,8 @@ class Enclosure:
     farthest, nearest
         Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES`,
         and of `COORDINATES` for a joint.
+    until
+        The instant (s) up to which the motion is enclosed; the distances at later instants are NaN. None if all is.
     seconds
         The time that the proof took (s).
     """
@@ -35,12 +39,13 @@ class Enclosure:
     radius: float
     farthest: dict[str, Array]
     nearest: dict[str, Array]
+    until: float | None
     seconds: float
 
     @property
     def distance(self) -> float:
         """The largest distance (rad) of a printed attitude from the exact one."""
-        return float(self.farthest["error"].max(initial=0.0))
+        return float(np.nanmax(self.farthest["error"], initial=0.0))
 
 
 class NotEnclosed(Exception):

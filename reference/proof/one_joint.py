@@ -20,7 +20,7 @@ from bodycheck.reference.proof import driven
 from bodycheck.reference.proof.balls import Ball, Matrix, Triple, applied, ball, cross, dot, product, triple, turned_about
 from bodycheck.reference.proof.bodies import as_ball, attitude, inertia, length, sums
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.scene import Tensor
+from bodycheck.reference.proof.mass import centre_of, mass_of
 
 #: The largest number of phases of a motion with dry friction.
 MOST_PHASES = 10_000
@@ -55,14 +55,20 @@ class OneJoint:
     velocity: Fraction
 
 
+def has_one_joint(mechanism: Mechanism) -> bool:
+    """Return whether a mechanism is one body on a hinge or slider of the world."""
+    alone = len(mechanism.joints) == 1 == len(mechanism.bodies) and mechanism.joints[0].parent == WORLD
+    return alone and mechanism.joints[0].type in ("revolute", "prismatic")
+
+
 def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]]:
     """Return a function from a time (s) to the coordinate with its velocity, and the states of the body in balls.
 
     The states are the position of the centre of mass, the attitude, the velocity, and the angular velocity along the axes of
-    the body. Raises `NotEnclosed` if a mechanism is not one body on one joint of the world, or its motion has no proof.
+    the body. The mechanism has one joint (`has_one_joint`). Raises `NotEnclosed` if there is no proof of its motion.
     """
     joint, body = _only(mechanism)
-    centre = _centre(body)
+    centre = centre_of(body)
     turn = attitude(joint.attitude)
     size = length(triple(joint.axis))
     x, y, z = (part / size for part in triple(joint.axis))
@@ -85,9 +91,7 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
 
 def _only(mechanism: Mechanism) -> tuple[Joint, JointedBody]:
     """The joint and the body of a mechanism that has one of each."""
-    joint = mechanism.joints[0] if len(mechanism.joints) == 1 == len(mechanism.bodies) else None
-    if joint is None or joint.parent != WORLD or joint.type not in ("revolute", "prismatic"):
-        raise NotEnclosed("another mechanism than one body on a hinge or slider of the world")
+    joint = mechanism.joints[0]
     for kind, there in (
         ("a loop", mechanism.loops),
         ("a plane", mechanism.plane is not None),
@@ -99,27 +103,11 @@ def _only(mechanism: Mechanism) -> tuple[Joint, JointedBody]:
     return joint, mechanism.bodies[0]
 
 
-def _centre(body: JointedBody) -> tuple[Fraction, Fraction, Fraction]:
-    """The centre of mass of a body in its frame (m)."""
-    if isinstance(body.inertia, Tensor):
-        x, y, z = map(Fraction, body.center_of_mass)
-        return x, y, z
-    parts = body.inertia if isinstance(body.inertia, tuple) else (body.inertia,)
-    whole = sum((Fraction(part.mass) for part in parts), Fraction(0))
-    x, y, z = (sum((Fraction(part.mass) * Fraction(part.position[i]) for part in parts), Fraction(0)) / whole for i in range(3))
-    return x, y, z
-
-
-def _mass(body: JointedBody) -> Fraction:
-    parts = body.inertia if isinstance(body.inertia, tuple) else (body.inertia,)
-    return sum((Fraction(part.mass) for part in parts), Fraction(0))
-
-
 def _equation(
     mechanism: Mechanism, joint: Joint, body: JointedBody, centre: tuple[Fraction, ...], turn: Matrix, axis: Triple
 ) -> OneJoint:
     """The equation of a joint. Raises `NotEnclosed` if its inertia is not rational."""
-    mass, gravity, armature = _mass(body), Fraction(mechanism.gravity), Fraction(joint.armature)
+    mass, gravity, armature = mass_of(body), Fraction(mechanism.gravity), Fraction(joint.armature)
     upwards = turn[2]  # the world's z along the axes of the joint
     force: Any = Fraction(joint.effort)
     rise = fall = arb(0)

@@ -1,7 +1,10 @@
 """Prove how far a printed motion is from the exact one, from balls that contain the exact states."""
 
+import math
 import time
+from bisect import bisect_left
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -9,7 +12,7 @@ import numpy as np
 
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, free_body, one_joint
+from bodycheck.reference.proof import bodies, free_body, one_joint, validated
 from bodycheck.reference.proof.balls import (
     Ball,
     Matrix,
@@ -24,6 +27,9 @@ from bodycheck.reference.proof.balls import (
     upper,
 )
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
+from bodycheck.reference.proof.one_joint import has_one_joint
+from bodycheck.reference.proof.trees import poses, tree_of
+from bodycheck.reference.proof.validated import Candidate
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -33,46 +39,139 @@ CLOSED_FORM = "closed form in ball arithmetic"
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
+#: The precisions that are tried for trees.
+BITS_OF_TREES = (128, 192, 256, 384)
 
-def enclosed(scene: AnyScene, printed: Trajectory, joints: JointMotion | None = None) -> Enclosure:
+
+#: The time limit of a proof (s).
+TIME_LIMIT_S = 60.0
+
+
+def enclosed(
+    scene: AnyScene,
+    printed: Trajectory,
+    joints: JointMotion | None = None,
+    candidate: Candidate | None = None,
+    limit: float = TIME_LIMIT_S,
+) -> Enclosure:
     """Return the enclosure of the motion of a scene at the instants of a printed trajectory.
 
-    printed: the printed states; of a mechanism with the bodies as the first axis. joints: the printed coordinates of joints and
-    their velocities, of a mechanism.
+    Parameters
+    ----------
+    scene, printed, joints
+        The scene, its printed states, and of a mechanism the printed coordinates of joints and their velocities.
+    candidate
+        A function that returns coordinates near to those of the motion of a tree. It may come from anywhere, as the proof does
+        not believe it.
+    limit
+        The time (s) after which the motion of a tree is enclosed until an earlier instant.
 
-    Raises `NotEnclosed` if there is no proof of this motion.
+    Raises
+    ------
+    NotEnclosed
+        There is no proof of this motion.
     """
     begin = time.perf_counter()
-    of_body = printed.body(0) if isinstance(scene, Mechanism) else printed
     reason = NotEnclosed("balls that are too large")
-    for bits in BITS:
+    closed = not isinstance(scene, Mechanism) or has_one_joint(scene)
+    best: Enclosure | None = None
+    for bits in BITS if closed else BITS_OF_TREES:
         with precision(bits):
             try:
-                radius, balls = _compared(_motion(scene), of_body, joints)
+                motion = _motion(scene, printed, candidate, bits, begin + limit)
+                found = _compared(motion, printed, joints)
             except NotEnclosed as error:
                 reason = error
                 continue
-        if radius <= SMALL:
-            farthest, nearest = (
-                {name: np.array([side(each) for each in balls[name]]) for name in balls} for side in (upper, lower)
-            )
-            return Enclosure(CLOSED_FORM, bits, radius, farthest, nearest, time.perf_counter() - begin)
-    raise reason
+        enclosure = Enclosure(motion.way, bits, *found, time.perf_counter() - begin)
+        if enclosure.until is None:
+            return enclosure
+        if enclosure.until > (0.0 if best is None or best.until is None else best.until):
+            best = enclosure
+        if time.perf_counter() > begin + limit:
+            break
+    if best is None:
+        raise reason
+    return best
 
 
-#: A function from a time (s) to the coordinate of a joint with its velocity (None for a free body), and to position, attitude,
-#: velocity and angular velocity of a body.
-States = Callable[[Fraction], tuple[tuple[Ball, Ball] | None, Triple, Matrix, Triple, Triple]]
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """The states of a motion at an instant: coordinates of joints with their velocities, and of each body in balls."""
+
+    coordinates: list[tuple[Ball, Ball]]
+    bodies: list[tuple[Triple, Matrix, Triple, Triple]]
+
+    @property
+    def radius(self) -> float:
+        """The largest radius of a ball; infinite if one has no bound."""
+        entries = [value for pair in self.coordinates for value in pair]
+        for position, attitude, velocity, rates in self.bodies:
+            entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
+        return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf
 
 
-def _motion(scene: AnyScene) -> States:
-    """The states of the body of a scene as a function of time."""
+#: A function from a time (s) to the states at it.
+States = Callable[[Fraction], Shown]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The method of a proof, the states as a function of time, and the time (s) until which it has them."""
+
+    way: str
+    states: States
+    until: Fraction | None = None
+
+
+def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+    """The motion of a scene in balls."""
     if isinstance(scene, Mechanism):
-        return one_joint.states(scene)
+        if not has_one_joint(scene):
+            return _tree(scene, printed, candidate, bits, deadline)
+        of_joint = one_joint.states(scene)
+
+        def at(t: Fraction) -> Shown:
+            coordinate, *states = of_joint(t)
+            return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
+
+        return Motion(CLOSED_FORM, at)
     for kind, there in (("a plane", scene.plane is not None), ("drag", scene.drag), ("pushes", scene.pushes)):
         if there:
             raise NotEnclosed(kind)
-    return _flight(scene)
+    return Motion(CLOSED_FORM, _flight(scene))
+
+
+def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+    """The motion of a tree, by a polynomial near to a candidate for it."""
+    tree = tree_of(mechanism)
+    if candidate is None:
+        raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
+    end = Fraction(float(printed.t[-1]))
+    order = np.argsort(tree.columns)
+
+    def ordered(times: Array, digits: int) -> list[list[Ball]]:
+        return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
+
+    found = validated.steps(tree, end, _fastest(printed), ordered, bits, deadline)
+    if not found:
+        raise NotEnclosed("a tree whose errors grow at once")
+    ends = [step.end for step in found]
+
+    def at(t: Fraction) -> Shown:
+        q, v = found[bisect_left(ends, t)].at(t)
+        return Shown([(q[index], v[index]) for index in order], poses(tree, q, v))
+
+    way = f"validated polynomials of degree {found[0].polynomials[0].degree()}, {len(found)} steps"
+    return Motion(way, at, None if ends[-1] == end else ends[-1])
+
+
+def _fastest(printed: Trajectory) -> float:
+    """A rate (1/s) at which the states of a printed motion change: that of the fastest turning, or of the acceleration."""
+    spin = float(np.linalg.norm(printed.angular_velocity, axis=-1).max(initial=0.0))
+    steps = np.diff(printed.t)
+    changes = np.linalg.norm(np.diff(printed.angular_velocity, axis=-2), axis=-1) / np.where(steps > 0, steps, np.inf)
+    return max(spin, float(np.sqrt(changes.max(initial=0.0))), 1 / max(float(printed.t[-1]), 1e-3))
 
 
 def _flight(scene: Scene) -> States:
@@ -80,31 +179,53 @@ def _flight(scene: Scene) -> States:
     begin, speed = ([Fraction(value) for value in values] for values in (scene.initial.position, scene.initial.velocity))
     gravity = (Fraction(0), Fraction(0), -Fraction(scene.gravity))
 
-    def at(t: Fraction) -> tuple[None, Triple, Matrix, Triple, Triple]:
+    def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
         position = triple([x + v * t + g * t * t / 2 for x, v, g in zip(begin, speed, gravity, strict=True)])
-        return None, position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates
+        return Shown([], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
 
     return at
 
 
-def _compared(states: States, printed: Trajectory, joints: JointMotion | None) -> tuple[float, dict[str, list[Ball]]]:
-    """The largest radius of the balls of a motion, and the distances of the printed states from them at each instant."""
-    radius, apart = 0.0, dict[str, list[Ball]]({name: [] for name in (*QUANTITIES, *(COORDINATES if joints else ()))})
+def _compared(
+    motion: Motion, printed: Trajectory, joints: JointMotion | None
+) -> tuple[float, dict[str, Array], dict[str, Array], float | None]:
+    """The largest radius of a ball, bounds of the distances of the printed states from above and below, and their last instant.
+
+    The last instant is None if all balls are small.
+    """
+    names = (*QUANTITIES, *(COORDINATES if joints else ()))
+    farthest, nearest = ({name: np.full(len(printed.t), np.nan) for name in names} for _ in range(2))
+    largest, until = 0.0, None
     for row, instant in enumerate(printed.t.tolist()):
-        coordinate, position, attitude, velocity, rates = states(Fraction(instant))
-        entries = [*position, *velocity, *rates, *(entry for line in attitude for entry in line), *(coordinate or ())]
-        if not all(entry.is_finite() for entry in entries):
-            raise NotEnclosed("a ball without a bound")
-        radius = max(radius, *(float(entry.rad()) for entry in entries))
-        apart["error"].append(angle_between(attitude, of_quaternion(printed.quaternion[row].tolist())))
-        apart["position_error"].append(distance(position, _balls(printed.position[row])))
-        apart["velocity_error"].append(distance(velocity, _balls(printed.velocity[row])))
-        apart["angular_velocity_error"].append(distance(rates, _balls(printed.angular_velocity[row])))
-        if joints is not None and coordinate is not None:
-            for name, value, given in zip(COORDINATES, coordinate, (joints.position, joints.velocity), strict=True):
-                apart[name].append(abs(value - ball(float(given[row, 0]))))
-    return radius, apart
+        outside = motion.until is not None and Fraction(instant) > motion.until
+        shown = None if outside else motion.states(Fraction(instant))
+        radius = math.inf if shown is None else shown.radius
+        if shown is None or not radius <= SMALL:
+            if not row:
+                raise NotEnclosed("balls that are too large")
+            until = float(printed.t[row - 1])
+            break
+        largest = max(largest, radius)
+        for name, values in _distances(shown, printed, joints, row).items():
+            farthest[name][row], nearest[name][row] = max(map(upper, values)), max(map(lower, values))
+    return largest, farthest, nearest, until
+
+
+def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, row: int) -> dict[str, list[Ball]]:
+    """The distances of the printed states at an instant, which is given by its row, of each body and coordinate."""
+    several = [printed] if printed.position.ndim == 2 else [printed.body(index) for index in range(len(printed.position))]
+    distances: dict[str, list[Ball]] = {name: [] for name in QUANTITIES}
+    for body, (position, attitude, velocity, rates) in zip(several, shown.bodies, strict=True):
+        distances["error"].append(angle_between(attitude, of_quaternion(body.quaternion[row].tolist())))
+        distances["position_error"].append(distance(position, _balls(body.position[row])))
+        distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
+        distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
+    if joints is not None:
+        for side, (name, given) in enumerate(zip(COORDINATES, (joints.position, joints.velocity), strict=True)):
+            pairs = zip(shown.coordinates, given[row].tolist(), strict=True)
+            distances[name] = [abs(pair[side] - ball(value)) for pair, value in pairs]
+    return distances
 
 
 def _balls(values: Array) -> list[Any]:

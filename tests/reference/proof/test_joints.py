@@ -1,0 +1,133 @@
+"""Enclosures of bodies on one joint: no printed bound is below them, faults are found, and friction is decided exactly."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck.casefile.case import load
+from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
+from bodycheck.reference.scene import Tensor
+from bodycheck.reference.truths import Truth
+
+pytest.importorskip("flint")
+
+from bodycheck.reference.proof import proving
+
+#: The shipped cases of a body on one joint, and of one that a controller drives.
+PASSIVE = (
+    *("hinge-all", "hinge-armature", "hinge-damping", "hinge-effort", "hinge-friction", "hinge-spring", "slider-all"),
+    *("slider-armature", "slider-damping", "slider-effort", "slider-friction", "slider-spring", "oscillator-critical"),
+    *("oscillator-overdamped", "oscillator-underdamped", "pendulum-large", "pendulum-over-the-top", "pendulum-small"),
+)
+DRIVEN = (
+    *("driven-hinge-continuous", "driven-hinge-delayed", "driven-hinge-integral", "driven-hinge-sampled"),
+    *("driven-hinge-saturated-sampled", "driven-hinge-sine", "driven-slider-held-targets", "driven-slider-integral-sampled"),
+    *("driven-slider-linear-targets", "driven-wheel-effort", "driven-wheel-effort-sampled"),
+)
+
+
+def proof(scene: Mechanism, found: Truth) -> Enclosure:
+    """The enclosure of a scene at the states of a truth."""
+    return proving.enclosed(scene, found.trajectory, found.joints)
+
+
+def below(enclosure: Enclosure, found: Truth) -> list[str]:
+    """The quantities in which a printed bound is smaller than the proved distance."""
+    return [name for name in QUANTITIES if (enclosure.nearest[name] > getattr(found.bounds, name)).any()]
+
+
+@pytest.mark.parametrize("name", [*PASSIVE, *DRIVEN])
+def test_every_shipped_joint_is_enclosed(name: str) -> None:
+    case = load(name)
+    assert isinstance(case.scene, Mechanism)
+    found = mechanism_truth(case.scene, np.linspace(0, case.duration, 51))
+    enclosure = proof(case.scene, found)
+    assert enclosure.radius <= 2.0**-60
+    assert enclosure.until is None
+    assert below(enclosure, found) == []
+    assert enclosure.farthest[COORDINATES[0]].max() < 1e-14
+
+
+def drawn(seed: int) -> Mechanism:
+    """A body on a turned hinge or slider, with some of all terms."""
+    rng = np.random.default_rng(seed)
+    some: Callable[[float], float] = lambda size: float(rng.uniform(0, size)) if rng.random() < 0.5 else 0.0  # noqa: E731
+    a, b = rng.normal(size=(2, 3)), np.diag(rng.uniform(0.2, 0.3, 3))
+    x, y, z = (tuple(row) for row in (b + 0.02 * np.outer(a[0], a[0])).tolist())
+    slides = bool(rng.integers(2))
+    joint = Joint(
+        *("joint", "prismatic" if slides else "revolute", WORLD, 0, tuple(a[0].tolist()), tuple(rng.normal(size=4).tolist())),
+        axis=tuple(a[1].tolist()),
+        armature=some(0.3),
+        damping=some(2.0),
+        stiffness=some(30.0),
+        rest=some(0.5),
+        friction=some(1.0),
+        effort=some(4.0),
+        start=(float(rng.normal()),),
+        start_velocity=(float(rng.normal()),),
+    )
+    centre = (0.0, 0.0, 0.0) if not slides else tuple(rng.normal(size=3).tolist())
+    return Mechanism((JointedBody("body", Tensor(1.5, (x, y, z)), centre),), (joint,), gravity=9.81)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
+    scene = drawn(seed)
+    found = mechanism_truth(scene, np.linspace(0, 3, 31))
+    assert below(proof(scene, found), found) == []
+
+
+CHANGES: dict[str, Callable[[Joint], Joint]] = {
+    "damping doubled": lambda joint: replace(joint, damping=2 * joint.damping),
+    "armature ignored": lambda joint: replace(joint, armature=0.0),
+    "spring at zero": lambda joint: replace(joint, rest=0.0),
+    "friction times 1 + 1e-9": lambda joint: replace(joint, friction=joint.friction * (1 + 1e-9)),
+    "axis turned by 1e-9": lambda joint: replace(joint, axis=(joint.axis[0] + 1e-9, *joint.axis[1:])),
+}
+
+
+@pytest.mark.parametrize("fault", CHANGES)
+def test_a_truth_of_another_motion_is_contradicted(fault: str) -> None:
+    scene = load("hinge-all").scene
+    assert isinstance(scene, Mechanism)
+    joint = replace(scene.joints[0], armature=0.01, rest=0.1, axis=(0.0, 1.0, 0.0))
+    right, wrong = (replace(scene, joints=(each,)) for each in (joint, CHANGES[fault](joint)))
+    found = mechanism_truth(wrong, np.linspace(0, 1, 21))
+    assert below(proof(right, found), found) != []
+
+
+@pytest.mark.parametrize("change", [{"delay": 1}, {"kd": 0.3}, {"rate": 400.0}, {"effort_limit": 2.9}])
+def test_a_truth_of_another_law_is_contradicted(change: dict[str, Any]) -> None:
+    scene = load("driven-hinge-saturated-sampled").scene
+    assert isinstance(scene, Mechanism)
+    other: tuple[Controller, ...] = (replace(scene.controllers[0], **change),)
+    found = mechanism_truth(replace(scene, controllers=other), np.linspace(0, 0.5, 21))
+    assert "error" in below(proof(scene, found), found)
+
+
+@pytest.mark.parametrize(("drive", "moves"), [(1.0, False), (math.nextafter(1.0, 0), False), (math.nextafter(1.0, 2), True)])
+def test_dry_friction_at_rest_is_decided_exactly(drive: float, moves: bool) -> None:
+    """A force that equals the friction holds the joint, and one that is larger by a rounding moves it."""
+    joint = replace(load("slider-friction").scene.joints[0], friction=1.0, effort=drive, start=(0.0,), start_velocity=(0.0,))  # type: ignore[union-attr]
+    scene = replace(load("slider-friction").scene, joints=(replace(joint, stiffness=0.0, damping=0.0),), gravity=0.0)
+    with proving.precision(128):
+        (q, _), *_ = proving.one_joint.states(scene)(proving.Fraction(1))  # type: ignore[arg-type]
+    assert (q > 0) == moves
+    assert q.is_zero() != moves
+
+
+def test_reasons_why_there_is_no_proof() -> None:
+    for name, reason in (("driven-stop-rigid", "stops"), ("driven-hinge-saturated", "a continuous law with a limit")):
+        case = load(name)
+        assert isinstance(case.scene, Mechanism)
+        found = mechanism_truth(case.scene, np.zeros(1))
+        with pytest.raises(NotEnclosed, match=reason):
+            proof(case.scene, found)

@@ -1,0 +1,137 @@
+"""Enclosures of trees: polynomials near to a motion are proved to be near to it, whatever they come from."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bodycheck.casefile.case import load
+from bodycheck.reference.candidate import candidate_of
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.proof.enclosure import QUANTITIES, Enclosure
+from bodycheck.reference.scene import Tensor
+from bodycheck.reference.truths import Truth
+
+pytest.importorskip("flint")
+pytest.importorskip("heyoka")
+
+from flint import arb
+
+from bodycheck.reference.proof import proving, trees
+from bodycheck.reference.proof.balls import precision
+from bodycheck.reference.proof.derivatives import jacobians
+
+
+def two_links(seed: int) -> Mechanism:
+    """Two bodies on turned joints, each a hinge or a slider, with springs and dampers."""
+    rng = np.random.default_rng(seed)
+    bodies, joints = [], []
+    for number in range(2):
+        spread = 0.05 * rng.normal(size=(3, 3))
+        x, y, z = (tuple(row) for row in (np.diag(rng.uniform(0.2, 0.3, 3)) + spread @ spread.T).tolist())
+        bodies.append(JointedBody(f"b{number}", Tensor(1.5, (x, y, z)), tuple((0.4 * rng.normal(size=3)).tolist())))
+        joints.append(
+            Joint(
+                *(f"j{number}", ("revolute", "prismatic")[int(rng.integers(2))], number - 1 if number else WORLD, number),
+                *(tuple((0.3 * rng.normal(size=3)).tolist()), tuple(rng.normal(size=4).tolist())),
+                axis=tuple(rng.normal(size=3).tolist()),
+                armature=0.05,
+                damping=0.1 * number,
+                stiffness=5.0 * number,
+                start=(float(rng.normal()),),
+                start_velocity=(float(rng.normal()),),
+            )
+        )
+    return Mechanism(tuple(bodies), tuple(joints), gravity=9.81)
+
+
+def proof(scene: Mechanism, found: Truth) -> Enclosure:
+    """The enclosure of a tree at the states of a truth."""
+    return proving.enclosed(scene, found.trajectory, found.joints, candidate_of(scene))
+
+
+def below(enclosure: Enclosure, found: Truth) -> list[str]:
+    """The quantities in which a printed bound is smaller than the proved distance."""
+    return [name for name in QUANTITIES if (enclosure.nearest[name] > getattr(found.bounds, name)).any()]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_printed_bound_of_a_tree_is_below_its_proof(seed: int) -> None:
+    scene = two_links(seed)
+    found = mechanism_truth(scene, np.linspace(0, 0.1, 5))
+    enclosure = proof(scene, found)
+    assert enclosure.until is None
+    assert enclosure.radius < 2.0**-60
+    assert below(enclosure, found) == []
+
+
+def cart_pole() -> Mechanism:
+    scene = load("cart-pole").scene
+    assert isinstance(scene, Mechanism)
+    return scene
+
+
+CHANGES: dict[str, Callable[[Mechanism], Mechanism]] = {
+    "gravity times 1 + 1e-9": lambda scene: replace(scene, gravity=scene.gravity * (1 + 1e-9)),
+    "damping": lambda scene: replace(scene, joints=(scene.joints[0], replace(scene.joints[1], damping=1e-6))),
+    "armature": lambda scene: replace(scene, joints=(scene.joints[0], replace(scene.joints[1], armature=1e-9))),
+    "axis exchanged": lambda scene: replace(scene, joints=(scene.joints[0], replace(scene.joints[1], axis=(0.0, -1.0, 0.0)))),
+}
+
+
+@pytest.mark.parametrize("fault", CHANGES)
+def test_a_truth_of_another_motion_is_contradicted(fault: str) -> None:
+    scene = cart_pole()
+    found = mechanism_truth(CHANGES[fault](scene), np.linspace(0, 0.2, 5))
+    assert below(proof(scene, found), found) != []
+
+
+def test_a_candidate_that_is_wrong_proves_nothing() -> None:
+    """A candidate that drifts away by 1e-9 has a defect, with which the balls grow beyond what is accepted."""
+    scene = cart_pole()
+    found = mechanism_truth(scene, np.linspace(0, 0.2, 5))
+    right = candidate_of(scene)
+    assert right is not None
+
+    def wrong(times: np.ndarray, bits: int) -> list[list[arb]]:
+        rows = right(times, bits)
+        return [[value + arb(1e-9 * time**2) for value in row] for row, time in zip(rows, times.tolist(), strict=True)]
+
+    with pytest.raises(proving.NotEnclosed):
+        proving.enclosed(scene, found.trajectory, found.joints, wrong)
+
+
+def test_a_proof_that_has_no_more_time_says_until_when() -> None:
+    scene = cart_pole()
+    found = mechanism_truth(scene, np.linspace(0, 1, 201))
+    enclosure = proving.enclosed(scene, found.trajectory, found.joints, candidate_of(scene), limit=0.0)
+    assert enclosure.until is not None
+    assert enclosure.until < 1
+    assert np.isnan(enclosure.farthest["error"][-1])
+
+
+def test_derivatives_are_those_of_the_efforts() -> None:
+    with precision(200):
+        tree = trees.tree_of(two_links(1))
+        size = len(tree.links)
+        rng = np.random.default_rng(3)
+        point = [[arb(float(value)) for value in row] for row in rng.normal(size=(3, size))]
+
+        def efforts(values: list[list[arb]]) -> list[arb]:
+            return trees.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
+
+        exact, step = jacobians(tree, *point), arb(2) ** -60  # type: ignore[call-arg]
+        for part in range(3):
+            for index in range(size):
+                moved = [list(row) for row in point]
+                moved[part][index] += step
+                slopes = [(a - b) / step for a, b in zip(efforts(moved), efforts(point), strict=True)]
+                assert all(abs(slope - exact[part][row][index]) < 1e-15 for row, slope in enumerate(slopes))
+        mass = exact[2]
+        assert all(mass[i][j].overlaps(mass[j][i]) for i in range(size) for j in range(size))
+
+
+def test_a_candidate_for_one_body_is_not_needed() -> None:
+    assert candidate_of(load("free-brick").scene) is None
