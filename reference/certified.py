@@ -79,7 +79,7 @@ class Certificate:
 
     @property
     def word(self) -> Word:
-        """How well the truth is known."""
+        """The word that says how well the truth is known."""
         if self.enclosure is not None:
             return "enclosed"
         return "cross-checked" if self.others else "estimated"

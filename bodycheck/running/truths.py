@@ -84,8 +84,8 @@ def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     except ImportError:
         return replace(checked, not_enclosed="python-flint is not installed: pip install 'bodycheck[proof]'")
     try:
-        found = enclosed(case.scene, checked.truth.trajectory, checked.truth.joints, candidate_of(case.scene))
-        return proved(checked, found)
+        enclosure = enclosed(case.scene, checked.truth.trajectory, checked.truth.joints, candidate_of(case.scene))
+        return proved(checked, enclosure)
     except NotEnclosed as reason:
         return replace(checked, not_enclosed=str(reason))
 

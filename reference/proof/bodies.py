@@ -141,15 +141,15 @@ def _joined(parts: Sequence[Particle | Solid]) -> Entries:
     masses = [Fraction(part.mass) for part in parts]
     places = [[Fraction(value) for value in part.position] for part in parts]
     whole = sum(masses)
-    centre = [sum(m * place[i] for m, place in zip(masses, places, strict=True)) / whole for i in range(3)]
+    centre = [sum(m * x[i] for m, x in zip(masses, places, strict=True)) / whole for i in range(3)]
     rows: list[list[Any]] = [[Fraction(0)] * 3 for _ in range(3)]
-    for part, mass, place in zip(parts, masses, places, strict=True):
-        own = _own(part, mass)
-        r = [place[i] - centre[i] for i in range(3)]
+    for part, mass, position in zip(parts, masses, places, strict=True):
+        of_part = _tensor_of(part, mass)
+        r = [position[i] - centre[i] for i in range(3)]
         square = sum(x * x for x in r)
         for i in range(3):
             for j in range(3):
-                rows[i][j] = added(rows[i][j], added(own[i][j], mass * ((square if i == j else 0) - r[i] * r[j])))
+                rows[i][j] = added(rows[i][j], added(of_part[i][j], mass * ((square if i == j else 0) - r[i] * r[j])))
     return _rows(rows)
 
 
@@ -159,7 +159,7 @@ def added(one: Fraction | Ball, other: Fraction | Ball) -> Fraction | Ball:
     return one + other if both else as_ball(one) + as_ball(other)
 
 
-def _own(part: Particle | Solid, mass: Fraction) -> Entries:
+def _tensor_of(part: Particle | Solid, mass: Fraction) -> Entries:
     zero = Fraction(0)
     if isinstance(part, Particle):
         return _diagonal((zero, zero, zero))
@@ -169,9 +169,9 @@ def _own(part: Particle | Solid, mass: Fraction) -> Entries:
     return _turned(_rational(part.attitude), about_own)
 
 
-def _turned(turn: Sequence[Sequence[Any]], own: Sequence[Any]) -> Entries:
+def _turned(turn: Sequence[Sequence[Any]], principal: Sequence[Any]) -> Entries:
     """The tensor with principal moments along axes that are the columns of a matrix."""
-    return _rows([[sum(turn[i][k] * own[k] * turn[j][k] for k in range(3)) for j in range(3)] for i in range(3)])
+    return _rows([[sum(turn[i][k] * principal[k] * turn[j][k] for k in range(3)) for j in range(3)] for i in range(3)])
 
 
 def _rational(quaternion: Sequence[float]) -> list[list[Fraction]]:
@@ -184,9 +184,9 @@ def _of_doubles(scene: Scene) -> Entries:
     return _turned(_rational(scene.body.axes), [Fraction(moment) for moment in scene.body.moments])
 
 
-def _diagonal(own: Rationals) -> Rows:
+def _diagonal(principal: Rationals) -> Rows:
     zero = Fraction(0)
-    return (own[0], zero, zero), (zero, own[1], zero), (zero, zero, own[2])
+    return (principal[0], zero, zero), (zero, principal[1], zero), (zero, zero, principal[2])
 
 
 def _rows(rows: Sequence[Sequence[Any]]) -> Entries:

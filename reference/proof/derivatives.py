@@ -53,8 +53,8 @@ def jacobians(tree: Tree, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]) 
     at, moving, hurrying = (
         [Slope(value, {part * size + i: 1}) for i, value in enumerate(values)] for part, values in enumerate((q, v, a))
     )
-    found = efforts(tree, at, moving, hurrying, sines, cosines)
-    return [[[_ball(each, part * size + i) for i in range(size)] for each in found] for part in range(3)]
+    needed = efforts(tree, at, moving, hurrying, sines, cosines)
+    return [[[_ball(each, part * size + i) for i in range(size)] for each in needed] for part in range(3)]
 
 
 def _ball(value: Number, index: int) -> Any:

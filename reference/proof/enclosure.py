@@ -1,4 +1,4 @@
-"""What a proof says of a printed motion, and why there may be none. This module needs no ball arithmetic."""
+"""The result of the proof of a printed motion, or the reason why there is none. This module needs no ball arithmetic."""
 
 from dataclasses import dataclass
 

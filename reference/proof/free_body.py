@@ -44,8 +44,8 @@ def rotation(body: Rotor) -> Rotation:
     if all(rate.is_zero() for rate in body.rates):
         return _steady(body)
     if tensor is None:
-        own = _eigenvalues(body.tensor)
-        return _triaxial(body, own, _axes(body.tensor, own), None)
+        principal_moments = _eigenvalues(body.tensor)
+        return _triaxial(body, principal_moments, _axes(body.tensor, principal_moments), None)
     if rates is not None and not any(cross(_times(tensor, rates), rates)):
         return _steady(body)
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
@@ -82,10 +82,10 @@ def _steady(body: Rotor) -> Rotation:
     return lambda t: (product(body.attitude, turned_about((x, y, z), speed * ball(t))), body.rates)
 
 
-def _twice_diagonal(own: Rationals) -> tuple[Fraction, Fraction, Triple]:
+def _twice_diagonal(principal_moments: Rationals) -> tuple[Fraction, Fraction, Triple]:
     """Of three moments of which two are equal: these, the other one, and its axis."""
-    other = next((i for i in range(3) if own.count(own[i]) == 1), 2)
-    return own[other - 1], own[other], UNIT[other]
+    other = next((i for i in range(3) if principal_moments.count(principal_moments[i]) == 1), 2)
+    return principal_moments[other - 1], principal_moments[other], UNIT[other]
 
 
 def _moments(rows: Rows) -> Sequence[Ball] | tuple[Fraction, Fraction]:
@@ -130,11 +130,11 @@ def _symmetric(body: Rotor, double: Fraction, other: Fraction, axis: Triple) -> 
     size = length(whole)
     direction: Triple = tuple(part / size for part in applied(body.attitude, whole))
     spin = dot(axis, body.rates)
-    own, precession = spin * (1 - ball(other / double)), size / ball(double)
+    spinning, precession = spin * (1 - ball(other / double)), size / ball(double)
 
     def at(t: Fraction) -> tuple[Matrix, Triple]:
         time = ball(t)
-        turn = turned_about(axis, own * time)
+        turn = turned_about(axis, spinning * time)
         attitude = product(turned_about(direction, precession * time), product(body.attitude, turn))
         return attitude, applied(transposed(turn), body.rates)
 
@@ -143,14 +143,14 @@ def _symmetric(body: Rotor, double: Fraction, other: Fraction, axis: Triple) -> 
 
 def _axes(rows: Matrix, moments: Sequence[Ball]) -> Matrix:
     """The unit vectors along the principal axes of a tensor with different moments, as the rows of a right-handed matrix."""
-    found = []
+    vectors = []
     for moment in moments[:2]:
         shifted = [[rows[i][j] - (moment if i == j else 0) for j in range(3)] for i in range(3)]
         normals = [cross(shifted[i], shifted[j]) for i, j in ((0, 1), (1, 2), (2, 0))]
         best = max(normals, key=lambda normal: float(dot(normal, normal).mid()))
         size = length(best)
-        found.append(tuple(part / size for part in best))
-    a, b = found
+        vectors.append(tuple(part / size for part in best))
+    a, b = vectors
     return a, b, cross(a, b)
 
 
@@ -165,12 +165,12 @@ def _sign(rational: Fraction | None, value: Ball) -> int:
     raise NotEnclosed("a rotation that may be one about a principal axis, or on the separatrix")
 
 
-def _triaxial(body: Rotor, own: Sequence[Any], axes: Matrix, rates: Rationals | None) -> Rotation:
+def _triaxial(body: Rotor, principal_moments: Sequence[Any], axes: Matrix, rates: Rationals | None) -> Rotation:
     """The rotation of a body with three different moments about axes that are the rows of a matrix.
 
     rates: the rational angular velocity along these axes; None if it is not known to be rational.
     """
-    given = [each if isinstance(each, arb) else ball(each) for each in own]
+    given = [each if isinstance(each, arb) else ball(each) for each in principal_moments]
     order = sorted(range(3), key=lambda index: float(given[index].mid()))
     balls = [given[i] for i in order]
     along = applied(axes, body.rates)
@@ -179,7 +179,7 @@ def _triaxial(body: Rotor, own: Sequence[Any], axes: Matrix, rates: Rationals | 
     square = sum((squared(moment * rate) for moment, rate in zip(balls, start, strict=True)), arb(0))
     tie = None
     if rates is not None:
-        exact = [own[i] for i in order]
+        exact = [principal_moments[i] for i in order]
         spins = [rates[i] for i in order]
         tie = sum(((m * w) ** 2 for m, w in zip(exact, spins, strict=True)), Fraction(0)) - exact[1] * sum(
             (m * w * w for m, w in zip(exact, spins, strict=True)), Fraction(0)

@@ -80,8 +80,8 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
     def at(t: Fraction) -> tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]:
         q, v = coordinate(t)
         if joint.type == "prismatic":
-            place = applied(turn, _plus(triple(centre), _scaled(q, axis)))
-            return (q, v), _plus(origin, place), turn, _scaled(v, in_world), (arb(0), arb(0), arb(0))
+            arm = applied(turn, _plus(triple(centre), _scaled(q, axis)))
+            return (q, v), _plus(origin, arm), turn, _scaled(v, in_world), (arb(0), arb(0), arb(0))
         now = product(turn, turned_about(axis, q))
         arm = applied(now, triple(centre))
         return (q, v), _plus(origin, arm), now, _scaled(v, cross(in_world, arm)), _scaled(v, axis)
@@ -121,9 +121,9 @@ def _equation(
         rows = inertia(body.inertia)
         if not all(isinstance(value, Fraction) for row in rows for value in row):
             raise NotEnclosed("a solid that is turned by angles, on a joint")
-        own = sums(a[i] * rows[i][j] * a[j] for i in range(3) for j in range(3)) / square
+        about_axis = sums(a[i] * rows[i][j] * a[j] for i in range(3) for j in range(3)) / square
         along = sums(x * y for x, y in zip(a, centre, strict=True))
-        moved = own + mass * (sums(x * x for x in centre) - along**2 / square) + armature
+        moved = about_axis + mass * (sums(x * x for x in centre) - along**2 / square) + armature
         across = [x - along * y / square for x, y in zip(centre, a, strict=True)]
         if any(across) and gravity:
             heavy = ball(mass * gravity)

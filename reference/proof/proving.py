@@ -39,8 +39,8 @@ CLOSED_FORM = "closed form in ball arithmetic"
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
-#: The precisions that are tried for trees.
-BITS_OF_TREES = (128, 192, 256, 384)
+#: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
+BITS_OF_TREES, MOST_LINKS = (128, 192, 256, 384), 5
 
 
 #: The time limit of a proof (s).
@@ -79,11 +79,11 @@ def enclosed(
         with precision(bits):
             try:
                 motion = _motion(scene, printed, candidate, bits, begin + limit)
-                found = _compared(motion, printed, joints)
+                compared = _compared(motion, printed, joints)
             except NotEnclosed as error:
                 reason = error
                 continue
-        enclosure = Enclosure(motion.way, bits, *found, time.perf_counter() - begin)
+        enclosure = Enclosure(motion.way, bits, *compared, time.perf_counter() - begin)
         if enclosure.until is None:
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):
@@ -145,6 +145,8 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
 def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
     """The motion of a tree, by a polynomial near to a candidate for it."""
     tree = tree_of(mechanism)
+    if len(tree.links) > MOST_LINKS:
+        raise NotEnclosed(f"a tree of more than {MOST_LINKS} links")
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
     end = Fraction(float(printed.t[-1]))
@@ -153,16 +155,16 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
         return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
 
-    found = validated.steps(tree, end, _fastest(printed), ordered, bits, deadline)
-    if not found:
+    steps = validated.steps(tree, end, _fastest(printed), ordered, bits, deadline)
+    if not steps:
         raise NotEnclosed("a tree whose errors grow at once")
-    ends = [step.end for step in found]
+    ends = [step.end for step in steps]
 
     def at(t: Fraction) -> Shown:
-        q, v = found[bisect_left(ends, t)].at(t)
+        q, v = steps[bisect_left(ends, t)].at(t)
         return Shown([(q[index], v[index]) for index in order], poses(tree, q, v))
 
-    way = f"validated polynomials of degree {found[0].polynomials[0].degree()}, {len(found)} steps"
+    way = f"validated polynomials of degree {steps[0].polynomials[0].degree()}, {len(steps)} steps"
     return Motion(way, at, None if ends[-1] == end else ends[-1])
 
 

@@ -161,8 +161,8 @@ def _put(tree: Tree, index: int, body: JointedBody, link: int, turn: Matrix, ori
     tree.bodies[index] = Placed(link, turn, centre)
     if link < 0:
         return
-    mass, own = ball(mass_of(body)), [[as_ball(value) for value in row] for row in inertia(body.inertia)]
-    turned = product(product(turn, (tuple(own[0]), tuple(own[1]), tuple(own[2]))), transposed(turn))
+    mass, rows = ball(mass_of(body)), [[as_ball(value) for value in row] for row in inertia(body.inertia)]
+    turned = product(product(turn, (tuple(rows[0]), tuple(rows[1]), tuple(rows[2]))), transposed(turn))
     square = sum((value * value for value in centre), arb(0))
     old = tree.links[link]
     tensor = [
@@ -308,8 +308,8 @@ def poses(tree: Tree, q: Sequence[Any], v: Sequence[Any]) -> list[tuple[Triple, 
     for i, link in enumerate(tree.links):
         turn, origin, velocity, spin = frames[link.parent] if link.parent >= 0 else world
         arm = applied(turn, _balls(link.offset))
-        own = product(turn, (_balls(link.turn[0]), _balls(link.turn[1]), _balls(link.turn[2])))
-        axis = (own[0][2], own[1][2], own[2][2])
+        now = product(turn, (_balls(link.turn[0]), _balls(link.turn[1]), _balls(link.turn[2])))
+        axis = (now[0][2], now[1][2], now[2][2])
         velocity = _sum(velocity, cross(spin, arm))
         origin = _sum(origin, arm)
         if link.slides:
@@ -317,9 +317,9 @@ def poses(tree: Tree, q: Sequence[Any], v: Sequence[Any]) -> list[tuple[Triple, 
             velocity = _sum(_sum(velocity, cross(spin, out)), (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
             origin = _sum(origin, out)
         else:
-            own = product(own, about(2, *q[i].sin_cos()))
+            now = product(now, about(2, *q[i].sin_cos()))
             spin = _sum(spin, (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
-        frames.append((own, origin, velocity, spin))
+        frames.append((now, origin, velocity, spin))
     states = []
     for _, body in sorted(tree.bodies.items()):
         turn, origin, velocity, spin = frames[body.link] if body.link >= 0 else world
