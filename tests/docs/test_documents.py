@@ -131,7 +131,8 @@ def test_numbers_of_engines_are_those_of_the_adapters_and_of_the_table() -> None
     text = {name: (ROOT / name).read_text("utf-8") for name in names}
     installable = {path.parent.name for path in (ROOT / "adapters").glob("*/__init__.py")} - {"mujoco", "pinocchio"}
     assert set(re.findall(r"^\| `(\w+)` \|", text["docs/engines.md"], re.MULTILINE)) == installable
-    assert f"MuJoCo, Pinocchio, and {NUMBERS[len(installable)]} more that it\ncan install" in text["README.md"]
+    readme = " ".join(text["README.md"].split())
+    assert f"MuJoCo, Pinocchio, and {NUMBERS[len(installable)]} more that it can install" in readme
     assert f"one of {NUMBERS[len(installable)]} further engines" in text["docs/start/install.md"]
     readers = re.findall(r"^\| \w+ [\d.]+( \| \d+){5} \|$", text["docs/robots.md"], re.MULTILINE)
     guide = (ROOT / "docs" / "howto" / "check-a-robot.md").read_text("utf-8")
