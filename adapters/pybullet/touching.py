@@ -43,6 +43,7 @@ from bodycheck.adapters.touching import acting, laws, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Push, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -152,6 +153,8 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
 
 def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution Bullet has in the place of those of a scene, as `ContactTerms` does."""
+    if not touches(scene):
+        return ""
     phrases = differences(scene, touching_bodies(scene), "product", MAX_FRICTION)
     if any(law.restitution for law in laws(scene)):
         threshold = float(method.option("restitutionVelocityThreshold") or BOUNCE_THRESHOLD)

@@ -111,6 +111,8 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
 
 def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution Rapier has in the place of those of a scene, as `ContactTerms` does."""
+    if scene.plane is None:
+        return ""
     bodies = touching_bodies(scene)
     phrases = differences(scene, bodies, "mean")
     if method.option("friction") != "coulomb" and not all(isinstance(body.shape, Sphere) for body in bodies):
