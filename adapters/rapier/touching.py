@@ -102,10 +102,10 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
     by_pair: dict[tuple[int, int], Array] = {}
     for step in range(steps):
         touching.step()
-        for pair in touching.world.narrow_phase.contact_pairs():
+        for pair in touching.world.narrow_phase.contact_pairs():  # also pairs that are only near each other
             one, other = sorted((touching.indices[pair.collider1], touching.indices[pair.collider2]))
-            pressed = sum(point.impulse for manifold in pair.manifolds for point in manifold.points)
-            by_pair.setdefault((one, other), np.zeros(steps))[step] += pressed / method.timestep
+            if pressed := sum(point.impulse for manifold in pair.manifolds for point in manifold.points):
+                by_pair.setdefault((one, other), np.zeros(steps))[step] += pressed / method.timestep
     return by_pair
 
 

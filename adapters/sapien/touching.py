@@ -38,8 +38,8 @@ OPTIONS = {
     "bounce_threshold": Option("a speed in m/s above 0", numbers=((Range(0.0, above=True),),), kinds=frozenset({"contact"})),
 }
 
-#: The methods that bounce bodies at speeds above 1 mm/s.
-BOUNCING = tuple(f"{solver}:bounce_threshold=0.001" for solver in ("PGS", "TGS"))
+#: The methods that also bounce slow bodies: faster than the speed that gravity gives in SAPIEN's default step of 10 ms.
+BOUNCING = tuple(f"{solver}:bounce_threshold=0.1" for solver in ("PGS", "TGS"))
 
 
 @dataclass(frozen=True, eq=False)
