@@ -98,8 +98,8 @@ class Touching:
         for push in next(self.pushes):
             body = self.worlds[push.body].body
             position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=self.client)
-            place = np.add(position, rotate(np.array([w, x, y, z]), np.array(push.point))).tolist()
-            pybullet.applyExternalForce(body, BASE, push.force, place, pybullet.WORLD_FRAME, physicsClientId=self.client)
+            point = np.add(position, rotate(np.array([w, x, y, z]), np.array(push.point))).tolist()
+            pybullet.applyExternalForce(body, BASE, push.force, point, pybullet.WORLD_FRAME, physicsClientId=self.client)
         pybullet.stepSimulation(physicsClientId=self.client)
 
 

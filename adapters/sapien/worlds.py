@@ -64,15 +64,15 @@ def collision_shape(shape: Shape, axes: Quaternion, coefficients: Coefficients) 
 
     Raises `SceneUnsupported`.
     """
-    turn, of = conjugate(np.array(axes)), material(coefficients)
+    turn, surface = conjugate(np.array(axes)), material(coefficients)
     match shape:
         case Brick():
-            of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, of)
+            of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, surface)
         case Cylinder():
-            of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, of)
+            of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, surface)
             turn = multiply(turn, np.array(X_TO_Z))
         case Sphere():
-            of_shape = physx.PhysxCollisionShapeSphere(shape.radius, of)
+            of_shape = physx.PhysxCollisionShapeSphere(shape.radius, surface)
         case _:
             raise SceneUnsupported(f"{describe_shape(shape)}, which is none of SAPIEN's shapes")
     of_shape.set_local_pose(sapien.Pose((0, 0, 0), turn))

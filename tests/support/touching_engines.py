@@ -25,8 +25,8 @@ def states(adapter: Adapter, scene: AnyScene, spelling: str, timestep: float, st
 
 def ball(plane: Plane, position: float = RADIUS, velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Scene:
     """The ball above the origin of a plane, at a distance (m) of its centre along the normal."""
-    place = (position * math.sin(plane.incline), 0.0, position * math.cos(plane.incline))
-    return Scene(BALL, State(position=place, velocity=velocity), gravity=GRAVITY, plane=plane)
+    centre = (position * math.sin(plane.incline), 0.0, position * math.cos(plane.incline))
+    return Scene(BALL, State(position=centre, velocity=velocity), gravity=GRAVITY, plane=plane)
 
 
 def slide(adapter: Adapter, spelling: str, timestep: float) -> float:
@@ -90,9 +90,9 @@ def differs_along_other_axes(adapter: Adapter, spelling: str, timestep: float) -
     (x, y, z), h = (0.1, 0.15, 0.05), math.sqrt(0.5)
     shape, (xx, yy, zz) = Brick((x, y, z)), ((y * y + z * z) / 3, (x * x + z * z) / 3, (x * x + y * y) / 3)
     attitude = (math.cos(0.2), math.sin(0.2), 0.0, 0.0)
-    given = [
+    bricks = [
         Scene(body, State(position=(0.0, 0.0, 0.3), quaternion=attitude), gravity=GRAVITY, plane=Plane(0.5))
         for body in (Body(1.0, (xx, yy, zz), shape), Body(1.0, (yy, xx, zz), shape, axes=(h, 0.0, 0.0, h)))
     ]
-    one, other = (states(adapter, scene, spelling, timestep, [1] * round(0.3 / timestep)) for scene in given)
+    one, other = (states(adapter, scene, spelling, timestep, [1] * round(0.3 / timestep)) for scene in bricks)
     return float(np.abs(one - other).max())
