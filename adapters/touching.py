@@ -112,7 +112,8 @@ def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, .
 
 def acting(pushes: Sequence[Push], timestep: float) -> Iterator[tuple[Push, ...]]:
     """Yield the pushes that act in each step from step 0 on, without end. `timestep` is in s."""
-    changes, now = switches(pushes, timestep), ()
+    changes = switches(pushes, timestep)
+    now: tuple[Push, ...] = ()
     for step in itertools.count():
         now = changes.get(step, now)
         yield now

@@ -7,12 +7,11 @@ push is a force that is applied in each step.
 
 Bullet bounces bodies before they touch: a contact exists from a distance of 2 cm on, and the step that would close the gap
 gives the body the velocity of the bounce less that which would close the gap in the step. With steps so short that a body
-crosses the 2 cm in several of them, this takes the bounce away: with a coefficient of 0.8, a ball that falls by half a metre
-keeps 0.68 of its velocity at PyBullet's 1/240 s, and 0.02 at 1 ms. Three of PyBullet's parameters change this, which are
-options: with `contactProcessingThreshold=0` contacts act only when bodies touch, as an author of Bullet advises
-(https://github.com/bulletphysics/bullet3/issues/3094); with `contactERP=0` the correction of penetration adds no velocity, so
-that the ball keeps 0.80; and `restitutionVelocityThreshold` is the speed below which bodies do not bounce, which PyBullet sets
-to 0.2 m/s.
+crosses the 2 cm in several of them, this takes the bounce away: with a coefficient of 0.8, balls that fall by some half a metre
+keep 0.6 to 0.9 of their velocity at PyBullet's 1/240 s, 0 to 0.7 at 1 ms, and nothing at 0.5 ms. Three of PyBullet's parameters
+are options. With `contactProcessingThreshold=0` contacts act only when bodies touch, as an author of Bullet advises
+(https://github.com/bulletphysics/bullet3/issues/3094). With `contactERP=0` the correction of penetration adds no velocity: with
+both, a ball keeps 0.80. `restitutionVelocityThreshold` is the speed below which bodies do not bounce, 0.2 m/s in PyBullet.
 """
 
 import weakref

@@ -99,9 +99,10 @@ def alone(scene: Scene, world: World) -> Normalised:
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
     simulation: Normalised
+    joints: list[Any] = []
     if touches(scene):
         together = touching.built(scene, method)
-        world, bodies, joints = together.world, [each.body for each in together.worlds], []
+        world, bodies = together.world, [each.body for each in together.worlds]
         places = [turned(touching_bodies(scene)[sensor.body].body, sensor) for sensor in sensors]
         simulation = touching.simulated(scene, together)
     elif isinstance(scene, Mechanism):
@@ -110,7 +111,7 @@ def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) 
         simulation = held_together(scene, world, bodies)
     else:
         single = built(scene, method)
-        world, bodies, joints = single.world, [single.body], []
+        world, bodies = single.world, [single.body]
         places = [turned(scene.body, sensor) for sensor in sensors]
         simulation = alone(scene, single)
     readers = [

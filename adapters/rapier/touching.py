@@ -3,7 +3,8 @@
 The plane is a half-space. Bodies are Rapier's balls, cuboids and cylinders. Rapier uses the mean of the coefficients of two
 bodies. A push is a force that is set in each step.
 
-With `settings=engine`, a body whose speed stays low falls asleep, also on a slope that it slides down.
+Bounces have the coefficient exactly, but only a part of the friction of their impulse, and less with shorter steps. With
+`settings=engine`, a body whose speed stays low falls asleep, also on a slope that it slides down.
 """
 
 from collections.abc import Iterator

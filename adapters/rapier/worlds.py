@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import rapier3d
@@ -50,7 +51,7 @@ def switch_off(parameters: rapier3d.IntegrationParameters) -> None:
     parameters.max_ccd_substeps = 0
 
 
-def add_plane(world: rapier3d.PhysicsWorld, incline: float, coefficients: Coefficients) -> int:
+def add_plane(world: rapier3d.PhysicsWorld, incline: float, coefficients: Coefficients) -> Any:
     """Add a half-space whose face is turned about y by an incline (rad) to a world, and return the handle of its collider."""
     half_space = rapier3d.Collider.halfspace((math.sin(incline), 0, math.cos(incline)))
     return world.add_collider(with_coefficients(half_space, coefficients))

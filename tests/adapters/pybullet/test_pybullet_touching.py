@@ -42,7 +42,7 @@ def test_a_ball_keeps_its_coefficient_only_when_contacts_act_at_the_touch() -> N
     """Contacts at a distance take the bounce away, and the correction of penetration adds to it."""
     assert measured.bounce(PYBULLET, "multibody", 1e-3) < 0.05
     assert measured.bounce(PYBULLET, "multibody", 2e-3) == pytest.approx(0.66, abs=0.01)
-    # The coefficient is of the velocity before gravity has acted in the step of the impact, 9.81 h / 3.1 of it.
+    # The velocity that bounces has the gravity of the step of the impact, 9.81 h / 3.1 of it.
     for timestep in (1e-3, 2.5e-4):
         assert measured.bounce(PYBULLET, BOUNCING, timestep) == pytest.approx(0.8, abs=1.1 * 9.81 * timestep / 3.1)
 

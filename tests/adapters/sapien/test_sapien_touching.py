@@ -38,7 +38,7 @@ def test_bodies_at_rest_stay_and_bear_their_weights(solver: str) -> None:
 @pytest.mark.parametrize("timestep", [1e-2, 1e-3])
 def test_a_ball_bounces_with_its_coefficient_above_the_threshold(timestep: float) -> None:
     """The impact at 3.1 m/s is above the threshold of 2 m/s, and below one of 4 m/s."""
-    # Gravity acts once more in the step of the impact.
+    # The velocity that bounces has the gravity of the step of the impact.
     assert measured.bounce(SAPIEN, "TGS", timestep) == pytest.approx(0.8, abs=1.1 * 9.81 * timestep / 3.1)
     assert measured.bounce(SAPIEN, "TGS:bounce_threshold=4", timestep) < 0.01
 
