@@ -4,9 +4,9 @@ The plane is PhysX's plane, turned about y. Bodies are SAPIEN's boxes, spheres a
 PhysX uses the mean of the coefficients of two bodies. A push is a force that is applied in each step.
 
 PhysX does not bounce bodies that meet more slowly than 2 m/s. The option `bounce_threshold` is this speed; at the speed that
-gravity gives in a step a ball would not come to rest. A bounce has the coefficient times the velocity before it, to which gravity
-has added that of the step. The friction of a first impact is missing at some places within a step, with TGS at half of them at
-10 ms, and complete at 1 ms.
+gravity gives in a step a ball would not come to rest. A bounce has the coefficient times the velocity before it, to which
+gravity has added that of the step. The friction of a first impact is missing at some places within a step, with TGS at half of
+them at 10 ms, and complete at 1 ms.
 """
 
 from collections.abc import Iterator
