@@ -1,6 +1,7 @@
 """Convert bodies that touch a plane and each other to the forms that engines take."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
@@ -107,6 +108,15 @@ def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, .
     spans = [(_nearest(push.start, timestep), _nearest(push.end, timestep), push) for push in pushes]
     steps = sorted({0.0, *(edge for first, end, _ in spans for edge in (first, end) if np.isfinite(edge))})
     return {int(step): tuple(push for first, end, push in spans if first <= step < end) for step in steps}
+
+
+def acting(pushes: Sequence[Push], timestep: float) -> Iterator[tuple[Push, ...]]:
+    """Yield the pushes that act in each step from step 0 on, without end. `timestep` is in s."""
+    changes = switches(pushes, timestep)
+    now: tuple[Push, ...] = ()
+    for step in itertools.count():
+        now = changes.get(step, now)
+        yield now
 
 
 def _nearest(instant: float, timestep: float) -> float:

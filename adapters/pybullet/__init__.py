@@ -25,6 +25,7 @@ a box on PyBullet's `GEOM_PLANE` gets them one by one, which throws it about at 
 PyBullet sets: 50 iterations, an error reduction of 0.08, and an implicit friction cone. In the limit of small time steps, a
 spin about the vertical stops as the friction of four corners demands for `maximal`, but 5 % later for `multibody`. A cylinder
 gets its contacts one by one: at time steps of 2 ms or more a disk that slides is tilted, and rises by some millimetres.
+Bodies that roll, bounce, rest or tip are in the module `touching`.
 
 Links are read from a URDF file, because no other function of PyBullet takes an inertia tensor.
 

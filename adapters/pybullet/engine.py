@@ -5,9 +5,7 @@ The docstring of the package describes the integrators, the settings that are sw
 
 import math
 import weakref
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 
 import numpy as np
@@ -18,23 +16,23 @@ from bodycheck.adapters.contract import (
     Engine,
     Integrator,
     Method,
-    SceneUnsupported,
     SensingSimulation,
     Simulation,
     Usage,
     choice,
-    states,
 )
 from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.mechanisms import in_body_axes
+from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.stepping import Loop, Taking, several
-from bodycheck.adapters.touching import corners_of_brick, half_lengths, lying_shape, plane_of, touching_bodies
+from bodycheck.adapters.stepping import Loop, Taking
+from bodycheck.adapters.touching import corners_of_brick, lying_shape, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Body, Brick, Scene, State
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
@@ -42,14 +40,21 @@ from bodycheck.reference.trajectory import Array
 with no_stderr():
     import pybullet
 
-    from bodycheck.adapters.pybullet import mechanisms, sensing
+    from bodycheck.adapters.pybullet import mechanisms, sensing, touching
     from bodycheck.adapters.pybullet.links import BASE, load, weld
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot
     from bodycheck.adapters.pybullet.robots import step_robot as step_robot
-
-#: Half the length of the ground (m), which is much longer than any slide, and half its height (m).
-GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
+    from bodycheck.adapters.pybullet.worlds import (
+        World,
+        add_ground,
+        collision_shape,
+        connected,
+        rows,
+        seen,
+        set_properties,
+        set_state,
+    )
 
 #: The method with PyBullet's own damping and limits.
 ENGINE_SETTINGS = "multibody:settings=engine"
@@ -76,20 +81,23 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=(
-        Integrator("maximal", order=1, evaluations=1, kinds=KINDS - {"mechanism"}),
-        Integrator("multibody", order=1, evaluations=1, options={"settings": choice("engine")}),
+        Integrator("maximal", order=1, evaluations=1, kinds=KINDS - {"mechanism"}, options=touching.OPTIONS),
+        Integrator("multibody", order=1, evaluations=1, options={"settings": choice("engine"), **touching.OPTIONS}),
     ),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+    | mechanisms.MODELS
+    | touching.MODELS,
+    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "contact": (ENGINE_SETTINGS, touching.BOUNCING)},
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS), QUICK_START), "recommended": dict.fromkeys(sorted(KINDS), QUICK_START)},
+    combines={"friction": "product", "restitution": "product"},
     reads=("step",),
 )
 
 #: The friction law of contacts.
 contact_law = corners_of_brick
 
-lacking = sensing.lacking
+lacking, interface_loads, contact_terms = sensing.lacking, touching.interface_loads, touching.contact_terms
 
 #: The functions of PyBullet that steps call from Python.
 calls = tuple(
@@ -97,25 +105,11 @@ calls = tuple(
 )
 
 
-@dataclass(frozen=True, eq=False)
-class World:
-    """A physics server and the body in it; the server ends with this object.
-
-    Parameters
-    ----------
-    client
-        The number of the connection to the server.
-    body
-        The number of the body.
-    """
-
-    client: int
-    body: int
-
-
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _, _ = jointed(scene, method)
         return simulation
@@ -124,6 +118,13 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        server = touching.built(scene, method)
+        bodies = [
+            mechanisms.Part(world.body, BASE, np.array(body.body.axes))
+            for world, body in zip(server.worlds, touching_bodies(scene), strict=True)
+        ]
+        return SensingSimulation(touching.simulated(scene, server), sensing.reader(server.client, bodies, sensors))
     if isinstance(scene, Mechanism):
         jointed_simulation, client, parts = jointed(scene, method)
         return SensingSimulation(jointed_simulation, sensing.reader(client, parts, sensors))
@@ -178,19 +179,6 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[W
     return Loop(world, step, seen, lambda seen: carried(rows(seen), origin, back))
 
 
-def seen(world: World) -> Array:
-    """Return position, quaternion x y z w, velocity and angular velocity (13,), all in the world frame."""
-    position, quaternion = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
-    velocity, angular_velocity = pybullet.getBaseVelocity(world.body, physicsClientId=world.client)
-    return np.array([*position, *quaternion, *velocity, *angular_velocity])
-
-
-def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states of Bullet's frame of a body, from rows (n, 13) of `seen`."""
-    quaternion = seen[:, [6, 3, 4, 5]]
-    return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(quaternion), seen[:, 10:]))
-
-
 def step(world: World) -> World:
     """Take a time step."""
     pybullet.stepSimulation(physicsClientId=world.client)
@@ -217,10 +205,11 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
-    collision = collision_shape(scene) if scene.plane is not None else None
+    collision = collision_shape(lying_shape(scene), scene.body.axes) if scene.plane is not None else None
     client, maximal = connected(scene.gravity, method), method.integrator == "maximal"
     if scene.plane is not None:
-        add_ground(client, maximal)
+        # Bullet multiplies the coefficients of two bodies.
+        add_ground(client, maximal, scene.plane, Coefficients(1.0, 0.0))
     shape = pybullet.createCollisionShape(**collision, physicsClientId=client) if collision is not None else -1
     body = pybullet.createMultiBody(scene.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
     world = World(client, body)
@@ -229,81 +218,6 @@ def built(scene: Scene, method: Method) -> World:
     set_properties(world, scene.body, friction, method)
     set_state(world, along_principal_axes(scene).initial)
     return world
-
-
-def connected(gravity: float, method: Method) -> int:
-    """Return the connection to a new physics server with gravity (m/s^2). Raises `SceneUnsupported`."""
-    client: int = pybullet.connect(pybullet.DIRECT)
-    if client < 0:
-        raise SceneUnsupported("PyBullet starts no further physics server in this process")
-    pybullet.setTimeStep(method.timestep, physicsClientId=client)
-    pybullet.setGravity(0, 0, -gravity, physicsClientId=client)
-    return client
-
-
-def collision_shape(scene: Scene) -> dict[str, object]:
-    """Return the arguments of `createCollisionShape` for a body that lies on the plane. Raises `SceneUnsupported`."""
-    shape = lying_shape(scene)
-    w, x, y, z = scene.body.axes
-    turned = {"collisionFrameOrientation": (-x, -y, -z, w)}
-    if isinstance(shape, Brick):
-        return {"shapeType": pybullet.GEOM_BOX, "halfExtents": shape.semi_axes, **turned}
-    return {"shapeType": pybullet.GEOM_CYLINDER, "radius": shape.radius, "height": 2 * shape.half_length, **turned}
-
-
-def add_ground(client: int, maximal: bool) -> int:
-    """Add a box whose upper face is the plane z = 0, and return its number.
-
-    Its friction is 1, because Bullet multiplies both coefficients.
-    """
-    size = (GROUND_HALF_LENGTH_M, GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M)
-    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=size, physicsClientId=client)
-    ground: int = pybullet.createMultiBody(
-        0, shape, basePosition=(0, 0, -GROUND_HALF_HEIGHT_M), useMaximalCoordinates=maximal, physicsClientId=client
-    )
-    pybullet.changeDynamics(ground, BASE, lateralFriction=1, physicsClientId=client)
-    return ground
-
-
-def prepare_boxes(scene: Mechanism, method: Method) -> Loop[None]:
-    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
-    plane, maximal = plane_of(scene), method.integrator == "maximal"
-    client = connected(scene.gravity, method)
-    # Bullet multiplies the coefficients of two bodies.
-    coefficients = {"lateralFriction": math.sqrt(plane.friction), "restitution": math.sqrt(plane.restitution)}
-    pybullet.changeDynamics(add_ground(client, maximal), BASE, physicsClientId=client, **coefficients)
-    worlds = []
-    for box in touching_bodies(scene):
-        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half_lengths(box), physicsClientId=client)
-        body = pybullet.createMultiBody(box.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
-        worlds.append(world := World(client, body))
-        set_properties(world, box.body, coefficients, method)
-        set_state(world, box.start)
-
-    simulation = several(partial(pybullet.stepSimulation, physicsClientId=client), worlds, seen, rows)
-    weakref.finalize(simulation, pybullet.disconnect, client)
-    return simulation
-
-
-def set_properties(world: World, body: Body, coefficients: Mapping[str, float], method: Method) -> None:
-    """Set the inertia and the coefficients of the body, and switch off damping and limits unless the method keeps them."""
-    pybullet.changeDynamics(
-        world.body,
-        BASE,
-        mass=body.mass,
-        localInertiaDiagonal=body.moments,
-        physicsClientId=world.client,
-        **switched_off(method),
-        **coefficients,
-    )
-
-
-def set_state(world: World, initial: State) -> None:
-    """Set the pose and the velocities of Bullet's frame of a body. The pose is set first, because this stops all motion."""
-    w, x, y, z = initial.quaternion
-    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
-    pybullet.resetBasePositionAndOrientation(world.body, initial.position, (x, y, z, w), physicsClientId=world.client)
-    pybullet.resetBaseVelocity(world.body, initial.velocity, spin, physicsClientId=world.client)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

@@ -22,7 +22,7 @@ all contacts of a face and one torque against the spin of the face, each with it
 braked independently of each other; a pure spin stops as with four corners. The option `friction=coulomb` selects a friction
 cone for each corner: the impulse that would stop the corner is cut to the cone, and is not parallel to the velocity. A brick
 that slides straight then ends 4 to 25 % too far, depending on its proportions and its direction, even with many iterations and
-short time steps.
+short time steps. Bodies that roll, bounce, rest or tip are in the module `touching`.
 
 Links are read from a URDF file, whose tensors Rapier diagonalises in single precision. They are joined by fixed joints between
 bodies in maximal coordinates, because Rapier takes no initial velocity of bodies in reduced coordinates.

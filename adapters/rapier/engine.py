@@ -5,7 +5,6 @@ The docstring of the package describes the integrator, the settings that are swi
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -17,37 +16,38 @@ from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import (
     KINDS,
     Engine,
-    EngineReset,
     Integrator,
     Method,
     SensingSimulation,
     Simulation,
     Usage,
     choice,
-    states,
 )
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
-from bodycheck.adapters.rapier import INSTALLATION, mechanisms, sensing
+from bodycheck.adapters.pair_coefficients import Coefficients
+from bodycheck.adapters.rapier import INSTALLATION, mechanisms, sensing, touching
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.rapier.robots import step_robot as step_robot
 from bodycheck.adapters.rapier.sensing import lacking as lacking
-from bodycheck.adapters.stepping import Loop, Normalised, several
-from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
+from bodycheck.adapters.rapier.worlds import World, add_plane, check, collider, moving, new_world, rows, seen, unlimited
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.touching import lying_shape, touching_bodies
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.inertia import along_principal_axes
-from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Body, Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
-#: The largest number in single precision, by which Rapier says that there is no limit.
-NO_LIMIT = float(np.finfo(np.float32).max)
-
 #: The option that keeps Rapier's settings, and the option that selects a friction cone at each contact.
-OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
+OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane", "contact"}))}
 PLAIN, ENGINE_SETTINGS, COULOMB = (f"symplectic-euler{options}" for options in ("", ":settings=engine", ":friction=coulomb"))
+
+#: The methods of bodies that touch. Rapier's own settings come first: its contacts and joints are made for four substeps.
+WITH_COULOMB = (ENGINE_SETTINGS, PLAIN, COULOMB)
 
 #: The parameters of a world that sets none.
 PARAMETERS = Usage(
@@ -59,34 +59,32 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=(Integrator(PLAIN, order=1, evaluations=1, options=OPTIONS),),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    # Rapier's own settings come first: its contacts and joints are made for four substeps.
-    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS, PLAIN)), "plane": (ENGINE_SETTINGS, PLAIN, COULOMB)},
+    models=frozenset(
+        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+    ),
+    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS, PLAIN)), "plane": WITH_COULOMB, "contact": WITH_COULOMB},
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
-    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), PARAMETERS)},
+    roles={"default": dict.fromkeys(sorted(KINDS), PARAMETERS)},
+    combines={"friction": "mean", "restitution": "mean"},
     reads=("step",),
 )
+
+interface_loads, contact_terms = touching.interface_loads, touching.contact_terms
+
 
 #: The functions of Rapier that steps call from Python.
 calls = (
     (rapier3d.PhysicsWorld, "step"),
-    (rapier3d.RigidBody, "reset_forces"),
-    (rapier3d.RigidBody, "add_force"),
+    *((rapier3d.RigidBody, name) for name in ("reset_forces", "reset_torques", "add_force", "add_force_at_point")),
 )
-
-
-@dataclass(frozen=True, eq=False)
-class World:
-    """A world of Rapier, and Rapier's view of the body in this world."""
-
-    world: "rapier3d.PhysicsWorld"
-    body: "rapier3d.RigidBody"
 
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         return jointed(scene, method)
     return alone(scene, built(scene, method))
@@ -100,21 +98,32 @@ def alone(scene: Scene, world: World) -> Normalised:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if isinstance(scene, Mechanism):
+    simulation: Normalised
+    joints: list[Any] = []
+    if touches(scene):
+        together = touching.built(scene, method)
+        world, bodies = together.world, [each.body for each in together.worlds]
+        places = [turned(touching_bodies(scene)[sensor.body].body, sensor) for sensor in sensors]
+        simulation = touching.simulated(scene, together)
+    elif isinstance(scene, Mechanism):
         world, bodies, joints = placed(scene, method)
         places = [np.array(sensor.position) for sensor in sensors]
         simulation = held_together(scene, world, bodies)
     else:
         single = built(scene, method)
-        world, bodies, joints = single.world, [single.body], []
-        axes = conjugate(np.array(scene.body.axes))  # Rapier's body has its frame along the principal axes
-        places = [rotate(axes, np.array(sensor.position)) for sensor in sensors]
+        world, bodies = single.world, [single.body]
+        places = [turned(scene.body, sensor) for sensor in sensors]
         simulation = alone(scene, single)
     readers = [
         sensing.reader(scene, sensor, point, (world, bodies, joints), method.timestep)
         for sensor, point in zip(sensors, places, strict=True)
     ]
     return SensingSimulation(simulation, lambda: tuple(read() for read in readers))
+
+
+def turned(body: Body, sensor: Sensor) -> Array:
+    """Return the place (3,) of a sensor in the frame of Rapier's body, which is along the principal axes."""
+    return rotate(conjugate(np.array(body.axes)), np.array(sensor.position))
 
 
 def jointed(mechanism: Mechanism, method: Method) -> Normalised:
@@ -158,31 +167,11 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
     return Normalised(Loop(placed, step, seen, lambda seen: velocity_to_origin(rows(seen), centre)))
 
 
-def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states from rows (n, 13) of `seen`. Quaternions may have any norm, which they keep."""
-    quaternion = seen[:, [6, 3, 4, 5]]
-    return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(normalise(quaternion)), seen[:, 10:]))
-
-
-def seen(world: World) -> Array:
-    """Return position, quaternion x y z w, velocity and angular velocity (13,), all in the world frame."""
-    body = world.body
-    vectors = (body.translation, body.linvel, body.angvel)
-    position, velocity, angular_velocity = (vector.to_tuple() for vector in vectors)
-    return np.array([*position, *body.rotation.quaternion, *velocity, *angular_velocity])
-
-
 def step(world: World) -> World:
     """Take a time step. Raises `EngineReset` if Rapier has taken the body out of the simulation."""
     world.world.step()
     check(world)
     return world
-
-
-def check(world: World) -> None:
-    """Raise `EngineReset` if Rapier has taken the body out of the simulation."""
-    if not world.body.is_enabled:
-        raise EngineReset("Rapier quarantined the body, because its state is no longer finite, and put it back")
 
 
 def resisted_step(drag: float) -> Callable[[World], World]:
@@ -203,90 +192,14 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
-    shape = collider(scene) if scene.plane is not None else None
+    given = None if scene.plane is None else Coefficients(scene.plane.friction, 0.0)
+    shape = None if given is None else collider(lying_shape(scene), scene.body.axes, given)
     world = new_world(scene.gravity, method)
-    if scene.plane is not None:
-        world.add_collider(rapier3d.Collider.halfspace((0, 0, 1)).friction(scene.plane.friction))
+    if given is not None:
+        add_plane(world, 0.0, given)
     body = moving(scene.body, along_principal_axes(scene).initial)
     handle = world.add_body(unlimited(body, method), [shape] if shape is not None else None)
     return World(world, world.rigid_bodies[handle])
-
-
-def moving(body: Body, initial: State) -> "rapier3d.RigidBodyBuilder":
-    """Return the builder of a body without a shape, from the initial state of its principal axes."""
-    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
-    return (
-        rapier3d.RigidBody.dynamic()
-        .position(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
-        .linvel(initial.velocity)
-        .angvel(spin)
-        .additional_mass_properties(rapier3d.MassProperties((0, 0, 0), body.mass, body.moments))
-    )
-
-
-def prepare_boxes(scene: Mechanism, method: Method) -> Normalised:
-    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
-    world, plane = new_world(scene.gravity, method), plane_of(scene)
-    world.add_collider(with_coefficients(rapier3d.Collider.halfspace((0, 0, 1)), plane))
-    boxes = touching_bodies(scene)
-    shapes = [with_coefficients(rapier3d.Collider.cuboid(*half_lengths(box)), plane).density(0) for box in boxes]
-    builders = [unlimited(moving(box.body, box.start), method) for box in boxes]
-    handles = [world.add_body(body, [shape]) for body, shape in zip(builders, shapes, strict=True)]
-    worlds = [World(world, world.rigid_bodies[handle]) for handle in handles]
-
-    def step_all() -> None:
-        world.step()
-        for each in worlds:
-            check(each)
-
-    return Normalised(several(step_all, worlds, seen, rows))
-
-
-def with_coefficients(shape: "rapier3d.ColliderBuilder", plane: Plane) -> "rapier3d.ColliderBuilder":
-    """Return the builder of a shape with the friction and the restitution of a plane; Rapier uses the mean of two shapes'."""
-    return shape.friction(plane.friction).restitution(plane.restitution)
-
-
-def new_world(gravity: float, method: Method) -> "rapier3d.PhysicsWorld":
-    """Return an empty world with gravity (m/s^2) and the settings of a method."""
-    world = rapier3d.PhysicsWorld(gravity=(0, 0, -gravity))
-    world.integration_parameters.dt = method.timestep
-    if method.option("settings") != "engine":
-        switch_off(world.integration_parameters)
-    if method.option("friction") == "coulomb":
-        world.integration_parameters.friction_model = rapier3d.FrictionModel.COULOMB
-    return world
-
-
-def unlimited(body: "rapier3d.RigidBodyBuilder", method: Method) -> "rapier3d.RigidBodyBuilder":
-    """Return the builder of a body without sleeping and rotation limit, unless a method keeps Rapier's settings."""
-    return body if method.option("settings") == "engine" else body.can_sleep(False).allow_fast_rotation(True)
-
-
-def switch_off(parameters: "rapier3d.IntegrationParameters") -> None:
-    """Switch off substeps, the speed limit and continuous collision detection; see the docstring of the package."""
-    parameters.num_internal_pgs_iterations *= parameters.num_solver_iterations
-    parameters.num_internal_stabilization_iterations *= parameters.num_solver_iterations
-    parameters.num_solver_iterations = 1
-    parameters.normalized_max_linear_velocity = NO_LIMIT
-    parameters.max_ccd_substeps = 0
-
-
-def collider(scene: Scene) -> "rapier3d.ColliderBuilder":
-    """Return the massless shape of a body that lies on the plane, in its principal axes. Raises `SceneUnsupported`.
-
-    Rapier uses the mean of the coefficients of friction of two bodies, so both have the coefficient of the plane.
-    """
-    shape = lying_shape(scene)
-    assert scene.plane is not None
-    axes = rapier3d.Rotation3(*scene.body.axes).inverse()
-    if isinstance(shape, Brick):
-        of_shape = rapier3d.Collider.cuboid(*shape.semi_axes)
-    else:
-        # The axis of Rapier's cylinders is y.
-        of_shape = rapier3d.Collider.cylinder(shape.half_length, shape.radius)
-        axes = axes * rapier3d.Rotation3.from_scaled_axis((math.pi / 2, 0, 0))
-    return of_shape.rotation(axes.scaled_axis).density(0).friction(scene.plane.friction)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

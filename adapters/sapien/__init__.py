@@ -21,7 +21,7 @@ velocity by the root of the inertia and back in each step: even a steady spin ch
 A body on a plane has up to four contacts, but PhysX's friction acts at anchors in each patch of contacts and not at the
 contacts. In the limit of small time steps a straight slide is right; a pure spin of a brick ends too early with PGS, by some
 30 %, and a few percent too late with TGS. PhysX's other models of friction cannot be selected in SAPIEN. A cylinder is a
-polyhedron in SAPIEN.
+polyhedron in SAPIEN. Bodies that roll, bounce, rest or tip are in the module `touching`.
 
 Links are read from a URDF file, whose tensors SAPIEN diagonalises. A single link is a rigid body. Several links are an
 articulation in PhysX's reduced coordinates, which is another scheme of first order, and for which SAPIEN sets more defaults:

@@ -6,7 +6,6 @@ The docstring of the package describes the integrators, the settings that are sw
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -22,17 +21,18 @@ from bodycheck.adapters.contract import (
     Simulation,
     Usage,
     choice,
-    states,
 )
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
+from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.sapien import INSTALLATION
-from bodycheck.adapters.stepping import Loop, Normalised, Taking, several
-from bodycheck.adapters.touching import half_lengths, lying_shape, plane_of, touching_bodies
+from bodycheck.adapters.stepping import Loop, Normalised, Taking
+from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.inertia import along_principal_axes
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
@@ -42,17 +42,17 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-    from bodycheck.adapters.sapien import mechanisms, sensing
+    from bodycheck.adapters.sapien import mechanisms, sensing, touching
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
     from bodycheck.adapters.sapien.robots import step_robot as step_robot
+    from bodycheck.adapters.sapien.worlds import World, add_plane, collision_shape, moving, new_system, rows, seen
 
-#: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
-X_TO_Z = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
-
-OPTIONS = {"settings": choice("engine")}
+OPTIONS = {"settings": choice("engine"), **touching.OPTIONS}
 SOLVERS = ("PGS", "TGS")
 
+#: The methods with SAPIEN's own damping, limits and sleeping.
+ENGINE_SETTINGS = tuple(f"{name}:settings=engine" for name in SOLVERS)
 
 #: The method of the example with which SAPIEN's tutorial begins, which sets a time step and nothing else.
 HELLO_WORLD = Usage(
@@ -71,33 +71,28 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=tuple(Integrator(name, order=1, evaluations=1, options=OPTIONS) for name in SOLVERS),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
+    models=frozenset(
+        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+    ),
+    variants={**dict.fromkeys(sorted(KINDS), ENGINE_SETTINGS), "contact": (*ENGINE_SETTINGS, *touching.BOUNCING)},
     precision="float32",
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS), HELLO_WORLD)},
+    combines={"friction": "mean", "restitution": "mean"},
     reads=("step",),
 )
 
-lacking = sensing.lacking
+lacking, interface_loads, contact_terms = sensing.lacking, touching.interface_loads, touching.contact_terms
 
 #: The functions of SAPIEN that steps call from Python.
 calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add_force_torque"))
 
 
-@dataclass(frozen=True, eq=False)
-class World:
-    """A scene of SAPIEN, the PhysX scene in it, and its body, which is the component of an entity."""
-
-    scene: "sapien.Scene"
-    system: "physx.PhysxCpuSystem"
-    entity: "sapien.Entity"
-    body: "physx.PhysxRigidDynamicComponent"
-
-
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _ = jointed(scene, method)
         return simulation
@@ -106,11 +101,15 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        bodies = touching.built(scene, method)
+        components = [world.body for world in bodies.worlds]
+        return SensingSimulation(touching.simulated(scene, bodies), sensing.of_contacts(bodies.system, components, sensors))
     if isinstance(scene, Mechanism):
         jointed_simulation, links = jointed(scene, method)
         return SensingSimulation(jointed_simulation, sensing.of_joints(scene, links, sensors))
     world = built(scene, method)
-    return SensingSimulation(single(scene, world), sensing.of_contacts(world.system, world.body, sensors))
+    return SensingSimulation(single(scene, world), sensing.of_contacts(world.system, [world.body], sensors))
 
 
 def single(scene: Scene, world: World) -> Normalised:
@@ -151,18 +150,6 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
     return Normalised(Loop(world, step, seen, lambda seen: velocity_to_origin(rows(seen), centre)))
 
 
-def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states from rows (n, 13) of `seen`. Quaternions may have any norm, which they keep."""
-    spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
-    return states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin)
-
-
-def seen(world: World) -> Array:
-    """Return position, quaternion w x y z, velocity and angular velocity (13,), all in the world frame."""
-    pose, body = world.entity.pose, world.body
-    return np.concatenate([pose.p, pose.q, body.linear_velocity, body.angular_velocity], dtype=np.float64)
-
-
 def step(world: World) -> World:
     """Take a time step."""
     world.system.step()
@@ -186,93 +173,15 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
-    shape = collision_shape(scene) if scene.plane is not None else None
+    plane = scene.plane
+    given = None if plane is None else Coefficients(plane.friction, plane.restitution)
+    shape = None if given is None else collision_shape(lying_shape(scene), scene.body.axes, given)
     system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
-    if scene.plane is not None:
-        add_plane(whole, scene.plane)
+    if given is not None:
+        add_plane(whole, 0.0, given)
     entity, body = moving(whole, scene.body, along_principal_axes(scene).initial, shape, method)
     return World(whole, system, entity, body)
-
-
-def moving(whole: Any, given: Body, initial: State, shape: Any, method: Method) -> tuple[Any, Any]:
-    """Add a body to a scene of SAPIEN, from the initial state of its principal axes, and return its entity and its component.
-
-    shape: the shape of the body; None if it touches nothing.
-    """
-    body = physx.PhysxRigidDynamicComponent()
-    if shape is not None:
-        body.attach(shape)
-    body.set_mass(given.mass)
-    body.set_cmass_local_pose(sapien.Pose())
-    body.set_inertia(np.array(given.moments))
-    entity = sapien.Entity()
-    entity.add_component(body)
-    whole.add_entity(entity)
-    if method.option("settings") != "engine":
-        switch_off(entity)
-    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
-    place(entity, sapien.Pose(initial.position, initial.quaternion), initial.velocity, spin)
-    return entity, body
-
-
-def prepare_boxes(scene: Mechanism, method: Method) -> Normalised:
-    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
-    system, plane = new_system(scene.gravity, method), plane_of(scene)
-    whole = sapien.Scene([system])
-    add_plane(whole, plane)
-    worlds = []
-    for box in touching_bodies(scene):
-        shape = physx.PhysxCollisionShapeBox(half_lengths(box), material(plane))
-        worlds.append(World(whole, system, *moving(whole, box.body, box.start, shape, method)))
-    return Normalised(several(system.step, worlds, seen, rows))
-
-
-def new_system(gravity: float, method: Method) -> Any:
-    """Return a PhysX scene with gravity (m/s^2). SAPIEN's settings of new scenes are global, and are restored afterwards."""
-    former = physx.get_scene_config()
-    config = physx.PhysxSceneConfig()
-    config.gravity = np.array([0, 0, -gravity])
-    config.enable_tgs = method.integrator == "TGS"
-    physx.set_scene_config(config)
-    try:
-        system = physx.PhysxCpuSystem()
-    finally:
-        physx.set_scene_config(former)
-    system.set_timestep(method.timestep)
-    return system
-
-
-def add_plane(whole: Any, plane: Plane) -> None:
-    """Add the plane z = 0 to a scene."""
-    ground = physx.PhysxRigidStaticComponent()
-    ground.attach(physx.PhysxCollisionShapePlane(material(plane)))
-    entity = sapien.Entity()
-    entity.add_component(ground)
-    entity.set_pose(sapien.Pose((0, 0, 0), X_TO_Z))
-    whole.add_entity(entity)
-
-
-def collision_shape(scene: Scene) -> Any:
-    """Return the shape of a body that lies on the plane, in its principal axes. Raises `SceneUnsupported`."""
-    shape = lying_shape(scene)
-    assert scene.plane is not None
-    axes = conjugate(np.array(scene.body.axes))
-    if isinstance(shape, Brick):
-        of_shape = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane))
-    else:
-        of_shape = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane))
-        axes = multiply(axes, np.array(X_TO_Z))
-    of_shape.set_local_pose(sapien.Pose((0, 0, 0), axes))
-    return of_shape
-
-
-def material(plane: Plane) -> Any:
-    """Return a material with the coefficients of a plane.
-
-    PhysX uses the mean of the coefficients of two bodies, so the bodies and the plane all get the plane's coefficients.
-    """
-    return physx.PhysxMaterial(plane.friction, plane.friction, plane.restitution)
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

@@ -30,7 +30,7 @@ LACKING: dict[SensorType, str] = {
 
 def lacking(scene: AnyScene, sensor: Sensor, _method: Method) -> str | None:
     """Return why SAPIEN does not read a sensor, as `Sensing.lacking` does."""
-    if sensor.type == "contact_force" and isinstance(scene, Mechanism):
+    if sensor.type == "contact_force" and isinstance(scene, Mechanism) and scene.plane is None:
         return "has no shapes of the bodies of mechanisms here"
     return LACKING.get(sensor.type)
 
@@ -51,11 +51,11 @@ def wrench(link: Any, turn: Array) -> Array:
     return np.concatenate([rotate(turn, force), rotate(turn, moment)])
 
 
-def of_contacts(system: Any, body: Any, sensors: Sequence[Sensor]) -> Callable[[], tuple[Array, ...]]:
-    """Return the function that reads sensors of contacts of the body in a scene of PhysX."""
+def of_contacts(system: Any, bodies: Sequence[Any], sensors: Sequence[Sensor]) -> Callable[[], tuple[Array, ...]]:
+    """Return the function that reads sensors of contacts of bodies in a scene of PhysX."""
 
     def read() -> tuple[Array, ...]:
-        return (contact_force(system, body),) * len(sensors)
+        return tuple(contact_force(system, bodies[sensor.body]) for sensor in sensors)
 
     return read
 
@@ -64,7 +64,7 @@ def contact_force(system: Any, body: Any) -> Array:
     """Return the sum (3,) of the forces of the contacts of a body. The impulses of a contact act on its first body."""
     impulse: Array = np.zeros(3)
     for contact in system.get_contacts():
-        sign = 1 if contact.bodies[0] == body else -1
+        sign = (contact.bodies[0] == body) - (contact.bodies[1] == body)
         for point in contact.points:
             impulse += sign * point.impulse
     return impulse / float(system.timestep)

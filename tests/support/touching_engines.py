@@ -1,0 +1,98 @@
+"""Measure how an adapter's engine slides, rolls, bounces, bears and pushes bodies, for the tests of each engine."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck import load
+from bodycheck.adapters.contract import Adapter, InterfaceLoads, Method
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.scene import Body, Brick, Plane, Push, Scene, Sphere, State
+from bodycheck.reference.trajectory import Array
+
+GRAVITY = 9.81
+
+#: A ball of 1 kg that touches the plane z = 0 at the origin.
+RADIUS = 0.1
+BALL = Body(1.0, (0.004, 0.004, 0.004), Sphere(RADIUS))
+
+
+def states(adapter: Adapter, scene: AnyScene, spelling: str, timestep: float, strides: list[int]) -> Array:
+    """The states (n, bodies, 13) of a scene after each of n strides."""
+    return adapter.prepare([scene], Method.parse(spelling, timestep)).advance(np.array(strides))[0]
+
+
+def ball(plane: Plane, position: float = RADIUS, velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Scene:
+    """The ball above the origin of a plane, at a distance (m) of its centre along the normal."""
+    centre = (position * math.sin(plane.incline), 0.0, position * math.cos(plane.incline))
+    return Scene(BALL, State(position=centre, velocity=velocity), gravity=GRAVITY, plane=plane)
+
+
+def slide(adapter: Adapter, spelling: str, timestep: float) -> float:
+    """The acceleration down a ramp of a block that slides, from 0.5 s on, over that of mechanics.
+
+    The first half second is left out, in which a block may sink a little before the plane bears it.
+    """
+    scene = load("sensor-block-on-ramp").scene
+    assert scene.plane is not None
+    first, second = states(adapter, scene, spelling, timestep, [round(0.5 / timestep)] * 2)[:, 0, 7:10]
+    incline = scene.plane.incline
+    along = np.array([math.cos(incline), 0.0, -math.sin(incline)])
+    exact = GRAVITY * (math.sin(incline) - scene.plane.friction * math.cos(incline))
+    return float((second - first) @ along) / (0.5 * exact)
+
+
+def rolling_speed(adapter: Adapter, spelling: str, timestep: float) -> tuple[float, float]:
+    """The speed of a ball that slipped at 1 m/s until it rolled, over that at the start, and the part of it that slips."""
+    scene = ball(Plane(0.5), velocity=(1.0, 0.0, 0.0))
+    last = states(adapter, scene, spelling, timestep, [round(0.5 / timestep)])[-1, 0]
+    return float(last[7]), float(last[7] - RADIUS * last[11])
+
+
+def bounce(adapter: Adapter, spelling: str, timestep: float, restitution: float = 0.8) -> float:
+    """The largest upward speed of a ball after its first impact over its largest downward speed; it falls by half a metre."""
+    scene = ball(Plane(0.3, restitution=restitution), position=RADIUS + 0.5)
+    speeds = states(adapter, scene, spelling, timestep, [1] * round(0.5 / timestep))[:, 0, 9]
+    return float(-speeds.max() / speeds.min())
+
+
+def sunk_at_rest(adapter: Adapter, spelling: str, timestep: float) -> float:
+    """The distance (m) that a ball at rest moves in a second."""
+    scene = ball(Plane(0.5))
+    last = states(adapter, scene, spelling, timestep, [round(1 / timestep)])[-1, 0]
+    return float(np.linalg.norm(last[:3] - scene.initial.position))
+
+
+def loads_of_stack(adapter: Adapter, spelling: str, timestep: float) -> dict[tuple[int, int], float]:
+    """The mean loads of the pairs of ten bricks at rest in the last of two seconds, in units of the weight of one."""
+    assert isinstance(adapter, InterfaceLoads)
+    steps = round(2 / timestep)
+    loads = adapter.interface_loads(load("stack-of-ten").scene, Method.parse(spelling, timestep), steps)
+    return {pair: float(load_of_pair[steps // 2 :].mean()) / GRAVITY for pair, load_of_pair in loads.items()}
+
+
+def pushed(adapter: Adapter, spelling: str, timestep: float) -> Array:
+    """The velocity and the angular velocity (6,) of the ball after a push beside its centre from 0.1 s to 0.2 s.
+
+    There is no friction. Mechanics gives 0.2 m/s along x, and about y 2 N times 0.02 m times 0.1 s over 0.004 kg m^2, with
+    the torque of the push as at the start: the ball turns by 0.05 rad, so that this holds to a few thousandths.
+    """
+    scene = replace(ball(Plane(0.0)), pushes=(Push((2.0, 0.0, 0.0), point=(0.0, 0.0, 0.02), start=0.1, end=0.2),))
+    return states(adapter, scene, spelling, timestep, [round(0.3 / timestep)])[-1, 0, 7:]
+
+
+def differs_along_other_axes(adapter: Adapter, spelling: str, timestep: float) -> float:
+    """The largest difference in the states of a brick that falls on an edge, given along its principal axes or turned by 90°.
+
+    The turned description has the same moments in the other order, and principal axes that are turned back.
+    """
+    (x, y, z), h = (0.1, 0.15, 0.05), math.sqrt(0.5)
+    shape, (xx, yy, zz) = Brick((x, y, z)), ((y * y + z * z) / 3, (x * x + z * z) / 3, (x * x + y * y) / 3)
+    attitude = (math.cos(0.2), math.sin(0.2), 0.0, 0.0)
+    bricks = [
+        Scene(body, State(position=(0.0, 0.0, 0.3), quaternion=attitude), gravity=GRAVITY, plane=Plane(0.5))
+        for body in (Body(1.0, (xx, yy, zz), shape), Body(1.0, (yy, xx, zz), shape, axes=(h, 0.0, 0.0, h)))
+    ]
+    one, other = (states(adapter, scene, spelling, timestep, [1] * round(0.3 / timestep)) for scene in bricks)
+    return float(np.abs(one - other).max())
