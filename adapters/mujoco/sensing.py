@@ -146,7 +146,7 @@ def _touching(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> Sen
         for each in sensors
     ]
     simulation = touching.started(scene, bodies, with_sensors(touching.document(scene, bodies, method), placed, method), method)
-    sensing = _sensing(simulation, simulation.stepper, sensors, method)
+    sensing = _sensing(simulation, simulation.simulation, sensors, method)
 
     def read() -> tuple[Array, ...]:
         simulation.switch()
