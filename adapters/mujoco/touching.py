@@ -42,6 +42,8 @@ MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
 #: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
 
+#: MuJoCo's default time constant (s) and damping ratio of contacts.
+DEFAULT_SOLREF = "0.02 1"
 
 #: The smallest coefficient with `restitution=solref`. For this coefficient, the damping removes a contact's velocity in one
 #: step.
@@ -212,6 +214,25 @@ def law_written(friction: float, restitution: float, method: Method) -> dict[str
         stiffness, damping = bounce(restitution, method.timestep)
         attributes["solref"] = numbers_written(-stiffness, -damping)
     return attributes
+
+
+def contact_terms(scene: AnyScene, method: Method) -> str:
+    """Return what MuJoCo's own contacts are handed in the place of the scene's coefficients, as `ContactTerms` says."""
+    if scene.plane is None:
+        return ""
+    coefficients = sorted({law.restitution for law in laws(scene) if law.restitution})
+    terms: list[str] = []
+    if any(law.friction for law in laws(scene)):
+        cone = "soft friction" if method.option("cone") == "elliptic" else "soft friction in a pyramid of four sides"
+        terms.append("no friction" if method.option("condim") == "1" else cone)
+    for coefficient in coefficients:
+        if "restitution" in dict(method.options):
+            stiffness, damping = bounce(coefficient, method.timestep)
+            held = f"a spring of {stiffness:.4g}/s^2 and a damper of {damping:.4g}/s"
+        else:
+            held = f"a spring and a damper with solref={method.option('solref') or DEFAULT_SOLREF}"
+        terms.append(f"restitution {coefficient:g} as {held}")
+    return "; ".join(terms)
 
 
 def bounce(restitution: float, timestep: float) -> tuple[float, float]:
