@@ -35,7 +35,7 @@ class Solver:
     Parameters
     ----------
     make
-        Returns the solver of a model for a method.
+        Returns the solver of a model for a method, with keyword arguments of Newton's class in addition.
     order, evaluations
         As for `Integrator`.
     kinds
@@ -53,7 +53,7 @@ class Solver:
         The observables that the solver fills in its steps, by Newton's names.
     """
 
-    make: Callable[[Any, Method], Any]
+    make: Callable[..., Any]
     order: int | None = 1
     evaluations: int | None = 1
     kinds: frozenset[Kind] = KINDS
@@ -73,8 +73,8 @@ def mujoco(scheme: str) -> Solver:
     """Return the solver that passes a model to MuJoCo Warp, with one of MuJoCo Warp's integrators."""
     stages = 4 if scheme == "rk4" else 1
 
-    def make(model: Any, method: Method) -> Any:
-        return solvers.SolverMuJoCo(model, integrator=scheme)
+    def make(model: Any, method: Method, **chosen: Any) -> Any:
+        return solvers.SolverMuJoCo(model, integrator=scheme, **chosen)
 
     return Solver(
         make,
@@ -103,9 +103,8 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
     )
 
 
-def xpbd(model: Any, method: Method) -> Any:
+def xpbd(model: Any, method: Method, **chosen: Any) -> Any:
     """Return the solver XPBD; its two factors of relaxation of joints are those of the method, or Newton's own."""
-    chosen: dict[str, Any] = {}
     if (iterations := method.option("iterations")) is not None:
         chosen["iterations"] = int(iterations)
     if (relaxation := method.option("relaxation")) is not None:
