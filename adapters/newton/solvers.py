@@ -20,6 +20,9 @@ ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 #: The kinds of scene of the solvers that are not offered for mechanisms, for the reasons in the docstring of the package.
 ONE_BODY: frozenset[Kind] = KINDS - {"mechanism"}
 
+#: Why a solver is `unsupported` for bodies that roll, bounce or bear each other.
+NOT_TRIED: Mapping[Kind, str] = {"contact": "is not given bodies that touch; Newton's solvers MuJoCo and XPBD are"}
+
 #: The name of the attribute of a body that sets its damping for `SolverSteel`.
 STEEL_DAMPING = "steel:rigid_body_angular_damping"
 
@@ -42,6 +45,8 @@ class Solver:
         The kinds of scene for which the solver is offered.
     options
         The options of its methods.
+    refuses
+        As for `Integrator`.
     collides
         Whether Newton's collision detection runs before each step; if not, the solver has its own collision detection.
     own_passive_forces
@@ -58,6 +63,7 @@ class Solver:
     evaluations: int | None = 1
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
+    refuses: Mapping[Kind, str] = field(default_factory=dict)
     collides: bool = True
     own_passive_forces: bool = False
     lacks: frozenset[str] = frozenset()
@@ -97,6 +103,7 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
     return Solver(
         make,
         kinds=kinds,
+        refuses=NOT_TRIED,
         options={"dynamics_solver": choice("padmm", "dvi", "lox", kinds=ON_PLANE)},
         collides=not chosen.get("use_collision_detector"),
         observables=solvers.SolverKamino.SUPPORTED_OBSERVABLES,
@@ -122,10 +129,12 @@ SOLVERS: dict[str, Solver] = {
     "SemiImplicit": Solver(
         lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
         kinds=ONE_BODY,
+        refuses=NOT_TRIED,
         options={"settings": choice("engine")},
     ),
     "Featherstone": Solver(
         lambda model, method: solvers.SolverFeatherstone(model),
+        refuses=NOT_TRIED,
         lacks=frozenset({"joint friction", "rigid stops"}),
         observables=solvers.SolverFeatherstone.SUPPORTED_OBSERVABLES,
     ),
@@ -143,10 +152,12 @@ SOLVERS: dict[str, Solver] = {
     "VBD": Solver(
         lambda model, method: solvers.SolverVBD(model),
         kinds=ONE_BODY,
+        refuses=NOT_TRIED,
         observables=solvers.SolverVBD.SUPPORTED_OBSERVABLES,
     ),
     "Steel": Solver(
         steel,
+        refuses=NOT_TRIED,
         options={"settings": choice("engine")},
         lacks=frozenset({"joint springs", "joint friction", "elastic stops"}),
         observables=solvers.SolverSteel.SUPPORTED_OBSERVABLES,
