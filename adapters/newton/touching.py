@@ -7,7 +7,7 @@ contacts are Newton's own, which the solver MuJoCo converts to MuJoCo's own time
 The solver MuJoCo uses the larger coefficient of friction of two shapes, and finds contacts by MuJoCo Warp. All shapes have the
 friction of the plane, and other pairs are MuJoCo's pairs (`add_contact_pair`). XPBD uses the mean of the coefficients of two
 shapes. It has restitution if it is asked for (`enable_restitution`), but none for impacts below 2 g h, the speed that gravity
-gives in two steps.
+gives in two steps. Restitution is an impulse after the positions are corrected, to which no friction belongs.
 
 A push is a force of Newton's (`State.body_f`), which is computed at the start of each step.
 """
@@ -240,7 +240,7 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
         return of_mujoco.contact_terms(scene, method)
     if scene.plane is None or not any(law.restitution for law in laws(scene)):
         return ""
-    return f"no restitution below {2 * scene.gravity * method.timestep:.3g} m/s"
+    return f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse"
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
