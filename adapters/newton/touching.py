@@ -170,9 +170,9 @@ def materials_of(scene: AnyScene, bodies: int, method: Method) -> list[tuple[flo
     usual, *others = laws(scene)
     if by_mujoco(method) or not others:
         return [(usual.friction, usual.restitution)] * (bodies + 1)
-    own = {law.bodies: law for law in others}
+    by_bodies = {law.bodies: law for law in others}
     pairs = list(combinations(range(WORLD, bodies), 2))
-    wanted = np.array([(law.friction, law.restitution) for law in (own.get(pair, usual) for pair in pairs)])
+    wanted = np.array([(law.friction, law.restitution) for law in (by_bodies.get(pair, usual) for pair in pairs)])
     halves = np.zeros((len(pairs), bodies + 1))
     for row, pair in enumerate(pairs):
         halves[row, np.array(pair) - WORLD] = 0.5
