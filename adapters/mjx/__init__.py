@@ -1,9 +1,9 @@
 """The adapter of MJX, which is MuJoCo written in JAX, in double precision on the CPU.
 
-The module `engine` is the adapter, whose parts for either precision are in `adapter`. `simulation` and `touching` build and step
-models, `compiled` has the loop of steps that JAX compiles, and `sensing` reads MJX's sensors. The adapter in single precision,
-`bodycheck.adapters.mjx32`, shares these modules: JAX fixes its precision when a process begins, so that each precision is a
-separate engine.
+The module `engine` is the adapter, whose parts for either precision are in `adapter`. `simulation` and `touching` build and
+step models, `compiled` has the loop of steps that JAX compiles, and `sensing` reads MJX's sensors. The adapter in single
+precision, `bodycheck.adapters.mjx32`, shares these modules: JAX fixes its precision when a process begins, so that each
+precision is a separate engine.
 
 MJX reads MuJoCo's model. The XML is that of the adapter of MuJoCo, with a free joint for a body in flight, and MuJoCo's own
 contact for a body on a plane. The methods are the integrators of MJX:
