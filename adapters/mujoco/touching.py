@@ -25,7 +25,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported, kind_of
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
@@ -218,7 +218,7 @@ def law_written(friction: float, restitution: float, method: Method) -> dict[str
 
 def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return what MuJoCo's own contacts are handed in the place of the scene's coefficients, as `ContactTerms` says."""
-    if scene.plane is None:
+    if kind_of(scene) not in ("plane", "contact"):
         return ""
     coefficients = sorted({law.restitution for law in laws(scene) if law.restitution})
     terms: list[str] = []

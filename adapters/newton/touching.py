@@ -35,6 +35,7 @@ from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, plane_o
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Sphere
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -238,7 +239,7 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return what Newton is handed in the place of a scene's friction and restitution, as `ContactTerms` does."""
     if by_mujoco(method):
         return of_mujoco.contact_terms(scene, method)
-    if scene.plane is None or not any(law.restitution for law in laws(scene)):
+    if not touches(scene) or not any(law.restitution for law in laws(scene)):
         return ""
     return f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse"
 
