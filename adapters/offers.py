@@ -140,6 +140,8 @@ def not_offered_for(engine: Engine, kind: Kind, method: Method) -> str | None:
     integrator = integrator_of(engine, method)
     if integrator is None or kind not in integrator.kinds:
         return f"has no integrator {method.name!r} for this scene"
+    if (reason := integrator.refuses.get(kind)) is not None:
+        return f"does not model this scene: {integrator.name} {reason}"
     options = options_of(engine, integrator)
     idle = [f"{key}={value}" for key, value in method.options if kind not in options[key].kinds]
     return f"has no option {', '.join(idle)} of {integrator.name!r} for this scene" if idle else None

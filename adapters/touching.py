@@ -1,19 +1,21 @@
 """Convert bodies that touch a plane and each other to the forms that engines take."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, runtime_checkable
+from itertools import pairwise
+from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.planar import describe_shape, planar_state
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State, Vector
+from bodycheck.reference.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,68 @@ def _shaped(shape: Shape | None) -> Shape:
     if shape is None:
         raise SceneUnsupported(f"{describe_shape(shape)} touches others")
     return shape
+
+
+Stepped = TypeVar("Stepped", bound=Simulation)
+
+
+@dataclass
+class Pushed(Generic[Stepped]):
+    """A simulation of bodies whose pushes begin and end at the starts of steps.
+
+    Parameters
+    ----------
+    simulation
+        The simulation without changes of the pushes.
+    pushes
+        The pushes that act from certain steps on, as `switches` returns them.
+    exert
+        Makes pushes act from now on, in the place of those before.
+    done
+        The number of steps taken.
+    """
+
+    simulation: Stepped
+    pushes: Mapping[int, tuple[Push, ...]]
+    exert: Callable[[tuple[Push, ...]], None]
+    done: int = 0
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        ends = self.done + np.cumsum(strides)
+        cuts = np.array([step for step in self.pushes if self.done < step < ends[-1]], dtype=np.int64)
+        stops = np.union1d(ends, cuts)
+        parts: list[Array] = []
+        for stretch in np.split(stops, np.searchsorted(stops, cuts, side="right")):
+            self.switch()
+            try:
+                parts.append(self.simulation.advance(np.diff(stretch, prepend=self.done)))
+            except EngineDiverged as signal:
+                seen = np.concatenate([*parts, signal.states], axis=1)
+                rows = np.searchsorted(stops, ends)
+                signal.states = seen[:, [*rows[rows < seen.shape[1] - 1], seen.shape[1] - 1]][:, : len(ends)]
+                raise
+            self.done = int(stretch[-1])
+        return np.concatenate(parts, axis=1)[:, np.searchsorted(stops, ends)]
+
+    def loads(self, steps: int, step: Callable[[], Mapping[tuple[int, int], float]]) -> dict[tuple[int, int], Array]:
+        """Return the normal forces (n,), in N, of the pairs that touch in any of n steps; see `InterfaceLoads`.
+
+        `step` takes one step, and returns the normal forces (N) of the pairs that touch in it.
+        """
+        by_pair: dict[tuple[int, int], Array] = {}
+        edges = [0, *(edge for edge in self.pushes if 0 < edge < steps), steps]
+        for first, last in pairwise(edges):
+            self.switch()
+            for number in range(first, last):
+                for pair, load in step().items():
+                    by_pair.setdefault(pair, np.zeros(steps))[number] = load
+            self.done = last
+        return by_pair
+
+    def switch(self) -> None:
+        """Make the pushes act that act from the current step on."""
+        self.exert(self.pushes[max(step for step in self.pushes if step <= self.done)])
 
 
 def not_flat(scene: Scene) -> str | None:

@@ -9,6 +9,9 @@ The methods are the pipelines of Brax, each of which has one integrator:
 - `positional` is position-based dynamics: velocities are differences of positions over a step.
 - `spring` resolves contacts by impulses in the velocities.
 
+Bodies that touch in any other way than flat on a level plane are not modelled: the authors of Brax no longer develop its
+physics.
+
 The pipeline `mjx` is not offered, because it calls the step of MJX, which has its own adapter.
 
 `positional` and `spring` have no gyroscopic torque: without a torque they keep the angular velocity constant in the world

@@ -18,6 +18,7 @@ from bodycheck.adapters.contract import (
     KINDS,
     Engine,
     Integrator,
+    Kind,
     Method,
     SceneUnsupported,
     SensingSimulation,
@@ -81,6 +82,9 @@ def defaults() -> dict[str, str]:
     }
 
 
+#: Why bodies that roll, bounce or bear each other are `unsupported`.
+ENDED: dict[Kind, str] = {"contact": "belongs to an engine whose authors no longer develop its physics"}
+
 #: The pipeline of Brax's environments, at the time step of a model that sets none.
 ENVIRONMENT = Usage("generalized", 0.002, "https://github.com/google/brax/blob/main/brax/envs/base.py", reads_timestep=True)
 
@@ -90,14 +94,13 @@ engine = Engine(
     version=metadata.version(INSTALLATION.distribution),
     # The pipelines themselves call their schemes semi-implicit Euler.
     integrators=tuple(
-        Integrator(name, order=1, evaluations=1, kinds=KINDS if name == "generalized" else KINDS - {"mechanism"})
-        for name in PIPELINES
+        Integrator(name, 1, 1, KINDS if name == "generalized" else KINDS - {"mechanism"}, refuses=ENDED) for name in PIPELINES
     ),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     device=device(),
     batch=2,
     defaults=defaults(),
-    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), ENVIRONMENT)},
+    roles={"default": dict.fromkeys(sorted(KINDS), ENVIRONMENT)},
     reads=("step",),
 )
 

@@ -1,8 +1,9 @@
 """The adapter of MJX, which is MuJoCo written in JAX, in double precision on the CPU.
 
-The module `engine` is the adapter, `simulation` builds and steps a model, `compiled` has the loop of steps that JAX compiles,
-and `sensing` reads MJX's sensors. The adapter in single precision, `bodycheck.adapters.mjx32`, shares these modules: JAX fixes
-its precision when a process begins, so that each precision is a separate engine.
+The module `engine` is the adapter, whose parts for either precision are in `adapter`. `simulation` and `touching` build and
+step models, `compiled` has the loop of steps that JAX compiles, and `sensing` reads MJX's sensors. The adapter in single
+precision, `bodycheck.adapters.mjx32`, shares these modules: JAX fixes its precision when a process begins, so that each
+precision is a separate engine.
 
 MJX reads MuJoCo's model. The XML is that of the adapter of MuJoCo, with a free joint for a body in flight, and MuJoCo's own
 contact for a body on a plane. The methods are the integrators of MJX:
@@ -27,6 +28,10 @@ velocity in the body frame. MJX normalises the quaternion in each step. It gives
 states that are NaN.
 
 Links are those of the adapter of MuJoCo, which compiles the model.
+
+Bodies that touch in any other way than flat on a level plane are those of the adapter of MuJoCo (module `touching`). MJX has
+rows for all contacts of all pairs of shapes in every step, so that several bodies take long to compile and to step. It refuses
+pairs of a cylinder and a brick. The torque of a push beside the centre of mass is computed at the start of each step.
 
 Mechanisms are those of the adapter of MuJoCo; MuJoCo computes the poses of bodies from MJX's coordinates. `RK4` is of fourth
 order on hinges and slides, and of second order on ball joints. Damping is that at the end of a step with `Euler` and

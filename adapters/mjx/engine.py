@@ -2,11 +2,13 @@
 
 from functools import partial
 
-from bodycheck.adapters.mjx import INSTALLATION, robots, sensing, simulation
-from bodycheck.adapters.mujoco import engine as adapter
+from bodycheck.adapters.mjx import INSTALLATION, robots, sensing, simulation, touching
+from bodycheck.adapters.mjx import adapter as shared
+from bodycheck.adapters.mujoco import engine as of_mujoco
 
-engine = simulation.record("mjx", INSTALLATION.distribution, "float64")
-prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
+engine = shared.record("mjx", INSTALLATION.distribution, "float64")
+prepare, prepare_links = partial(shared.prepare, engine), partial(simulation.prepare_links, engine)
 read_robot = partial(robots.read_robot, engine)
-contact_law, contact_load = adapter.contact_law, partial(simulation.contact_load, engine)
+contact_law, contact_load = of_mujoco.contact_law, partial(simulation.contact_load, engine)
+interface_loads, contact_terms = partial(touching.interface_loads, engine), of_mujoco.contact_terms
 lacking, prepare_sensing = sensing.lacking, partial(sensing.prepare_sensing, engine)

@@ -7,25 +7,22 @@ belong to the start of the step.
 import contextlib
 import io
 from collections.abc import Sequence
-from dataclasses import replace
-from importlib import metadata
-from typing import Any, Literal
+from typing import Any
 
 import jax
 import mujoco
 import numpy as np
 from jax import numpy as jnp
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
+from bodycheck.adapters.contract import Engine, Method, SceneUnsupported, kind_of
 from bodycheck.adapters.links import Link
-from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
-from bodycheck.adapters.mujoco import contact, options, single
+from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
+from bodycheck.adapters.mujoco import single
 from bodycheck.adapters.mujoco.driving import indices
-from bodycheck.adapters.mujoco.mechanism_xml import SOFT
-from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
+from bodycheck.adapters.mujoco.mechanisms import begin, described, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
 from bodycheck.adapters.stepping import InTurn, Taking
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
@@ -36,46 +33,6 @@ with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package o
 #: XLA waited for each other for ever (JAX on two processors). With 1,000 scenes, the time per scene of a step is as short as
 #: with any smaller number.
 MOST_TOGETHER = 1000
-
-#: The page with the first steps of MJX, which take MuJoCo's options. It recommends no integrator.
-PAGE = f"{options.DOCUMENTATION}/mjx.html#minimal-example"
-
-#: MuJoCo's contact options. MJX has no noslip solver.
-CONTACT_OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "noslip"}
-
-
-def record(name: str, distribution: str, precision: Literal["float64", "float32"]) -> Engine:
-    """Return the record of MJX in one precision."""
-    fluid = {"drag": choice("fluid", kinds=frozenset({"drag"}))}
-    return Engine(
-        name=name,
-        distribution=distribution,
-        version=metadata.version(distribution),
-        integrators=(
-            Integrator("Euler", order=1, evaluations=1, options={**CONTACT_OPTIONS, **fluid}),
-            Integrator("RK4", order=4, evaluations=4, options={**CONTACT_OPTIONS, **fluid}),
-            Integrator("implicitfast", order=1, evaluations=1, options=CONTACT_OPTIONS),
-        ),
-        models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | MODELS,
-        variants={"drag": ("Euler:drag=fluid", "RK4:drag=fluid"), "plane": ("Euler:cone=elliptic",)},
-        precision=precision,
-        device=device(),
-        batch=2,
-        defaults=options.defaults(),
-        soft=SOFT,
-        roles={"default": dict.fromkeys(KINDS, replace(options.roles()["default"]["flight"], page=PAGE))},
-        reads=("step", "forward"),
-    )
-
-
-def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compiled | InTurn | Taking:
-    """Return the simulation of one or more scenes, as `Adapter.prepare` does.
-
-    Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision differs from the engine's.
-    """
-    if isinstance(scenes[0], Mechanism):
-        return jointed(engine, scenes[0], method)
-    return unjointed(engine, single_bodies(scenes), method)
 
 
 def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled | Taking:

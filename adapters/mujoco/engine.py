@@ -135,6 +135,12 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return replace(scene.plane, friction=coefficient, law="corners", pressure="balanced")
 
 
+def contact_terms(scene: AnyScene, method: Method) -> str:
+    """Return what MuJoCo is handed in the place of friction and restitution, as `ContactTerms.contact_terms` does."""
+    external = isinstance(scene, Scene) and not touches(scene) and not single.touches_plane(scene, method)
+    return "" if external else touching.contact_terms(scene, method)
+
+
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
     if touches(scenes[0]):

@@ -97,7 +97,7 @@ def touching_script(scene: AnyScene, method: Method, duration: float, samples: i
     xml = touching.document(scene, bodies, method)
     simulation = touching.prepare(scene, method)
     simulation.advance(np.zeros(1, dtype=np.int64))
-    data = simulation.stepper.data
+    data = simulation.simulation.data
     applied = f"data.qfrc_applied[:] = {scripts.written(data.qfrc_applied)}\n" if scene.pushes else ""
     if isinstance(scene, Mechanism):
         names = f"BODIES = {[body.name for body in bodies]}\n\n\n{scripts.source(touching.states_of)}\n"

@@ -13,6 +13,7 @@ The options `sensordelay` and `sensorinterval` are MuJoCo's delay of sensors and
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -26,7 +27,7 @@ from bodycheck.adapters.mujoco.driving import Actuated
 from bodycheck.adapters.mujoco.models import MODELS_WITH_CONTACT, Joints, compiled_model
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force
 from bodycheck.adapters.stepping import TakingLaws
-from bodycheck.adapters.touching import touching_bodies
+from bodycheck.adapters.touching import Pushed, TouchingBody, touching_bodies
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -138,15 +139,27 @@ def description_of_body(scene: Scene, sensors: Sequence[Sensor], method: Method,
 
 
 def _touching(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
-    """Return the simulation of bodies that touch; their frames have their origins at the centres of mass."""
+    """Return the simulation of bodies that touch."""
     bodies = touching_bodies(scene)
+    simulation = touching.started(scene, bodies, description_of_touching(scene, bodies, sensors, method), method)
+    return reading_pushed(simulation, _sensing(simulation, simulation.simulation, sensors, method))
+
+
+def description_of_touching(scene: AnyScene, bodies: Sequence[TouchingBody], sensors: Sequence[Sensor], method: Method) -> str:
+    """Return the XML of bodies that touch, with sensors. Raises `SceneUnsupported`.
+
+    The frames of the bodies have their origins at the centres of mass.
+    """
     centres = [nearest_inertia(body).centre for body in scene.bodies] if isinstance(scene, Mechanism) else [(0.0, 0.0, 0.0)]
     placed = [
         Placed(each, bodies[each.body].name, np.subtract(each.position, centres[each.body]), attitude_of(each))
         for each in sensors
     ]
-    simulation = touching.started(scene, bodies, with_sensors(touching.document(scene, bodies, method), placed, method), method)
-    sensing = _sensing(simulation, simulation.stepper, sensors, method)
+    return with_sensors(touching.document(scene, bodies, method), placed, method)
+
+
+def reading_pushed(simulation: Pushed[Any], sensing: SensingSimulation) -> SensingSimulation:
+    """Return a simulation whose sensors are read with the pushes that act from the present step on."""
 
     def read() -> tuple[Array, ...]:
         simulation.switch()

@@ -14,20 +14,23 @@ A push is an applied force. The torque of a push beside the centre of mass turns
 MuJoCo's own passive forces, so that every integrator keeps its order.
 """
 
-import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
+from bodycheck.adapters.contract import Method, SceneUnsupported, kind_of
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
-from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.adapters.touching import Pushed, TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Push
@@ -39,94 +42,39 @@ MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
 #: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
 
+#: MuJoCo's default time constant (s) and damping ratio of contacts.
+DEFAULT_SOLREF = "0.02 1"
 
 #: The smallest coefficient with `restitution=solref`. For this coefficient, the damping removes a contact's velocity in one
 #: step.
 LEAST_RESTITUTION = 0.02
 
 
-class Touching:
-    """A simulation of bodies that touch, whose pushes are switched at the starts of steps.
-
-    Parameters
-    ----------
-    stepper
-        MuJoCo's model in its initial state.
-    pushes
-        The pushes that act from certain steps on, as `switches` returns them.
-    """
-
-    def __init__(self, stepper: Stepper, pushes: Mapping[int, tuple[Push, ...]]) -> None:
-        self.stepper, self.pushes, self.done = stepper, pushes, 0
-
-    def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
-        ends = self.done + np.cumsum(strides)
-        cuts = np.array([step for step in self.pushes if self.done < step < ends[-1]], dtype=np.int64)
-        stops = np.union1d(ends, cuts)
-        parts: list[Array] = []
-        for stretch in np.split(stops, np.searchsorted(stops, cuts, side="right")):
-            self.switch()
-            try:
-                parts.append(self.stepper.advance(np.diff(stretch, prepend=self.done)))
-            except EngineDiverged as signal:
-                seen = np.concatenate([*parts, signal.states], axis=1)
-                rows = np.searchsorted(stops, ends)
-                signal.states = seen[:, [*rows[rows < seen.shape[1] - 1], seen.shape[1] - 1]][:, : len(ends)]
-                raise
-            self.done = int(stretch[-1])
-        return np.concatenate(parts, axis=1)[:, np.searchsorted(stops, ends)]
-
-    def loads(self, steps: int) -> dict[tuple[int, int], Array]:
-        """Return the normal forces (n,), in N, of the pairs that touch in any of n steps; see `interface_loads`."""
-        model, data = self.stepper.model, self.stepper.data
-        by_pair: dict[tuple[int, int], Array] = {}
-        force, body_of = np.empty(6), model.geom_bodyid
-        for first, last in self._stretches(steps):
-            self.switch()
-            with external_force(self.stepper.force):
-                for step in range(first, last):
-                    time = data.time
-                    mujoco.mj_step(model, data)
-                    refuse_warnings(data, time)
-                    # `contact.geom`, which has both geoms, is not in the first releases of MuJoCo 3.
-                    for number, geoms in enumerate(zip(data.contact.geom1, data.contact.geom2, strict=True)):
-                        mujoco.mj_contactForce(model, data, number, force)
-                        # The world is MuJoCo's body 0, and the bodies follow in their order.
-                        first_body, second_body = sorted((body_of[list(geoms)] - 1).tolist())
-                        by_pair.setdefault((first_body, second_body), np.zeros(steps))[step] += force[0]
-            self.done = last
-        return by_pair
-
-    def _stretches(self, steps: int) -> list[tuple[int, int]]:
-        """Divide a number of steps into stretches with constant pushes. Return the first step of each and the step after it."""
-        edges = [*(step for step in self.pushes if step < steps), steps]
-        return list(itertools.pairwise(edges))
-
-    def switch(self) -> None:
-        """Apply the pushes that act from the current step on."""
-        data, acting = self.stepper.data, self.pushes[max(step for step in self.pushes if step <= self.done)]
-        data.qfrc_applied[:] = 0
-        for push in acting:
-            first = 6 * push.body
-            data.qfrc_applied[first : first + 3] += push.force
-        beside = [push for push in acting if any(push.point)]
-        self.stepper.force = torques(data, beside) if beside else None
-
-
-def prepare(scene: AnyScene, method: Method) -> Touching:
+def prepare(scene: AnyScene, method: Method) -> Pushed[Stepper]:
     """Return the simulation of bodies that touch, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     bodies = touching_bodies(scene)
     return started(scene, bodies, document(scene, bodies, method), method)
 
 
-def started(scene: AnyScene, bodies: Sequence[TouchingBody], xml: str, method: Method) -> Touching:
+def started(scene: AnyScene, bodies: Sequence[TouchingBody], xml: str, method: Method) -> Pushed[Stepper]:
     """Return the simulation of bodies that touch from their XML. Raises `SceneUnsupported`."""
     model = compiled_model(xml)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = coordinates(bodies)
     count = len(bodies)
-    return Touching(Stepper(model, data, lambda seen: states_of(seen, count)), switches(scene.pushes, method.timestep))
+    stepper = Stepper(model, data, lambda seen: states_of(seen, count))
+    return Pushed(stepper, switches(scene.pushes, method.timestep), partial(exert, stepper))
+
+
+def exert(stepper: Stepper, pushes: Sequence[Push]) -> None:
+    """Make pushes act from now on, in the place of those before."""
+    data = stepper.data
+    data.qfrc_applied[:] = 0
+    for push in pushes:
+        first = 6 * push.body
+        data.qfrc_applied[first : first + 3] += push.force
+    beside = [push for push in pushes if any(push.point)]
+    stepper.force = torques(data, beside) if beside else None
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
@@ -134,7 +82,31 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
 
     MuJoCo reports them at the beginning of a step; for RK4 they belong to the last stage.
     """
-    return prepare(scene, method).loads(steps)
+    simulation = prepare(scene, method)
+    stepper, force = simulation.simulation, np.empty(6)
+    model, data, body_of = stepper.model, stepper.data, stepper.model.geom_bodyid
+
+    def step() -> dict[tuple[int, int], float]:
+        time, by_pair = data.time, defaultdict[tuple[int, int], float](float)
+        with external_force(stepper.force):
+            mujoco.mj_step(model, data)
+        refuse_warnings(data, time)
+        # `contact.geom`, which has both geoms, is not in the first releases of MuJoCo 3.
+        for number, geoms in enumerate(zip(data.contact.geom1, data.contact.geom2, strict=True)):
+            mujoco.mj_contactForce(model, data, number, force)
+            by_pair[pair_of(body_of[list(geoms)])] += force[0]
+        return by_pair
+
+    return simulation.loads(steps, step)
+
+
+def pair_of(bodies: NDArray[np.integer[Any]]) -> tuple[int, int]:
+    """Return the indices of two bodies in the scene, the lower first, from their numbers (2,) in MuJoCo's model.
+
+    The world is MuJoCo's body 0, and the bodies follow in their order.
+    """
+    first, second = sorted((bodies - 1).tolist())
+    return first, second
 
 
 def coordinates(bodies: Sequence[TouchingBody]) -> tuple[list[float], list[float]]:
@@ -242,6 +214,25 @@ def law_written(friction: float, restitution: float, method: Method) -> dict[str
         stiffness, damping = bounce(restitution, method.timestep)
         attributes["solref"] = numbers_written(-stiffness, -damping)
     return attributes
+
+
+def contact_terms(scene: AnyScene, method: Method) -> str:
+    """Return what MuJoCo's own contacts are handed in the place of the scene's coefficients, as `ContactTerms` says."""
+    if kind_of(scene) not in ("plane", "contact"):
+        return ""
+    coefficients = sorted({law.restitution for law in laws(scene) if law.restitution})
+    terms: list[str] = []
+    if any(law.friction for law in laws(scene)):
+        cone = "soft friction" if method.option("cone") == "elliptic" else "soft friction in a pyramid of four sides"
+        terms.append("no friction" if method.option("condim") == "1" else cone)
+    for coefficient in coefficients:
+        if "restitution" in dict(method.options):
+            stiffness, damping = bounce(coefficient, method.timestep)
+            held = f"a spring of {stiffness:.4g}/s^2 and a damper of {damping:.4g}/s"
+        else:
+            held = f"a spring and a damper with solref={method.option('solref') or DEFAULT_SOLREF}"
+        terms.append(f"restitution {coefficient:g} as {held}")
+    return "; ".join(terms)
 
 
 def bounce(restitution: float, timestep: float) -> tuple[float, float]:

@@ -12,6 +12,9 @@ body on a plane touches it by MuJoCo's soft contact, with the options of the ada
 Warp raises a tolerance of the constraint solver below 1e-6 to this value, and has no reset after a bad state: such a run ends
 with states that are not numbers.
 
+Bodies that touch in any other way than flat on a level plane are those of the adapter of MuJoCo; the module `touching` reserves
+the memory for their contacts, and adds pushes to the passive forces.
+
 Links are those of the adapter of MuJoCo, which compiles the model.
 
 Coordinates and frames are MuJoCo's: position (world), quaternion w x y z, velocity (world), angular velocity (body). MuJoCo

@@ -27,12 +27,19 @@ from bodycheck.adapters.mujoco.driving import indices
 from bodycheck.adapters.mujoco.mechanism_xml import SOFT
 from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, described, seen_states
 from bodycheck.adapters.mujoco.models import Joints, compiled_model
-from bodycheck.adapters.mujoco.sensing import begun, description_of_body, description_of_mechanism
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots, sensing
+from bodycheck.adapters.mujoco.sensing import (
+    begun,
+    description_of_body,
+    description_of_mechanism,
+    description_of_touching,
+    reading_pushed,
+)
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots, sensing, touching
 from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.stepping import InTurn, Loop, Taking
-from bodycheck.adapters.touching import lying_shape
+from bodycheck.adapters.touching import Pushed, lying_shape, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -80,8 +87,8 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(mjw.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | MODELS,
-    variants={"plane": ("Euler:cone=elliptic",)},
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | MODELS | touching.MODELS,
+    variants={"plane": ("Euler:cone=elliptic",), "contact": ("Euler:cone=elliptic",)},
     precision="float32",
     device=graphs.DEVICE,
     batch=2,
@@ -95,14 +102,16 @@ calls = graphs.CALLS
 
 read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
 
-lacking = mujoco.lacking
+lacking, contact_terms, interface_loads = mujoco.lacking, mujoco.contact_terms, touching.interface_loads
 
 
-def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn | Taking:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn | Taking | Pushed[Loop[Any]]:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Bodies that do not rotate have a separate model for each attitude. These models are stepped one after another.
     """
+    if touches(scenes[0]):
+        return touching.prepare(scenes[0], method)
     if isinstance(scenes[0], Mechanism):
         return jointed(scenes[0], method)
     bodies = single_bodies(scenes)
@@ -241,6 +250,11 @@ def driven(loop: Loop[Any], data: Any, in_q: Any, in_v: Any, forces: Any, places
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        bodies = touching_bodies(scene)
+        model, data = touching.handed_over(bodies, description_of_touching(scene, bodies, sensors, method))
+        pushed = touching.stepped(scene, bodies, method, model, data)
+        return reading_pushed(pushed, sensing.reading(pushed, model, data, sensors, method))
     if not isinstance(scene, Mechanism):
         if scene.plane is not None:
             lying_shape(scene)

@@ -17,6 +17,8 @@ The methods have the names of the solvers without the word `Solver`:
 
 Style3D and ImplicitMPM move particles, not rigid bodies, and the coupled solvers consist of the solvers above.
 
+Bodies that roll, bounce or bear each other are for the solvers MuJoCo and XPBD; the module `touching` describes their contacts.
+
 Several scenes are worlds of one model. With every solver except `lox`, the states of each scene are to the last bit the same as
 if it were alone. With `lox`, scenes affect each other, so that they are stepped one after another.
 

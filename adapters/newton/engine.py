@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Sensi
 from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.mujoco_warp.drag import resist
-from bodycheck.adapters.newton import INSTALLATION, mechanisms
+from bodycheck.adapters.newton import INSTALLATION, mechanisms, touching
 from bodycheck.adapters.newton.mechanisms import twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.robots import step_robot as step_robot
@@ -23,6 +23,7 @@ from bodycheck.adapters.stepping import InTurn, Loop, Normalised, Taking
 from bodycheck.adapters.touching import corners_of_brick, lying_shape
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -38,19 +39,24 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(newton.__version__),
     integrators=tuple(
-        Integrator(name, solver.order, solver.evaluations, solver.kinds, solver.options) for name, solver in SOLVERS.items()
+        Integrator(name, solver.order, solver.evaluations, solver.kinds, solver.options, solver.refuses)
+        for name, solver in SOLVERS.items()
     ),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+    | mechanisms.MODELS
+    | touching.MODELS,
     variants=VARIANTS,
     precision="float32",
     device=graphs.DEVICE,
     batch=2,
-    roles={"default": dict.fromkeys(sorted(KINDS - {"contact"}), TUTORIAL)},
+    roles={"default": dict.fromkeys(sorted(KINDS), TUTORIAL)},
     reads=("step",),
 )
 
 #: The friction law of contacts.
 contact_law = corners_of_brick
+
+contact_terms, interface_loads = touching.contact_terms, touching.interface_loads
 
 calls = graphs.CALLS
 
@@ -78,6 +84,8 @@ drag_kernel = wp.kernel(set_drag)
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Normalised | InTurn | Taking:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    if touches(scenes[0]):
+        return touching.prepare(scenes[0], method)
     if isinstance(scenes[0], Mechanism):
         return mechanisms.prepare(scenes[0], method)
     bodies = single_bodies(scenes)
@@ -94,6 +102,8 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        return touching.prepare_sensing(scene, sensors, method)
     if isinstance(scene, Mechanism):
         return mechanisms.prepare_sensing(scene, sensors, method)
     (link,) = links_of(scene)

@@ -20,6 +20,9 @@ ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 #: The kinds of scene of the solvers that are not offered for mechanisms, for the reasons in the docstring of the package.
 ONE_BODY: frozenset[Kind] = KINDS - {"mechanism"}
 
+#: Why a solver is `unsupported` for bodies that roll, bounce or bear each other.
+NOT_TRIED: Mapping[Kind, str] = {"contact": "is not given bodies that touch; Newton's solvers MuJoCo and XPBD are"}
+
 #: The name of the attribute of a body that sets its damping for `SolverSteel`.
 STEEL_DAMPING = "steel:rigid_body_angular_damping"
 
@@ -35,13 +38,15 @@ class Solver:
     Parameters
     ----------
     make
-        Returns the solver of a model for a method.
+        Returns the solver of a model for a method, with keyword arguments of Newton's class in addition.
     order, evaluations
         As for `Integrator`.
     kinds
         The kinds of scene for which the solver is offered.
     options
         The options of its methods.
+    refuses
+        As for `Integrator`.
     collides
         Whether Newton's collision detection runs before each step; if not, the solver has its own collision detection.
     own_passive_forces
@@ -53,11 +58,12 @@ class Solver:
         The observables that the solver fills in its steps, by Newton's names.
     """
 
-    make: Callable[[Any, Method], Any]
+    make: Callable[..., Any]
     order: int | None = 1
     evaluations: int | None = 1
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
+    refuses: Mapping[Kind, str] = field(default_factory=dict)
     collides: bool = True
     own_passive_forces: bool = False
     lacks: frozenset[str] = frozenset()
@@ -73,8 +79,8 @@ def mujoco(scheme: str) -> Solver:
     """Return the solver that passes a model to MuJoCo Warp, with one of MuJoCo Warp's integrators."""
     stages = 4 if scheme == "rk4" else 1
 
-    def make(model: Any, method: Method) -> Any:
-        return solvers.SolverMuJoCo(model, integrator=scheme)
+    def make(model: Any, method: Method, **chosen: Any) -> Any:
+        return solvers.SolverMuJoCo(model, integrator=scheme, **chosen)
 
     return Solver(
         make,
@@ -97,15 +103,15 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
     return Solver(
         make,
         kinds=kinds,
+        refuses=NOT_TRIED,
         options={"dynamics_solver": choice("padmm", "dvi", "lox", kinds=ON_PLANE)},
         collides=not chosen.get("use_collision_detector"),
         observables=solvers.SolverKamino.SUPPORTED_OBSERVABLES,
     )
 
 
-def xpbd(model: Any, method: Method) -> Any:
+def xpbd(model: Any, method: Method, **chosen: Any) -> Any:
     """Return the solver XPBD; its two factors of relaxation of joints are those of the method, or Newton's own."""
-    chosen: dict[str, Any] = {}
     if (iterations := method.option("iterations")) is not None:
         chosen["iterations"] = int(iterations)
     if (relaxation := method.option("relaxation")) is not None:
@@ -123,10 +129,12 @@ SOLVERS: dict[str, Solver] = {
     "SemiImplicit": Solver(
         lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
         kinds=ONE_BODY,
+        refuses=NOT_TRIED,
         options={"settings": choice("engine")},
     ),
     "Featherstone": Solver(
         lambda model, method: solvers.SolverFeatherstone(model),
+        refuses=NOT_TRIED,
         lacks=frozenset({"joint friction", "rigid stops"}),
         observables=solvers.SolverFeatherstone.SUPPORTED_OBSERVABLES,
     ),
@@ -144,10 +152,12 @@ SOLVERS: dict[str, Solver] = {
     "VBD": Solver(
         lambda model, method: solvers.SolverVBD(model),
         kinds=ONE_BODY,
+        refuses=NOT_TRIED,
         observables=solvers.SolverVBD.SUPPORTED_OBSERVABLES,
     ),
     "Steel": Solver(
         steel,
+        refuses=NOT_TRIED,
         options={"settings": choice("engine")},
         lacks=frozenset({"joint springs", "joint friction", "elastic stops"}),
         observables=solvers.SolverSteel.SUPPORTED_OBSERVABLES,
