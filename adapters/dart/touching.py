@@ -1,9 +1,10 @@
 """Step free bodies that touch a plane and each other in DART, by DART's own contacts.
 
 Each body is a skeleton with a free joint and one shape. If there is a brick among the bodies, the plane is the upper face of a
-large box, and the detector is Bullet's: between DART's plane and a brick, most detectors find one contact, which jumps from
-corner to corner. Round bodies alone lie on DART's plane. Their detector is FCL, DART's default, or ODE's if there are
-cylinders, since ODE's alone finds several contacts under the face of a cylinder. The options of the module `contact` apply.
+large box: between DART's plane and a brick, most detectors find one contact, which jumps from corner to corner. Round bodies
+alone lie on DART's plane. The detector is FCL, DART's default, except in two cases. Cylinders on a plane have ODE's, which
+alone finds several contacts under a face. Bricks on a level plane have Bullet's, as a brick that lies flat; on an inclined
+plane rounding decides which corners Bullet's finds in the first step. The options of the module `contact` apply.
 
 DART uses the smaller coefficient of friction of two shapes, and the product of their coefficients of restitution. The
 coefficients of the bodies are chosen such that every pair has those of the scene.
@@ -12,7 +13,6 @@ A push is an external force, which DART applies at the start of a step.
 """
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -37,8 +37,8 @@ from bodycheck.adapters.dart.contact import (
 )
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import laws, plane_of, switches, touching_bodies
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.adapters.touching import coefficients, differing, plane_of, shares, switches, touching_bodies
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Shape
 from bodycheck.reference.trajectory import Array
 
@@ -87,7 +87,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
         raise SceneUnsupported("an ellipsoid, which ODE's detector replaces by a small sphere")
     world.setGravity([0.0, 0.0, -scene.gravity])
     world.setTimeStep(method.timestep)
-    frictions, restitutions = coefficients(scene, len(parts))
+    frictions, restitutions = of_bodies(scene)
     bodies = []
     for number, part in enumerate(parts):
         skeleton = dart.dynamics.Skeleton(f"body {number}")
@@ -101,14 +101,16 @@ def built(scene: AnyScene, method: Method) -> Touching:
         add_box(world, plane, frictions[WORLD], restitutions[WORLD])
     else:
         add_ground(world, dart.dynamics.PlaneShape(list(plane.normal), 0.0), frictions[WORLD], restitutions[WORLD])
-    solve(world, method, detector(shapes))
+    solve(world, method, detector(shapes, plane.incline))
     return Touching(world, bodies, switches(scene.pushes, method.timestep))
 
 
-def detector(shapes: Sequence[Shape]) -> str:
-    """Return the name of the detector for bodies of these shapes."""
+def detector(shapes: Sequence[Shape], incline: float) -> str:
+    """Return the name of the detector for bodies of these shapes on a plane."""
     kinds = set(map(type, shapes))
-    return "bullet" if Brick in kinds else "ode" if Cylinder in kinds and Ellipsoid not in kinds else "fcl"
+    if Brick in kinds:
+        return "fcl" if incline else "bullet"
+    return "ode" if Cylinder in kinds and Ellipsoid not in kinds else "fcl"
 
 
 def loop(touched: Touching) -> Loop[None]:
@@ -133,71 +135,34 @@ def terms(scene: AnyScene, method: Method) -> str:
     """Return the contact law that DART has in the place of a scene's, as `ContactTerms.contact_terms` does."""
     if scene.plane is None:
         return ""
-    bodies = scene.bodies if isinstance(scene, Mechanism) else (scene.body,)
-    friction, restitution = wanted(scene, len(bodies))
+    pairs = coefficients(scene)
     phrases = []
-    if friction.any() and method.option("solver") not in CONES:
+    if pairs.friction.any() and method.option("solver") not in CONES:
         along = "along y and down the plane" if scene.plane.incline else "along x and y"
         phrases.append(f"friction limited in each of two directions, {along}, instead of by a cone")
-    if np.any((friction > 0) & (friction <= NO_FRICTION)):
+    if np.any((pairs.friction > 0) & (pairs.friction <= NO_FRICTION)):
         phrases.append(f"no friction where the coefficient is at most {NO_FRICTION:g}")
-    if np.any((restitution > 0) & (restitution <= NO_RESTITUTION)):
+    if np.any((pairs.restitution > 0) & (pairs.restitution <= NO_RESTITUTION)):
         phrases.append(f"no restitution where the coefficient is at most {NO_RESTITUTION:g}")
-    if np.any(restitution > NO_RESTITUTION):
+    if np.any(pairs.restitution > NO_RESTITUTION):
         phrases.append(f"restitution in rebounds from {SLOWEST_REBOUND:g} m/s to {FASTEST_REBOUND:g} m/s alone")
-    frictions, restitutions = coefficients(scene, len(bodies))
-    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["body"]
-    names.append("the plane")
-    phrases += differing("friction", np.minimum.outer(frictions, frictions), friction, names)
-    phrases += differing("restitution", np.multiply.outer(restitutions, restitutions), restitution, names)
+    frictions, restitutions = of_bodies(scene)
+    phrases += differing("friction", np.minimum.outer(frictions, frictions), pairs.friction, pairs.names)
+    phrases += differing("restitution", np.multiply.outer(restitutions, restitutions), pairs.restitution, pairs.names)
     return "; ".join(phrases)
 
 
-def differing(what: str, given: Array, scene: Array, names: Sequence[str]) -> list[str]:
-    """Return a phrase about the pairs that are given another coefficient than that of the scene, if there are any.
+def of_bodies(scene: AnyScene) -> tuple[Array, Array]:
+    """Return the coefficients of friction and of restitution (n,) that the bodies of a scene are given; the plane is the last.
 
-    The coefficients (n, n) are those of pairs of bodies with n names.
+    Where no coefficients of bodies give every pair its own, the pairs that the scene states count.
     """
-    pairs = [pair for pair in itertools.combinations(range(len(names)), 2) if not math.isclose(given[pair], scene[pair])]
-    if not pairs:
-        return []
-    (one, other), *others = pairs
-    more = f" and {len(others)} other pairs" if others else ""
-    return [f"{what} {given[one, other]:g} instead of {scene[one, other]:g} between {names[one]} and {names[other]}{more}"]
-
-
-def wanted(scene: AnyScene, bodies: int) -> tuple[Array, Array]:
-    """Return the coefficients of friction and of restitution (bodies + 1, bodies + 1) of all pairs; the plane is the last."""
-    usual, *others = laws(scene)
-    size = bodies + 1
-    friction, restitution = np.full((size, size), usual.friction), np.full((size, size), usual.restitution)
-    for law in others:
-        one, other = law.bodies  # the index of the plane is -1
-        friction[one, other] = friction[other, one] = law.friction
-        restitution[one, other] = restitution[other, one] = law.restitution
-    return friction, restitution
-
-
-def coefficients(scene: AnyScene, bodies: int) -> tuple[Array, Array]:
-    """Return the coefficients of friction and of restitution (bodies + 1,) that DART is given; the plane is the last.
-
-    Where no coefficients give every pair its own, a pair has more friction than in the scene, or a restitution near its own.
-    """
-    friction, restitution = wanted(scene, bodies)
-    apart = ~np.eye(bodies + 1, dtype=bool)
-    return friction.max(axis=1, where=apart, initial=0.0), factors(restitution, apart)
-
-
-def factors(products: Array, apart: Array) -> Array:
-    """Return the factors (n,), 0 to 1, whose products are nearest to those of pairs (n, n) that are not zero.
-
-    The array `apart` (n, n) says which elements are of pairs.
-    """
-    if np.ptp(products[apart]) == 0:
-        return np.full(len(products), math.sqrt(products[0, 1]))
-    pairs = list(zip(*np.nonzero(np.triu(products) * apart), strict=True))
-    places = np.zeros((len(pairs), len(products)))
-    for row, pair in enumerate(pairs):
-        places[row, list(pair)] = 1.0
-    logarithms, *_ = np.linalg.lstsq(places, np.log([products[pair] for pair in pairs]))
-    return np.where(places.any(axis=0), np.minimum(np.exp(logarithms), 1.0), 0.0)
+    pairs = coefficients(scene)
+    every = ~np.eye(len(pairs.names), dtype=bool)
+    for counted in (every, pairs.stated & every):
+        frictions = pairs.friction.max(axis=1, where=counted, initial=0.0)
+        if np.array_equal(np.minimum.outer(frictions, frictions)[counted], pairs.friction[counted]):
+            break
+    # The logarithm of a product is twice the mean of the logarithms.
+    restitutions = shares(pairs.restitution, pairs.stated, lambda product: np.log(product) / 2, np.exp)
+    return frictions, np.minimum(restitutions, 1.0)
