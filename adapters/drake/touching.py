@@ -6,7 +6,7 @@ hydroelastic contact, which Drake's documentation recommends, and round bodies (
 point contact. `contact=points` replaces a single brick by points at its eight corners, and leaves round bodies as they are.
 
 Drake takes the harmonic mean of two coefficients of friction. The coefficients of the bodies are chosen such that every pair
-has that of the scene. Friction is regularised: it grows with the slip up to Drake's stiction tolerance.
+has that of the scene. Friction is regularised: it grows with the slip, most of all up to Drake's stiction tolerance.
 
 Drake has no coefficient of restitution, but a dissipation of Hunt and Crossley, from which a coefficient follows that depends
 on the speed of the impact. A pair with a coefficient has the dissipation that returns it after the first fall; see
@@ -254,11 +254,9 @@ def terms(scene: AnyScene, method: Method) -> str:
         return ""
     pairs, parts = coefficients(scene), touching_bodies(scene)
     phrases = []
-    if pairs.friction.any() and method.integrator == WITHOUT_DISSIPATION:
-        phrases.append("friction that grows with the slip before it slides")
-    elif pairs.friction.any():
-        slip = MultibodyPlantConfig().stiction_tolerance
-        phrases.append(f"friction that grows with the slip up to {slip:g} m/s")
+    if pairs.friction.any():
+        tolerance = f", with a stiction tolerance of {MultibodyPlantConfig().stiction_tolerance:g} m/s"
+        phrases.append(f"friction that grows with the slip{tolerance if method.integrator != WITHOUT_DISSIPATION else ''}")
     if pairs.restitution.any() and method.integrator == WITHOUT_DISSIPATION:
         phrases.append("no restitution, since sap ignores the dissipation of Hunt and Crossley")
     elif pairs.restitution.any():
@@ -345,4 +343,6 @@ def dissipation(restitution: float, speed: float) -> float:
         return u - math.log1p(u) + restitution * u + math.log1p(-restitution * u)
 
     largest = (1 - 1e-15) / restitution
+    if gap(largest) > 0:  # the rebound has its bound 1/d except for rounding
+        return largest / speed
     return float(brentq(gap, 1e-3 * (1 - restitution), largest, xtol=1e-15)) / speed
