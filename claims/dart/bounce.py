@@ -26,5 +26,5 @@ add(world, ground, ground.createWeldJointAndBodyNodePair()[1], dart.dynamics.Pla
 motion = [(ball.getPositions()[5], ball.getVelocities()[5]) for _ in range(4000) if world.step() is None]
 if "trajectory" in sys.argv:
     print(*(f"{0.001 * step:.3f},{z!r},{v!r}" for step, (z, v) in enumerate(motion, 1)), sep="\n")
-print(f"penetration {0.1 - min(z for z, _ in motion[3::4]):.9g}")
+print(f"penetration {0.1 - min(z for z, _ in motion[3::4]):.12g}")
 print(f"last_rebound {[v for (_, before), (_, v) in itertools.pairwise(motion) if before < -0.05 < 0.05 < v][-1]:.5g}")
