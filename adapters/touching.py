@@ -157,7 +157,9 @@ def shares(
         solution, *_ = np.linalg.lstsq(halves, wanted)
         if np.allclose(halves @ solution, wanted, rtol=1e-12, atol=1e-12):
             break
-    return np.where(halves.any(axis=0), backward(solution), 0.0)
+    of_bodies, counts = np.zeros(size), halves.any(axis=0)
+    of_bodies[counts] = backward(solution[counts])
+    return of_bodies
 
 
 def differing(what: str, given: Array, of_pairs: Array, names: Sequence[str]) -> list[str]:
