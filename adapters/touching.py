@@ -158,7 +158,7 @@ def shares(
         if np.allclose(halves @ solution, wanted, rtol=1e-12, atol=1e-12):
             break
     of_bodies, counts = np.zeros(size), halves.any(axis=0)
-    of_bodies[counts] = backward(solution[counts])
+    of_bodies[counts] = backward(solution[counts].astype(np.float64))
     return of_bodies
 
 

@@ -60,6 +60,10 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
 #: steps are well below 0.5 ms, so these integrators are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
 
+#: The implicit integrators of first order, which are not offered where bodies roll, bounce or touch each other: their steps
+#: cost as much as those of radau3, and impacts need its order.
+FIRST_ORDER = {"implicit_euler", "velocity_implicit_euler", "radau1"}
+
 #: The integrators that do not estimate the error of a step, and have no error control.
 WITHOUT_ESTIMATE = {"explicit_euler", "semi_explicit_euler", "runge_kutta2"}
 
@@ -82,7 +86,7 @@ def integrators() -> tuple[Integrator, ...]:
     return tuple(
         Integrator(
             *(name, order, count),
-            KINDS - ON_PLANE if name in EXPLICIT else KINDS,
+            KINDS - ON_PLANE if name in EXPLICIT else KINDS - {"contact"} if name in FIRST_ORDER else KINDS,
             OPTIONS if name in WITHOUT_ESTIMATE else OPTIONS | {"accuracy": ACCURACY},
         )
         for name, order, count in claims
