@@ -19,7 +19,7 @@ instants.
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -140,8 +140,8 @@ def built(scene: AnyScene, method: Method, approximations: tuple[str, ...]) -> T
         on_body = properties(frictions[number], dissipations[number])
         if contact == "hydroelastic" or (not contact and isinstance(part.shape, shapes.Brick | shapes.Cylinder)):
             compliant(on_body, part.shape)
-        for place, (geometry, position) in enumerate(geometries(part.shape, contact, alone=len(parts) == 1)):
-            plant.RegisterCollisionGeometry(body, RigidTransform(position), geometry, f"{names[number]} {place}", on_body)
+        for label, (geometry, position) in enumerate(geometries(part.shape, contact, alone=len(parts) == 1)):
+            plant.RegisterCollisionGeometry(body, RigidTransform(position), geometry, f"{names[number]} {label}", on_body)
     plant.Finalize()
     simulator = Simulator(builder.Build())
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
@@ -219,33 +219,37 @@ def interface_loads(
     scene: AnyScene, method: Method, approximations: tuple[str, ...], steps: int
 ) -> dict[tuple[int, int], Array]:
     """Return the normal forces between pairs that touch after each of n steps, as `InterfaceLoads.interface_loads` does."""
-    touched = built(scene, method, approximations)
-    plant, context = touched.model.plant, touched.model.context
-    number = {body.index(): place for place, body in enumerate(touched.bodies)} | {plant.world_body().index(): WORLD}
-    port, by_pair = plant.get_contact_results_output_port(), dict[tuple[int, int], Array]()
+    touched, by_pair = built(scene, method, approximations), dict[tuple[int, int], Array]()
     for step in range(steps):
         touched.step_to((step + 1) * method.timestep)
-        results = port.Eval(context)
-        for place in range(results.num_point_pair_contacts()):
-            contact = results.point_pair_contact_info(place)
-            first, second = sorted((number[contact.bodyA_index()], number[contact.bodyB_index()]))
-            load = abs(contact.contact_force() @ contact.point_pair().nhat_BA_W)
-            by_pair.setdefault((first, second), np.zeros(steps))[step] += load
-        for place in range(results.num_hydroelastic_contacts()):
-            contact = results.hydroelastic_contact_info(place)
-            surface = contact.contact_surface()
-            found = (plant.GetBodyFromFrameId(frame_of(plant, context, name)) for name in (surface.id_M(), surface.id_N()))
-            first, second = sorted(number[body.index()] for body in found)
-            faces = range(surface.num_faces())
-            normal = sum(surface.area(face) * surface.face_normal(face) for face in faces) / surface.total_area()
-            load = abs(contact.F_Ac_W().translational() @ normal)
-            by_pair.setdefault((first, second), np.zeros(steps))[step] += load
+        for pair, load in pressed(touched):
+            by_pair.setdefault(pair, np.zeros(steps))[step] += load
     return by_pair
 
 
-def frame_of(plant: Any, context: Any, geometry: Any) -> Any:
-    """Return the frame of a geometry."""
-    return plant.get_geometry_query_input_port().Eval(context).inspector().GetFrameId(geometry)
+def pressed(touched: Touching) -> Iterator[tuple[tuple[int, int], float]]:
+    """Yield the pair of each present contact, and its normal force (N)."""
+    plant, context = touched.model.plant, touched.model.context
+    indices = {body.index(): index for index, body in enumerate(touched.bodies)} | {plant.world_body().index(): WORLD}
+    results = plant.get_contact_results_output_port().Eval(context)
+
+    def pair(one: Any, other: Any) -> tuple[int, int]:
+        first, second = sorted((indices[one], indices[other]))
+        return first, second
+
+    for number in range(results.num_point_pair_contacts()):
+        contact = results.point_pair_contact_info(number)
+        load = abs(contact.contact_force() @ contact.point_pair().nhat_BA_W)
+        yield pair(contact.bodyA_index(), contact.bodyB_index()), load
+    inspector = plant.get_geometry_query_input_port().Eval(context).inspector()
+    for number in range(results.num_hydroelastic_contacts()):
+        contact = results.hydroelastic_contact_info(number)
+        surface = contact.contact_surface()
+        frames = (inspector.GetFrameId(geometry) for geometry in (surface.id_M(), surface.id_N()))
+        one, other = (plant.GetBodyFromFrameId(frame).index() for frame in frames)
+        faces = range(surface.num_faces())
+        normal = sum(surface.area(face) * surface.face_normal(face) for face in faces) / surface.total_area()
+        yield pair(one, other), abs(contact.F_Ac_W().translational() @ normal)
 
 
 def terms(scene: AnyScene, method: Method) -> str:
