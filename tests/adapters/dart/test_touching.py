@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bodycheck import load
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.dart import engine as dart
 from bodycheck.adapters.dart.touching import of_bodies
+from bodycheck.adapters.touching import plane_of
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.scene import Body, Brick, Ellipsoid, Plane, Push, Scene, State
 from bodycheck.reference.trajectory import Array
+from tests.support.sensed_scenes import after
 from tests.support.touching import (
     BALL,
     CUBE,
@@ -137,3 +140,14 @@ def test_a_brick_in_flight_above_its_plane_moves_as_one_without_a_plane() -> Non
     flying = Scene(body, State((0.0, 0.0, 9.0), angular_velocity=(1.0, 2.0, 3.0)), GRAVITY)
     above = replace(flying, plane=Plane(0.5, incline=INCLINE))
     np.testing.assert_array_equal(states(above, EULER, 0.2), states(flying, EULER, 0.2))
+
+
+def test_the_force_on_a_rolling_ball_is_that_of_its_acceleration() -> None:
+    """Its weight less its acceleration down the ramp, 5/7 g sin a."""
+    case = load("sensor-rolling-ball")
+    assert isinstance(case.scene, Scene)
+    (*_, force), _ = after(dart, case.scene, case.sensors, METHODS[0], 300)
+    incline, weight = plane_of(case.scene).incline, case.scene.body.mass * GRAVITY
+    down = 5 / 7 * weight * math.sin(incline)
+    # Contacts yield by 1e-5 of what a step changes.
+    assert force == pytest.approx([down * math.cos(incline), 0.0, weight - down * math.sin(incline)], abs=1e-4 * weight)

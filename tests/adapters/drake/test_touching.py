@@ -6,14 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bodycheck import load
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.drake import engine as drake
 from bodycheck.adapters.drake.touching import dissipation, of_bodies
 from bodycheck.adapters.stepping import Controlled
-from bodycheck.adapters.touching import touching_bodies
+from bodycheck.adapters.touching import plane_of, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.scene import Body, Cylinder, Plane, Push, Scene, State
 from bodycheck.reference.trajectory import Array
+from tests.support.sensed_scenes import after
 from tests.support.touching import (
     BALL,
     CUBE,
@@ -157,3 +159,14 @@ def test_what_cannot_be_given_is_told() -> None:
         drake.prepare(
             [several([(CUBE, (0.0, 0.0, 0.1)), (CUBE, (0.0, 0.0, 0.3))], Plane(0.5))], Method.parse("sap:contact=points", STEP)
         )
+
+
+def test_the_force_on_a_rolling_ball_is_that_of_its_acceleration() -> None:
+    """Its weight less its acceleration down the ramp, 5/7 g sin a."""
+    case = load("sensor-rolling-ball")
+    assert isinstance(case.scene, Scene)
+    (*_, force), _ = after(drake, case.scene, case.sensors, METHODS[0], 300)
+    incline, weight = plane_of(case.scene).incline, case.scene.body.mass * GRAVITY
+    down = 5 / 7 * weight * math.sin(incline)
+    # The contact still settles, and the slip that friction needs grows.
+    assert force == pytest.approx([down * math.cos(incline), 0.0, weight - down * math.sin(incline)], abs=1e-3 * weight)
