@@ -29,10 +29,10 @@ its defaults. On a plane, all methods use Drake's defaults of stiffness, dissipa
   to corner.
 
 Bodies that touch a plane and each other in any other way are in the module `touching`: bricks and cylinders by hydroelastic
-contact, round bodies by point contact. Where a hydroelastic ball rolls, its dissipation slows it, so that 12 % of the speed is
-missing after a second on a ramp of 0.3 rad. Drake has no coefficient of restitution; the dissipation of Hunt and Crossley is
-chosen such that the first impact returns its part. An impact lasts 4 ms with Drake's default stiffness and a body of 1 kg: at
-steps of 1 ms the implicit steps dissipate more than half of the velocity.
+contact, round bodies by point contact, since a hydroelastic ball rolls too slowly: its dissipation brakes it. Drake has no
+coefficient of restitution; the dissipation of Hunt and Crossley is chosen such that the first impact returns its part. An
+impact lasts 4 ms with Drake's default stiffness and a body of 1 kg: at steps of 1 ms the implicit steps dissipate more than
+half of the velocity.
 
 Drag is a system in Python that Drake evaluates wherever it evaluates forces, so that every integrator keeps its order.
 
